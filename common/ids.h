@@ -1,0 +1,31 @@
+// Strong ids: a TenantId is not a SessionId, and neither is a number to calculate with.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+namespace gnomon {
+
+template <class Tag, class Rep>
+struct StrongId {
+  Rep value{};
+
+  constexpr StrongId() = default;
+  constexpr explicit StrongId(Rep v) : value(v) {}
+  friend constexpr auto operator<=>(StrongId, StrongId) = default;
+};
+
+using TenantId = StrongId<struct TenantTag, uint32_t>;   // index of a tenant in the configuration
+using SessionId = StrongId<struct SessionTag, uint64_t>;  // random; routes datagrams
+using FrameId = StrongId<struct FrameTag, uint32_t>;      // chosen by the client, increasing within a session
+using JobId = StrongId<struct JobTag, uint64_t>;          // unique within a daemon's life
+using SceneId = StrongId<struct SceneTag, uint32_t>;      // index in the scene registry
+
+}  // namespace gnomon
+
+template <class Tag, class Rep>
+struct std::hash<gnomon::StrongId<Tag, Rep>> {
+  size_t operator()(gnomon::StrongId<Tag, Rep> id) const noexcept { return std::hash<Rep>{}(id.value); }
+};

@@ -1,0 +1,41 @@
+// The shape of the product: one bit per light per pixel, kept as 8x8-pixel tiles of 64 bits.
+//
+// A frame of `lights` lights has words()[light * tile_count + tile_y * tiles_x + tile_x]; within a word, the bit of
+// pixel (x, y) of the tile is number y * 8 + x, counted from the least significant. 1: the light sees the surface.
+// Pixels beyond the right and lower edge of a picture whose size is no multiple of 8, and pixels that show no
+// surface, are 0.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace gnomon {
+
+inline constexpr uint32_t kTileSize = 8;
+
+struct TileGrid {
+  uint32_t width = 0;   // pixels
+  uint32_t height = 0;  // pixels
+  uint32_t lights = 0;
+
+  constexpr uint32_t tiles_x() const { return (width + kTileSize - 1) / kTileSize; }
+  constexpr uint32_t tiles_y() const { return (height + kTileSize - 1) / kTileSize; }
+  constexpr uint32_t tile_count() const { return tiles_x() * tiles_y(); }
+  constexpr size_t word_count() const { return size_t{lights} * tile_count(); }
+  friend constexpr bool operator==(const TileGrid&, const TileGrid&) = default;
+};
+
+// Borrowed words of one frame; valid as long as their owner (a frame lease, a decoder) says.
+struct TileMaskView {
+  TileGrid grid;
+  std::span<const uint64_t> words;  // grid.word_count() of them
+
+  bool lit(uint32_t x, uint32_t y, uint32_t light) const {
+    const size_t tile = size_t{y / kTileSize} * grid.tiles_x() + x / kTileSize;
+    const uint64_t word = words[size_t{light} * grid.tile_count() + tile];
+    return (word >> ((y % kTileSize) * kTileSize + x % kTileSize)) & 1;
+  }
+};
+
+}  // namespace gnomon
