@@ -1,0 +1,92 @@
+// The one GPU seam: views go in, tile masks come out. Knows no tenant and no session.
+//
+//   render loop -submit-> [frame slot: raster, trace, pack, read back] -completion thread-> on_done(FrameDone)
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/ids.h"
+#include "common/result.h"
+#include "common/tile_mask.h"
+#include "scenes/scene.h"
+
+namespace gnomon::gpu {
+
+// Camera to world; looks along its own -Z. Tangents of the four half-angles of the traced frustum. No far plane.
+struct CameraView {
+  glm::vec3 position{0.0f};
+  glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f};
+  float tan_left = 1, tan_right = 1, tan_up = 1, tan_down = 1;
+  float near_plane = 0.05f;
+};
+
+struct RenderJob {
+  JobId id;
+  SceneId scene;           // made resident before
+  CameraView camera;
+  uint32_t width = 0;      // pixels of the traced buffer
+  uint32_t height = 0;
+};
+
+// A frame slot's readback memory, held until the lease is dropped. Move-only; any thread may drop it.
+class FrameLease {
+ public:
+  FrameLease() = default;
+  FrameLease(TileMaskView mask, std::function<void()> release) : mask_(mask), release_(std::move(release)) {}
+  FrameLease(FrameLease&& other) noexcept { *this = std::move(other); }
+  FrameLease& operator=(FrameLease&& other) noexcept {
+    if (this != &other) {
+      drop();
+      mask_ = other.mask_;
+      release_ = std::exchange(other.release_, nullptr);
+    }
+    return *this;
+  }
+  ~FrameLease() { drop(); }
+
+  const TileMaskView& mask() const { return mask_; }  // valid until dropped
+  void drop() {
+    if (auto release = std::exchange(release_, nullptr)) release();
+  }
+
+ private:
+  TileMaskView mask_;
+  std::function<void()> release_;
+};
+
+struct FrameDone {
+  JobId id;
+  bool device_lost = false;  // then there is no mask
+  uint64_t gpu_ns = 0;       // from the first command to the last, by the device's timestamps
+  uint64_t readback_ns = 0;  // of these, the copy to host memory
+  FrameLease mask;
+};
+
+// submit, make_resident and evict: one thread (the render loop's).
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+
+  virtual std::string device_name() const = 0;
+
+  // Uploads a scene and builds what the tracer needs; blocking. Twice is no news.
+  virtual Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) = 0;
+  virtual void evict(SceneId id) = 0;
+
+  // How many submits will be accepted now. Grows when leases are dropped.
+  virtual uint32_t free_slots() const = 0;
+
+  // Precondition: free_slots() > 0 and the scene is resident. `on_done` is called once, from the completion
+  // thread, also when the device is lost. Error: out of memory or device lost; then `on_done` is not called.
+  virtual Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) = 0;
+};
+
+}  // namespace gnomon::gpu

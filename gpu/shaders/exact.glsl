@@ -1,0 +1,105 @@
+// What makes a mask exact: one surface point, one shadow segment and one triangle test, shared by every tracer.
+//
+// Written in the common subset of GLSL and C++ with GLM: tests include this very file in C++ (through
+// gpu/exact_cpp.h) and compare masks bit for bit, so nothing here may depend on contraction to FMA or on the
+// order in which a compiler likes to add. EXACT marks what GLSL must compute as written (`precise`).
+
+// A shadow segment: points origin + t * direction, 0 < t < 1. `active` is false where the bit is 0 without tracing.
+struct ShadowSegment {
+  vec3 origin;
+  vec3 direction;
+  bool active;
+};
+
+struct SurfacePoint {
+  vec3 position;
+  vec3 normal;  // geometric, unit, on the camera's side
+};
+
+// The point of triangle (p0, p1, p2) that the pixel's ray meets. `ray` has length 1 along the camera's forward axis,
+// so that its parameter is the view depth; clamping that to the triangle's own depths keeps pixels of edge-on
+// triangles, whose planes the ray meets almost anywhere, on the triangle.
+EXACT_FN SurfacePoint surface_point(vec3 camera, vec3 forward, vec3 ray, vec3 p0, vec3 p1, vec3 p2) {
+  EXACT vec3 a = p0 - camera;
+  EXACT vec3 b = p1 - camera;
+  EXACT vec3 c = p2 - camera;
+  EXACT vec3 n = cross(p1 - p0, p2 - p0);
+  EXACT float za = dot(a, forward);
+  EXACT float zb = dot(b, forward);
+  EXACT float zc = dot(c, forward);
+  float nearest = min(za, min(zb, zc));
+  float farthest = max(za, max(zb, zc));
+  EXACT float across = dot(n, ray);
+  EXACT float depth = across == 0.0f ? nearest : dot(n, a) / across;
+  EXACT float clamped = min(max(depth, nearest), farthest);
+  EXACT vec3 unit = n / sqrt(dot(n, n));
+  SurfacePoint s;
+  EXACT vec3 position = camera + clamped * ray;
+  s.position = position;
+  s.normal = across > 0.0f ? -unit : unit;
+  return s;
+}
+
+// Where shadow segments start: off the surface, on the camera's side, by more than the rounding of the surface
+// point (which grows with the coordinates of point and camera) and by less than anything one can see.
+EXACT_FN vec3 segment_origin(vec3 camera, SurfacePoint s) {
+  float largest = max(max(abs(s.position.x), max(abs(s.position.y), abs(s.position.z))),
+                      max(abs(camera.x), max(abs(camera.y), abs(camera.z))));
+  EXACT vec3 origin = s.position + s.normal * (largest * (1.0f / 65536.0f));
+  return origin;
+}
+
+// A light as the tracers see it. kind: 0 point, 1 spot, 2 directional. `reach`: range in metres, 0 for none; for a
+// directional light the length of its segments, longer than the scene. direction: unit, the way the light shines.
+struct TracedLight {
+  vec3 position;
+  float reach;
+  vec3 direction;
+  float outer_cone_cos;
+  uint kind;
+};
+
+// The segment from a surface point to a light. Not active, and the bit 0, where the light is behind the surface (the
+// segment would start by crossing that very surface), out of range or outside the cone.
+EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight light) {
+  ShadowSegment segment;
+  segment.origin = segment_origin(camera, s);
+  if (light.kind == 2u) {
+    EXACT vec3 along = light.direction * -light.reach;
+    segment.direction = along;
+    EXACT float facing = dot(s.normal, along);
+    segment.active = facing > 0.0f;
+    return segment;
+  }
+  EXACT vec3 to_light = light.position - segment.origin;
+  segment.direction = to_light;
+  EXACT float facing = dot(s.normal, to_light);
+  EXACT float squared = dot(to_light, to_light);
+  bool reached = facing > 0.0f && (light.reach == 0.0f || squared <= light.reach * light.reach);
+  if (light.kind == 1u) {
+    EXACT float along = -dot(to_light, light.direction);
+    reached = reached && along > 0.0f && along * along >= light.outer_cone_cos * light.outer_cone_cos * squared;
+  }
+  segment.active = reached;
+  return segment;
+}
+
+// Does the segment meet the triangle? Edge tests in Pluecker form: an edge shared by two triangles gives exactly
+// opposite numbers, so no segment slips between neighbours. Both sides count; end points do not.
+EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2) {
+  EXACT vec3 a = p0 - origin;
+  EXACT vec3 b = p1 - origin;
+  EXACT vec3 c = p2 - origin;
+  EXACT vec3 e0 = c - a;
+  EXACT vec3 e1 = a - b;
+  EXACT vec3 e2 = b - c;
+  EXACT float u = dot(cross(e0, c + a), direction);
+  EXACT float v = dot(cross(e1, a + b), direction);
+  EXACT float w = dot(cross(e2, b + c), direction);
+  if (min(u, min(v, w)) < 0.0f && max(u, max(v, w)) > 0.0f) return false;
+  EXACT vec3 n = cross(e0, e1);
+  EXACT float across = dot(n, direction);
+  EXACT float height = dot(n, a);
+  // 0 < height / across < 1, without the division.
+  return across > 0.0f ? (height > 0.0f && height < across) : (height < 0.0f && height > across);
+}

@@ -1,0 +1,47 @@
+// Visibility masks to slices and back. Lossless. Every slice decodes alone.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/result.h"
+#include "common/tile_mask.h"
+#include "protocol/datagram.h"
+
+namespace gnomon::protocol {
+
+// A frame cut into slices. The payload of slice i is bytes[offsets[i] .. offsets[i + 1]).
+struct EncodedFrame {
+  CodecId codec = CodecId::tiles_lz4;
+  std::vector<SliceHeader> slices;  // frame, server_us and gpu_us are left for the sender to fill in
+  std::vector<uint8_t> bytes;
+  std::vector<size_t> offsets;
+
+  std::span<const uint8_t> payload(size_t slice) const {
+    return std::span(bytes).subspan(offsets[slice], offsets[slice + 1] - offsets[slice]);
+  }
+};
+
+// One per thread: keeps its working memory from frame to frame.
+class FrameEncoder {
+ public:
+  FrameEncoder();
+  ~FrameEncoder();
+  FrameEncoder(FrameEncoder&&) noexcept;
+
+  // No payload is longer than `max_payload_bytes` (at least 600). `out`'s memory is reused.
+  void encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+// Writes a slice's tiles into `words` (grid.word_count() of them, laid out as common/tile_mask.h says).
+// Any bytes give tiles or an error; after an error the slice's own tiles are unspecified and all others untouched.
+Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
+                          std::span<uint64_t> words);
+
+}  // namespace gnomon::protocol

@@ -1,0 +1,87 @@
+// Data datagrams: camera updates one way, frame slices the other. WIRE.md has the byte tables.
+//
+//   | header 20 bytes: version u8, kind u8, flags u16, session u64, sequence u64 | body | seal tag 16 bytes |
+//
+// Decoding is total and allocates nothing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/ids.h"
+#include "protocol/types.h"
+
+namespace gnomon::protocol {
+
+inline constexpr size_t kHeaderBytes = 20;
+inline constexpr size_t kTagBytes = 16;
+inline constexpr size_t kSliceHeaderBytes = 32;
+inline constexpr size_t kMaxSlicePayloadBytes =
+    kMaxDatagramBytes - kHeaderBytes - kTagBytes - kSliceHeaderBytes;
+
+enum class DatagramKind : uint8_t { camera_update = 1, frame_slice = 2 };
+
+struct Header {
+  DatagramKind kind = DatagramKind::camera_update;
+  uint16_t flags = 0;
+  SessionId session;
+  uint64_t sequence = 0;  // per session and direction, increasing, never repeated
+  friend bool operator==(const Header&, const Header&) = default;
+};
+
+// Acknowledges slices of one frame: bit i of `slices` is slice first_slice + i.
+struct SliceAck {
+  FrameId frame;
+  uint16_t first_slice = 0;
+  uint64_t slices = 0;
+  friend bool operator==(const SliceAck&, const SliceAck&) = default;
+};
+
+inline constexpr size_t kMaxAcks = 16;
+
+struct CameraUpdate {
+  FrameId frame;
+  CameraView camera;
+  uint64_t client_time_us = 0;      // of the client's clock; echoed by the frame's slices
+  uint32_t display_deadline_us = 0; // after client_time_us; 0: none
+  uint8_t ack_count = 0;
+  std::array<SliceAck, kMaxAcks> acks{};
+  friend bool operator==(const CameraUpdate&, const CameraUpdate&) = default;
+};
+
+// A slice holds the tiles [first_tile, first_tile + tile_count) (row-major) of the lights
+// [first_light, first_light + light_count) of one frame and decodes alone.
+struct SliceHeader {
+  FrameId frame;
+  uint16_t slice = 0;
+  uint16_t slice_count = 0;
+  uint32_t first_tile = 0;
+  uint32_t tile_count = 0;
+  uint16_t first_light = 0;
+  uint16_t light_count = 0;
+  CodecId codec = CodecId::tiles_lz4;
+  uint8_t reserved = 0;
+  uint16_t reserved2 = 0;
+  uint32_t server_us = 0;           // from the camera's arrival to this slice's sending
+  uint32_t gpu_us = 0;              // of it, on the GPU
+  friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
+};
+
+struct FrameSlice {
+  SliceHeader header;
+  std::span<const uint8_t> payload;  // borrowed from the datagram
+};
+
+// Empty when the bytes are no datagram of this version.
+std::optional<Header> decode_header(std::span<const uint8_t> datagram);
+std::optional<CameraUpdate> decode_camera_update(std::span<const uint8_t> body);
+std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body);
+
+// Append to `out`. Finite, unit-length values are the caller's promise; decoding checks them.
+void append_header(std::vector<uint8_t>& out, const Header& header);
+void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update);
+void append_frame_slice(std::vector<uint8_t>& out, const SliceHeader& header, std::span<const uint8_t> payload);
+
+}  // namespace gnomon::protocol

@@ -1,0 +1,142 @@
+// Control messages: what client and server say over the stream connection. WIRE.md has the byte tables.
+//
+// Decoding is total: any bytes give a message or an error, and nothing is allocated beyond the message's own size.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/result.h"
+#include "protocol/types.h"
+
+namespace gnomon::protocol {
+
+struct Hello {
+  uint16_t version_min = kVersion;
+  uint16_t version_max = kVersion;
+  uint64_t features = 0;             // unknown bits are ignored
+  std::string client;                // program and version, for the log
+  std::string tenant;                // empty: the default tenant
+  std::string token;                 // checked when tenants have credentials
+  std::string scene;
+  uint16_t width = 0;                // pixels of the traced buffer, border included
+  uint16_t height = 0;
+  uint16_t border_x = 0;             // of these, prediction border: pixels in all, left and right together
+  uint16_t border_y = 0;
+  float rate_hz = 0;                 // views a second that the client means to ask for; 0: as many as it gets
+  std::vector<CodecId> codecs;       // in order of preference; empty: the server's default
+  std::vector<std::string> passes;   // render passes in order; empty: the server's default
+  friend bool operator==(const Hello&, const Hello&) = default;
+};
+
+struct Welcome {
+  uint16_t version = kVersion;
+  uint64_t features = 0;
+  SessionId session;
+  uint16_t data_port = 0;            // UDP, same address as the control connection
+  Bytes16 data_key{};                // of the data channel's seal (protocol/seal.h)
+  uint16_t width = 0;
+  uint16_t height = 0;
+  float rate_hz = 0;
+  CodecId codec = CodecId::tiles_lz4;
+  std::vector<std::string> passes;
+  std::string tracer;
+  uint32_t silence_timeout_ms = 0;   // a session silent for this long is closed
+  SceneManifest scene;
+  friend bool operator==(const Welcome&, const Welcome&) = default;
+};
+
+// The codes are part of the protocol: never renumbered.
+enum class RefusalCode : uint16_t {
+  malformed = 1,
+  version = 2,
+  unknown_tenant = 3,
+  bad_token = 4,
+  unknown_scene = 5,
+  scene_unavailable = 6,
+  bad_size = 7,
+  too_many_sessions = 8,
+  over_capacity = 9,
+  unknown_pass = 10,
+  draining = 11,
+  internal = 12,
+};
+const char* to_string(RefusalCode code);
+
+struct Refused {
+  RefusalCode code = RefusalCode::internal;
+  std::string text;       // for a person
+  // What would have been accepted instead; 0: nothing of that kind is on offer.
+  uint16_t fit_width = 0;
+  uint16_t fit_height = 0;
+  float fit_rate_hz = 0;
+  friend bool operator==(const Refused&, const Refused&) = default;
+};
+
+struct SceneChanged {
+  SceneManifest scene;
+  friend bool operator==(const SceneChanged&, const SceneChanged&) = default;
+};
+
+struct LightsChanged {
+  std::vector<LightInfo> lights;
+  friend bool operator==(const LightsChanged&, const LightsChanged&) = default;
+};
+
+struct Degraded {
+  uint16_t width = 0;
+  uint16_t height = 0;
+  float rate_hz = 0;
+  std::string reason;
+  friend bool operator==(const Degraded&, const Degraded&) = default;
+};
+
+struct Draining {
+  uint32_t deadline_ms = 0;
+  friend bool operator==(const Draining&, const Draining&) = default;
+};
+
+// Server to client, about once a second.
+struct Stats {
+  uint64_t frames = 0;            // answered in this session
+  uint64_t coalesced = 0;         // views replaced by a newer one before they were rendered
+  uint32_t queue_us = 0;          // means over the last second
+  uint32_t gpu_us = 0;
+  uint32_t total_us = 0;
+  friend bool operator==(const Stats&, const Stats&) = default;
+};
+
+// Either side, before it closes on purpose.
+struct Bye {
+  std::string reason;
+  friend bool operator==(const Bye&, const Bye&) = default;
+};
+
+using Message =
+    std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye>;
+
+// The whole frame: length, type, body.
+std::vector<uint8_t> encode(const Message& message);
+
+// Takes frames out of a byte stream. Feed it what arrived; take messages until there is none.
+class MessageReader {
+ public:
+  // `max_bytes`: the longest frame accepted (a server takes small ones before a Hello has been checked).
+  explicit MessageReader(size_t max_bytes = kMaxControlBytes) : max_bytes_(max_bytes) {}
+
+  void feed(std::span<const uint8_t> bytes);
+
+  // Nothing yet: an empty optional. Unknown types are skipped. An error is final: close the connection.
+  Result<std::optional<Message>> next();
+
+ private:
+  size_t max_bytes_;
+  std::vector<uint8_t> buffer_;
+  size_t read_ = 0;
+};
+
+}  // namespace gnomon::protocol

@@ -1,0 +1,62 @@
+// Values that both ends of the wire speak of. WIRE.md has their encoding.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/ids.h"
+
+namespace gnomon::protocol {
+
+inline constexpr uint16_t kVersion = 1;
+inline constexpr size_t kMaxDatagramBytes = 1200;
+inline constexpr size_t kMaxControlBytes = 1 << 20;
+inline constexpr uint32_t kMaxSide = 7680;   // pixels
+inline constexpr uint32_t kMaxLights = 256;
+
+using Vec3 = std::array<float, 3>;
+using Quat = std::array<float, 4>;  // x, y, z, w
+using Bytes16 = std::array<uint8_t, 16>;
+
+enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1 };
+
+// Where a camera stands and what it sees: glTF axes (looks along its own -Z, Y up), metres. The frustum is given by
+// the tangents of its four half-angles, all positive for an ordinary one, so that headsets' skewed ones fit too.
+// It covers exactly the traced buffer, prediction border included.
+struct CameraView {
+  Vec3 position{};
+  Quat orientation{0, 0, 0, 1};  // unit; camera to world
+  float tan_left = 1, tan_right = 1, tan_up = 1, tan_down = 1;
+  float near_plane = 0.05f;      // metres; there is no far plane
+  friend bool operator==(const CameraView&, const CameraView&) = default;
+};
+
+enum class LightKind : uint8_t { point = 0, spot = 1, directional = 2 };
+
+struct LightInfo {
+  LightKind kind = LightKind::point;
+  Vec3 position{};
+  Vec3 direction{};
+  Vec3 color{};
+  float intensity = 0;
+  float range = 0;  // metres; 0: unlimited
+  float inner_cone_cos = 1;
+  float outer_cone_cos = 0;
+  friend bool operator==(const LightInfo&, const LightInfo&) = default;
+};
+
+// What a client needs to know of a scene to match its own copy and to shade.
+struct SceneManifest {
+  std::string name;
+  Bytes16 content_hash{};
+  uint64_t triangles = 0;
+  Vec3 bounds_min{};
+  Vec3 bounds_max{};
+  CameraView default_camera;
+  std::vector<LightInfo> lights;
+  friend bool operator==(const SceneManifest&, const SceneManifest&) = default;
+};
+
+}  // namespace gnomon::protocol

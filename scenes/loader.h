@@ -1,0 +1,26 @@
+// Reads a glTF 2.0 scene (.gltf with files or data URIs, .glb). tinygltf stands behind this header alone.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "common/result.h"
+#include "scenes/scene.h"
+
+namespace gnomon::scenes {
+
+// What a file may ask of us. Checked before memory is reserved: a few bytes never buy a gigabyte.
+struct LoadLimits {
+  uint64_t max_file_bytes = uint64_t{2} << 30;      // the file and every buffer or image that it names
+  uint64_t max_triangles = uint64_t{32} << 20;      // in the world, instances counted
+  uint64_t max_instances = uint64_t{1} << 20;
+  uint64_t max_texels = uint64_t{256} << 20;        // of all images together
+  uint32_t max_lights = 256;
+  uint32_t max_node_depth = 1024;
+};
+
+// Any bytes give a scene or an error: no crash, no hang, no allocation beyond the limits, no read outside the
+// file's own folder. Blocking; any thread. The scene's name is the file's stem.
+Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {});
+
+}  // namespace gnomon::scenes

@@ -1,0 +1,56 @@
+// Scenes by name, each loaded once however many clients use it.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/ids.h"
+#include "common/result.h"
+#include "scenes/loader.h"
+#include "scenes/scene.h"
+
+namespace gnomon::scenes {
+
+struct SceneSource {
+  std::string name;             // what clients ask for
+  std::filesystem::path file;
+};
+
+struct LoadedScene {
+  SceneId id;
+  ScenePtr scene;
+  double load_seconds = 0;      // what loading cost
+  uint64_t memory_bytes = 0;    // what it occupies in host memory
+};
+
+// Any thread. A scene is loaded by the first that asks; those who ask meanwhile wait for it and share it.
+class Registry {
+ public:
+  Registry(std::vector<SceneSource> sources, LoadLimits limits);
+
+  // Error: no such scene, or why it could not be loaded (a later call tries again).
+  Result<LoadedScene> get(const std::string& name);
+
+  bool knows(const std::string& name) const;
+  std::vector<std::string> names() const;
+  std::vector<LoadedScene> loaded() const;
+
+ private:
+  struct Entry {
+    SceneSource source;
+    SceneId id;
+    std::mutex loading;
+    std::optional<LoadedScene> loaded;
+  };
+
+  LoadLimits limits_;
+  mutable std::mutex mutex_;  // guards every Entry::loaded
+  std::map<std::string, Entry> entries_;
+};
+
+}  // namespace gnomon::scenes
