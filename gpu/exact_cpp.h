@@ -9,8 +9,6 @@
 namespace gnomon::gpu::exact {
 
 using glm::abs;
-using glm::cross;
-using glm::dot;
 using glm::max;
 using glm::min;
 using glm::sqrt;

@@ -4,12 +4,23 @@
 // gpu/exact_cpp.h) and compare masks bit for bit, so nothing here may depend on contraction to FMA or on the
 // order in which a compiler likes to add. EXACT marks what GLSL must compute as written (`precise`).
 
-// A shadow segment: points origin + t * direction, 0 < t < 1. `active` is false where the bit is 0 without tracing.
+// A shadow segment: points origin + t * direction, 0 < t < 1. `traced` is false where the bit is 0 without tracing.
 struct ShadowSegment {
   vec3 origin;
   vec3 direction;
-  bool active;
+  bool traced;
 };
+
+// Written out, because a driver may add the terms of the built-in ones in any order.
+EXACT_FN float exact_dot(vec3 a, vec3 b) {
+  EXACT float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+  return sum;
+}
+
+EXACT_FN vec3 exact_cross(vec3 a, vec3 b) {
+  EXACT vec3 product = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  return product;
+}
 
 struct SurfacePoint {
   vec3 position;
@@ -23,16 +34,16 @@ EXACT_FN SurfacePoint surface_point(vec3 camera, vec3 forward, vec3 ray, vec3 p0
   EXACT vec3 a = p0 - camera;
   EXACT vec3 b = p1 - camera;
   EXACT vec3 c = p2 - camera;
-  EXACT vec3 n = cross(p1 - p0, p2 - p0);
-  EXACT float za = dot(a, forward);
-  EXACT float zb = dot(b, forward);
-  EXACT float zc = dot(c, forward);
+  EXACT vec3 n = exact_cross(p1 - p0, p2 - p0);
+  EXACT float za = exact_dot(a, forward);
+  EXACT float zb = exact_dot(b, forward);
+  EXACT float zc = exact_dot(c, forward);
   float nearest = min(za, min(zb, zc));
   float farthest = max(za, max(zb, zc));
-  EXACT float across = dot(n, ray);
-  EXACT float depth = across == 0.0f ? nearest : dot(n, a) / across;
+  EXACT float across = exact_dot(n, ray);
+  EXACT float depth = across == 0.0f ? nearest : exact_dot(n, a) / across;
   EXACT float clamped = min(max(depth, nearest), farthest);
-  EXACT vec3 unit = n / sqrt(dot(n, n));
+  EXACT vec3 unit = n / sqrt(exact_dot(n, n));
   SurfacePoint s;
   EXACT vec3 position = camera + clamped * ray;
   s.position = position;
@@ -59,7 +70,7 @@ struct TracedLight {
   uint kind;
 };
 
-// The segment from a surface point to a light. Not active, and the bit 0, where the light is behind the surface (the
+// The segment from a surface point to a light. Not traced, and the bit 0, where the light is behind the surface (the
 // segment would start by crossing that very surface), out of range or outside the cone.
 EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight light) {
   ShadowSegment segment;
@@ -67,20 +78,20 @@ EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight l
   if (light.kind == 2u) {
     EXACT vec3 along = light.direction * -light.reach;
     segment.direction = along;
-    EXACT float facing = dot(s.normal, along);
-    segment.active = facing > 0.0f;
+    EXACT float facing = exact_dot(s.normal, along);
+    segment.traced = facing > 0.0f;
     return segment;
   }
   EXACT vec3 to_light = light.position - segment.origin;
   segment.direction = to_light;
-  EXACT float facing = dot(s.normal, to_light);
-  EXACT float squared = dot(to_light, to_light);
+  EXACT float facing = exact_dot(s.normal, to_light);
+  EXACT float squared = exact_dot(to_light, to_light);
   bool reached = facing > 0.0f && (light.reach == 0.0f || squared <= light.reach * light.reach);
   if (light.kind == 1u) {
-    EXACT float along = -dot(to_light, light.direction);
+    EXACT float along = -exact_dot(to_light, light.direction);
     reached = reached && along > 0.0f && along * along >= light.outer_cone_cos * light.outer_cone_cos * squared;
   }
-  segment.active = reached;
+  segment.traced = reached;
   return segment;
 }
 
@@ -93,13 +104,13 @@ EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 
   EXACT vec3 e0 = c - a;
   EXACT vec3 e1 = a - b;
   EXACT vec3 e2 = b - c;
-  EXACT float u = dot(cross(e0, c + a), direction);
-  EXACT float v = dot(cross(e1, a + b), direction);
-  EXACT float w = dot(cross(e2, b + c), direction);
+  EXACT float u = exact_dot(exact_cross(e0, c + a), direction);
+  EXACT float v = exact_dot(exact_cross(e1, a + b), direction);
+  EXACT float w = exact_dot(exact_cross(e2, b + c), direction);
   if (min(u, min(v, w)) < 0.0f && max(u, max(v, w)) > 0.0f) return false;
-  EXACT vec3 n = cross(e0, e1);
-  EXACT float across = dot(n, direction);
-  EXACT float height = dot(n, a);
+  EXACT vec3 n = exact_cross(e0, e1);
+  EXACT float across = exact_dot(n, direction);
+  EXACT float height = exact_dot(n, a);
   // 0 < height / across < 1, without the division.
   return across > 0.0f ? (height > 0.0f && height < across) : (height < 0.0f && height > across);
 }
