@@ -17,7 +17,7 @@ struct StrongId {
   friend constexpr auto operator<=>(StrongId, StrongId) = default;
 };
 
-using TenantId = StrongId<struct TenantTag, uint32_t>;   // index of a tenant in the configuration
+using TenantId = StrongId<struct TenantTag, uint32_t>;    // index of a tenant in the configuration
 using SessionId = StrongId<struct SessionTag, uint64_t>;  // random; routes datagrams
 using FrameId = StrongId<struct FrameTag, uint32_t>;      // chosen by the client, increasing within a session
 using JobId = StrongId<struct JobTag, uint64_t>;          // unique within a daemon's life

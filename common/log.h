@@ -22,8 +22,7 @@ struct Field {
 
   Field(std::string_view k, bool v) : key(k), value(v) {}
   Field(std::string_view k, std::signed_integral auto v) : key(k), value(static_cast<int64_t>(v)) {}
-  Field(std::string_view k, std::unsigned_integral auto v)
-    requires(!std::same_as<decltype(v), bool>)
+  Field(std::string_view k, std::unsigned_integral auto v) requires(!std::same_as<decltype(v), bool>)
       : key(k), value(static_cast<uint64_t>(v)) {}
   Field(std::string_view k, std::floating_point auto v) : key(k), value(static_cast<double>(v)) {}
   Field(std::string_view k, std::string_view v) : key(k), value(std::string(v)) {}

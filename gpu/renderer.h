@@ -30,9 +30,9 @@ struct CameraView {
 
 struct RenderJob {
   JobId id;
-  SceneId scene;           // made resident before
+  SceneId scene;  // made resident before
   CameraView camera;
-  uint32_t width = 0;      // pixels of the traced buffer
+  uint32_t width = 0;  // pixels of the traced buffer
   uint32_t height = 0;
 };
 

@@ -18,8 +18,7 @@ namespace gnomon::protocol {
 inline constexpr size_t kHeaderBytes = 20;
 inline constexpr size_t kTagBytes = 16;
 inline constexpr size_t kSliceHeaderBytes = 32;
-inline constexpr size_t kMaxSlicePayloadBytes =
-    kMaxDatagramBytes - kHeaderBytes - kTagBytes - kSliceHeaderBytes;
+inline constexpr size_t kMaxSlicePayloadBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes - kSliceHeaderBytes;
 
 enum class DatagramKind : uint8_t { camera_update = 1, frame_slice = 2 };
 
@@ -44,8 +43,8 @@ inline constexpr size_t kMaxAcks = 16;
 struct CameraUpdate {
   FrameId frame;
   CameraView camera;
-  uint64_t client_time_us = 0;      // of the client's clock; echoed by the frame's slices
-  uint32_t display_deadline_us = 0; // after client_time_us; 0: none
+  uint64_t client_time_us = 0;       // of the client's clock; echoed by the frame's slices
+  uint32_t display_deadline_us = 0;  // after client_time_us; 0: none
   uint8_t ack_count = 0;
   std::array<SliceAck, kMaxAcks> acks{};
   friend bool operator==(const CameraUpdate&, const CameraUpdate&) = default;
@@ -64,8 +63,8 @@ struct SliceHeader {
   CodecId codec = CodecId::tiles_lz4;
   uint8_t reserved = 0;
   uint16_t reserved2 = 0;
-  uint32_t server_us = 0;           // from the camera's arrival to this slice's sending
-  uint32_t gpu_us = 0;              // of it, on the GPU
+  uint32_t server_us = 0;  // from the camera's arrival to this slice's sending
+  uint32_t gpu_us = 0;     // of it, on the GPU
   friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
 };
 

@@ -18,18 +18,18 @@ namespace gnomon::protocol {
 struct Hello {
   uint16_t version_min = kVersion;
   uint16_t version_max = kVersion;
-  uint64_t features = 0;             // unknown bits are ignored
-  std::string client;                // program and version, for the log
-  std::string tenant;                // empty: the default tenant
-  std::string token;                 // checked when tenants have credentials
+  uint64_t features = 0;  // unknown bits are ignored
+  std::string client;     // program and version, for the log
+  std::string tenant;     // empty: the default tenant
+  std::string token;      // checked when tenants have credentials
   std::string scene;
-  uint16_t width = 0;                // pixels of the traced buffer, border included
+  uint16_t width = 0;  // pixels of the traced buffer, border included
   uint16_t height = 0;
-  uint16_t border_x = 0;             // of these, prediction border: pixels in all, left and right together
+  uint16_t border_x = 0;  // of these, prediction border: pixels in all, left and right together
   uint16_t border_y = 0;
-  float rate_hz = 0;                 // views a second that the client means to ask for; 0: as many as it gets
-  std::vector<CodecId> codecs;       // in order of preference; empty: the server's default
-  std::vector<std::string> passes;   // render passes in order; empty: the server's default
+  float rate_hz = 0;                // views a second that the client means to ask for; 0: as many as it gets
+  std::vector<CodecId> codecs;      // in order of preference; empty: the server's default
+  std::vector<std::string> passes;  // render passes in order; empty: the server's default
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
@@ -37,15 +37,15 @@ struct Welcome {
   uint16_t version = kVersion;
   uint64_t features = 0;
   SessionId session;
-  uint16_t data_port = 0;            // UDP, same address as the control connection
-  Bytes16 data_key{};                // of the data channel's seal (protocol/seal.h)
+  uint16_t data_port = 0;  // UDP, same address as the control connection
+  Bytes16 data_key{};      // of the data channel's seal (protocol/seal.h)
   uint16_t width = 0;
   uint16_t height = 0;
   float rate_hz = 0;
   CodecId codec = CodecId::tiles_lz4;
   std::vector<std::string> passes;
   std::string tracer;
-  uint32_t silence_timeout_ms = 0;   // a session silent for this long is closed
+  uint32_t silence_timeout_ms = 0;  // a session silent for this long is closed
   SceneManifest scene;
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
@@ -69,7 +69,7 @@ const char* to_string(RefusalCode code);
 
 struct Refused {
   RefusalCode code = RefusalCode::internal;
-  std::string text;       // for a person
+  std::string text;  // for a person
   // What would have been accepted instead; 0: nothing of that kind is on offer.
   uint16_t fit_width = 0;
   uint16_t fit_height = 0;
@@ -102,9 +102,9 @@ struct Draining {
 
 // Server to client, about once a second.
 struct Stats {
-  uint64_t frames = 0;            // answered in this session
-  uint64_t coalesced = 0;         // views replaced by a newer one before they were rendered
-  uint32_t queue_us = 0;          // means over the last second
+  uint64_t frames = 0;     // answered in this session
+  uint64_t coalesced = 0;  // views replaced by a newer one before they were rendered
+  uint32_t queue_us = 0;   // means over the last second
   uint32_t gpu_us = 0;
   uint32_t total_us = 0;
   friend bool operator==(const Stats&, const Stats&) = default;
@@ -116,8 +116,7 @@ struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
-using Message =
-    std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye>;
+using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye>;
 
 // The whole frame: length, type, body.
 std::vector<uint8_t> encode(const Message& message);

@@ -13,7 +13,7 @@ namespace gnomon::protocol {
 inline constexpr uint16_t kVersion = 1;
 inline constexpr size_t kMaxDatagramBytes = 1200;
 inline constexpr size_t kMaxControlBytes = 1 << 20;
-inline constexpr uint32_t kMaxSide = 7680;   // pixels
+inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
 using Vec3 = std::array<float, 3>;
@@ -29,7 +29,7 @@ struct CameraView {
   Vec3 position{};
   Quat orientation{0, 0, 0, 1};  // unit; camera to world
   float tan_left = 1, tan_right = 1, tan_up = 1, tan_down = 1;
-  float near_plane = 0.05f;      // metres; there is no far plane
+  float near_plane = 0.05f;  // metres; there is no far plane
   friend bool operator==(const CameraView&, const CameraView&) = default;
 };
 

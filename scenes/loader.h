@@ -11,10 +11,10 @@ namespace gnomon::scenes {
 
 // What a file may ask of us. Checked before memory is reserved: a few bytes never buy a gigabyte.
 struct LoadLimits {
-  uint64_t max_file_bytes = uint64_t{2} << 30;      // the file and every buffer or image that it names
-  uint64_t max_triangles = uint64_t{32} << 20;      // in the world, instances counted
+  uint64_t max_file_bytes = uint64_t{2} << 30;  // the file and every buffer or image that it names
+  uint64_t max_triangles = uint64_t{32} << 20;  // in the world, instances counted
   uint64_t max_instances = uint64_t{1} << 20;
-  uint64_t max_texels = uint64_t{256} << 20;        // of all images together
+  uint64_t max_texels = uint64_t{256} << 20;  // of all images together
   uint32_t max_lights = 256;
   uint32_t max_node_depth = 1024;
 };

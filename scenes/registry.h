@@ -17,15 +17,15 @@
 namespace gnomon::scenes {
 
 struct SceneSource {
-  std::string name;             // what clients ask for
+  std::string name;  // what clients ask for
   std::filesystem::path file;
 };
 
 struct LoadedScene {
   SceneId id;
   ScenePtr scene;
-  double load_seconds = 0;      // what loading cost
-  uint64_t memory_bytes = 0;    // what it occupies in host memory
+  double load_seconds = 0;    // what loading cost
+  uint64_t memory_bytes = 0;  // what it occupies in host memory
 };
 
 // Any thread. A scene is loaded by the first that asks; those who ask meanwhile wait for it and share it.

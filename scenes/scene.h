@@ -68,13 +68,13 @@ enum class LightType : uint8_t { point, spot, directional };
 struct Light {
   std::string name;
   LightType type = LightType::point;
-  glm::vec3 position{0.0f};          // point and spot
+  glm::vec3 position{0.0f};                // point and spot
   glm::vec3 direction{0.0f, -1.0f, 0.0f};  // unit; the way the light shines; spot and directional
-  glm::vec3 color{1.0f};             // linear
-  float intensity = 1.0f;            // candela (point, spot) or lux (directional), as KHR_lights_punctual
-  float range = 0.0f;                // metres; 0: unlimited
-  float inner_cone_cos = 1.0f;       // spot: full intensity inside
-  float outer_cone_cos = 0.70710678f;  // spot: nothing outside
+  glm::vec3 color{1.0f};                   // linear
+  float intensity = 1.0f;                  // candela (point, spot) or lux (directional), as KHR_lights_punctual
+  float range = 0.0f;                      // metres; 0: unlimited
+  float inner_cone_cos = 1.0f;             // spot: full intensity inside
+  float outer_cone_cos = 0.70710678f;      // spot: nothing outside
 };
 
 // A pose with a symmetric perspective.
@@ -106,12 +106,12 @@ struct NodeTransform {
   glm::vec3 translation{0.0f};
   glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};
   glm::vec3 scale{1.0f};
-  glm::mat4 matrix{1.0f};   // used instead of the three above when has_matrix
+  glm::mat4 matrix{1.0f};  // used instead of the three above when has_matrix
   bool has_matrix = false;
 };
 
 struct CameraPath {
-  uint32_t camera = 0;               // index into Scene::cameras
+  uint32_t camera = 0;  // index into Scene::cameras
   float duration_seconds = 0.0f;
   std::vector<NodeTransform> chain;  // from the root to the camera's node
   std::vector<Channel> channels;
@@ -137,8 +137,8 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<Camera> cameras;  // never empty: a scene without one gets a view of its bounds
   std::vector<CameraPath> paths;
-  Bounds bounds;                 // of what is drawn, in the world
-  uint64_t triangle_count = 0;   // in the world: a mesh placed twice counts twice
+  Bounds bounds;                // of what is drawn, in the world
+  uint64_t triangle_count = 0;  // in the world: a mesh placed twice counts twice
   // 128 bits over what affects visibility: world triangles, alpha tests and lights. Two files that give the same
   // masks for the same camera have the same hash, whatever their names, colours and cameras.
   ContentHash content_hash{};
