@@ -1,0 +1,105 @@
+// What an operator may set, as plain data. The defaults stand here and nowhere else; config/gnomond.yaml explains
+// every key.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/log.h"
+#include "common/result.h"
+#include "protocol/types.h"
+
+namespace gnomon::daemon {
+
+struct ServerConfig {
+  std::string listen = "127.0.0.1";  // address of the control connections and of the data sockets
+  uint16_t control_port = 7600;      // TCP; 0: a free one
+  uint16_t data_port = 7600;         // UDP; net thread i has data_port + i; 0: free ones
+  uint32_t net_threads = 1;
+  std::chrono::milliseconds handshake_timeout{3000};  // from the connection to the Hello
+  std::chrono::milliseconds silence_timeout{5000};    // after it, a session that said nothing is closed
+  std::chrono::milliseconds drain_timeout{2000};      // from SIGTERM until the remaining sessions are closed
+  uint32_t max_half_open = 256;  // connections without a session; a further one replaces the oldest
+  uint32_t max_sessions = 2048;
+  uint32_t max_sessions_per_address = 1024;
+};
+
+struct AdminConfig {
+  std::string listen = "127.0.0.1";
+  uint16_t port = 7601;  // HTTP; 0: a free one
+};
+
+struct SceneFile {
+  std::string name;
+  std::filesystem::path file;  // absolute after find_scene_files
+  std::string place;           // where the configuration names it, for error messages
+};
+
+struct ScenesConfig {
+  std::vector<SceneFile> list;
+  std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
+};
+
+struct RenderConfig {
+  std::string device = "auto";  // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
+  std::string tracer = "auto";
+  std::vector<std::string> passes;  // in order; empty: the renderer's own list
+  uint32_t frames_in_flight = 3;
+  uint16_t max_width = 3840;
+  uint16_t max_height = 2160;
+};
+
+struct EncodeConfig {
+  uint32_t threads = 1;
+  protocol::CodecId codec = protocol::CodecId::tiles_lz4;  // for clients that name none
+};
+
+struct SchedulerConfig {
+  std::string policy = "round_robin";
+};
+
+struct TenantConfig {
+  std::string name;
+  uint32_t weight = 1;
+  uint32_t max_sessions = 0;  // 0: as many as the server takes
+};
+
+struct LogConfig {
+  log::Level level = log::Level::info;
+  log::Format format = log::Format::key_value;
+};
+
+// A client that names no tenant belongs to this one, if it is configured.
+inline constexpr const char* kDefaultTenant = "default";
+
+struct Config {
+  ServerConfig server;
+  AdminConfig admin;
+  ScenesConfig scenes;
+  RenderConfig render;
+  EncodeConfig encode;
+  SchedulerConfig scheduler;
+  std::vector<TenantConfig> tenants{{kDefaultTenant, 1, 0}};  // TenantId is the index
+  LogConfig log;
+};
+
+// Reads `file`, then applies `overrides` ("key.path=value", the value in YAML) in order. The error names file and
+// line (or --set), the key, and what is allowed there.
+Result<Config> read_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// The same from text that stands in `name`; relative paths are kept.
+Result<Config> parse_config(const std::string& text, const std::string& name,
+                            const std::vector<std::string>& overrides = {});
+
+// Makes the scenes' paths absolute: below `config_folder`, else below `share_folder`. The error names the scene's
+// place in the configuration and where was looked.
+Result<void> find_scene_files(Config& config, const std::filesystem::path& config_folder,
+                              const std::filesystem::path& share_folder);
+
+// Every key that read_config knows, dotted ("server.listen", "tenants.name").
+std::vector<std::string> known_keys();
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,165 @@
+#include "daemon/config_keys.h"
+
+#include <asio/ip/address.hpp>
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace schema;
+
+constexpr int64_t kHourMs = 3'600'000;
+constexpr const char* kNameRule = "1 to 64 letters, digits, '_', '-' or '.'";
+
+bool is_name(const std::string& text) {
+  return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
+}
+
+std::optional<std::string> parse_name(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  return text && is_name(*text) ? text : std::nullopt;
+}
+
+std::optional<std::string> parse_text(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  return text && !text->empty() ? text : std::nullopt;
+}
+
+std::optional<std::filesystem::path> parse_path(const YAML::Node& node) {
+  auto text = parse_text(node);
+  if (!text) return std::nullopt;
+  return std::filesystem::path(*text);
+}
+
+std::optional<std::string> parse_address(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  asio::error_code error;
+  if (text) asio::ip::make_address(*text, error);
+  return text && !error ? text : std::nullopt;
+}
+
+template <class T>
+Key<T> address(std::string name, std::string T::*member) {
+  return scalar(std::move(name), member, "an IPv4 or IPv6 address of this machine", parse_address);
+}
+
+template <class T>
+Key<T> port(std::string name, uint16_t T::*member) {
+  return integer(std::move(name), member, 0, 65535, " (0: a free port)");
+}
+
+template <class T>
+Key<T> name_key(std::string T::*member) {
+  return scalar("name", member, kNameRule, parse_name);
+}
+
+template <class S>
+bool has_name(const std::vector<S>& items, const std::string& name) {
+  return std::any_of(items.begin(), items.end(), [&](const S& item) { return item.name == name; });
+}
+
+std::string finish_scene(const Value& value, const std::vector<SceneFile>& before, SceneFile& scene) {
+  if (scene.name.empty() || scene.file.empty()) return "name and file are both needed";
+  if (has_name(before, scene.name)) return "a second scene named " + scene.name + "; allowed: one of each name";
+  scene.place = value.place() + ": " + value.path;
+  return "";
+}
+
+std::string finish_tenant(const Value&, const std::vector<TenantConfig>& before, TenantConfig& tenant) {
+  if (tenant.name.empty()) return "name is needed";
+  if (has_name(before, tenant.name)) return "a second tenant named " + tenant.name + "; allowed: one of each name";
+  return "";
+}
+
+Keys<ServerConfig> server_keys() {
+  using S = ServerConfig;
+  return {
+      address("listen", &S::listen),
+      port("control_port", &S::control_port),
+      port("data_port", &S::data_port),
+      integer("net_threads", &S::net_threads, 1, 64),
+      integer("handshake_timeout_ms", &S::handshake_timeout, 10, kHourMs),
+      integer("silence_timeout_ms", &S::silence_timeout, 100, kHourMs),
+      integer("drain_timeout_ms", &S::drain_timeout, 0, kHourMs),
+      integer("max_half_open", &S::max_half_open, 1, 65536),
+      integer("max_sessions", &S::max_sessions, 1, 1'000'000),
+      integer("max_sessions_per_address", &S::max_sessions_per_address, 1, 1'000'000),
+  };
+}
+
+Keys<ScenesConfig> scenes_keys() {
+  Keys<SceneFile> item{name_key(&SceneFile::name),
+                       scalar("file", &SceneFile::file, "the path of a .gltf or .glb file", parse_path)};
+  return {
+      sections("list", &ScenesConfig::list, std::move(item), finish_scene),
+      scalars("allow_files", &ScenesConfig::allow_files, "a list of folders", parse_path),
+  };
+}
+
+Keys<RenderConfig> render_keys() {
+  using R = RenderConfig;
+  return {
+      scalar("device", &R::device, "auto, a type (cpu, integrated, discrete), an index or part of a name",
+             parse_text),
+      scalar("tracer", &R::tracer, kNameRule, parse_name),
+      scalars("passes", &R::passes, "a list of pass names", parse_name),
+      integer("frames_in_flight", &R::frames_in_flight, 1, 16),
+      integer("max_width", &R::max_width, 8, protocol::kMaxSide),
+      integer("max_height", &R::max_height, 8, protocol::kMaxSide),
+  };
+}
+
+Keys<EncodeConfig> encode_keys() {
+  using protocol::CodecId;
+  return {
+      integer("threads", &EncodeConfig::threads, 1, 64),
+      choice("codec", &EncodeConfig::codec, {{"tiles_lz4", CodecId::tiles_lz4}, {"raw32_lz4", CodecId::raw32_lz4}}),
+  };
+}
+
+Keys<LogConfig> log_keys() {
+  using log::Format;
+  using log::Level;
+  return {
+      choice("level", &LogConfig::level,
+             {{"debug", Level::debug},
+              {"info", Level::info},
+              {"warning", Level::warning},
+              {"error", Level::error},
+              {"off", Level::off}}),
+      choice("format", &LogConfig::format, {{"key_value", Format::key_value}, {"json", Format::json}}),
+  };
+}
+
+Keys<Config> all_keys() {
+  Keys<AdminConfig> admin{address("listen", &AdminConfig::listen), port("port", &AdminConfig::port)};
+  Keys<SchedulerConfig> scheduler{choice("policy", &SchedulerConfig::policy, {{"round_robin", "round_robin"}})};
+  Keys<TenantConfig> tenant{
+      name_key(&TenantConfig::name),
+      integer("weight", &TenantConfig::weight, 1, 1000),
+      integer("max_sessions", &TenantConfig::max_sessions, 0, 1'000'000, " (0: no limit of its own)"),
+  };
+  return {
+      section("server", &Config::server, server_keys()),
+      section("admin", &Config::admin, std::move(admin)),
+      section("scenes", &Config::scenes, scenes_keys()),
+      section("render", &Config::render, render_keys()),
+      section("encode", &Config::encode, encode_keys()),
+      section("scheduler", &Config::scheduler, std::move(scheduler)),
+      sections("tenants", &Config::tenants, std::move(tenant), finish_tenant),
+      section("log", &Config::log, log_keys()),
+  };
+}
+
+}  // namespace
+
+const schema::Keys<Config>& config_keys() {
+  static const schema::Keys<Config> keys = all_keys();
+  return keys;
+}
+
+}  // namespace gnomon::daemon
