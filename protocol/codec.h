@@ -24,6 +24,8 @@ struct EncodedFrame {
   }
 };
 
+inline constexpr size_t kMinPayloadBytes = 600;
+
 // One per thread: keeps its working memory from frame to frame.
 class FrameEncoder {
  public:
@@ -31,8 +33,9 @@ class FrameEncoder {
   ~FrameEncoder();
   FrameEncoder(FrameEncoder&&) noexcept;
 
-  // No payload is longer than `max_payload_bytes` (at least 600). `out`'s memory is reused.
-  void encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
+  // No payload is longer than `max_payload_bytes` (at least kMinPayloadBytes). `out`'s memory is reused.
+  // An error, and `out` empty, when the frame would take more than the 65,535 slices that a header can number.
+  Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
 
  private:
   struct Workspace;

@@ -118,7 +118,8 @@ struct Bye {
 
 using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye>;
 
-// The whole frame: length, type, body.
+// The whole frame: length, type, body. Texts and lists longer than WIRE.md allows are cut to what it allows, and
+// bytes of a text that are not UTF-8 or control characters become '?'. Other values are the caller's promise.
 std::vector<uint8_t> encode(const Message& message);
 
 // Takes frames out of a byte stream. Feed it what arrived; take messages until there is none.
@@ -133,9 +134,12 @@ class MessageReader {
   Result<std::optional<Message>> next();
 
  private:
+  Error fail(std::string why);
+
   size_t max_bytes_;
   std::vector<uint8_t> buffer_;
-  size_t read_ = 0;
+  size_t read_ = 0;  // bytes of buffer_ that are done with
+  std::optional<Error> failed_;
 };
 
 }  // namespace gnomon::protocol

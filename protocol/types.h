@@ -47,6 +47,11 @@ struct LightInfo {
   friend bool operator==(const LightInfo&, const LightInfo&) = default;
 };
 
+// What both ends require of these when they arrive: every number finite, orientations and directions of unit length
+// to within 0.001, a frustum of positive width and height, near plane, intensity and range not negative.
+bool is_valid(const CameraView& camera);
+bool is_valid(const LightInfo& light);
+
 // What a client needs to know of a scene to match its own copy and to shade.
 struct SceneManifest {
   std::string name;

@@ -1,0 +1,182 @@
+#include "protocol/codec.h"
+
+#include <lz4.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "protocol/slice_layout.h"
+
+namespace gnomon::protocol {
+namespace {
+
+// A payload's first byte.
+enum class Form : uint8_t { plain = 0, lz4 = 1 };
+
+constexpr size_t kMaxSlices = std::numeric_limits<uint16_t>::max();
+
+constexpr size_t kTooLong = std::numeric_limits<size_t>::max();
+
+// A slice is good enough when it fills this much of its payload; after so many trials, whatever fits will do.
+constexpr double kWellFilled = 0.94;
+constexpr int kMaxTrials = 5;
+
+// Lights of which one tile always fits: two bits and a mixed word each, or a word a pixel for 32 of them.
+uint32_t lights_that_fit(CodecId codec, size_t plain_bytes) {
+  const size_t lights = codec == CodecId::raw32_lz4 ? plain_bytes / 256 * 32 : plain_bytes / 9;
+  return static_cast<uint32_t>(std::min<size_t>(lights, kMaxLights));
+}
+
+}  // namespace
+
+struct FrameEncoder::Workspace {
+  TileMaskView frame;
+  CodecId codec = CodecId::tiles_lz4;
+  size_t limit = 0;           // bytes of a payload
+  double bytes_per_tile = 0;  // what the last slice took: the guess for the next
+  LZ4_stream_t lz4;
+  std::vector<TileClass> classes;
+  std::vector<uint8_t> plain;
+  std::vector<uint8_t> trial;  // the payload tried last
+  std::vector<uint8_t> best;   // the longest so far that fits
+
+  bool pack(const SliceRange& range) {
+    return codec == CodecId::raw32_lz4 ? pack_raw32(frame, range, plain) : pack_tiles(frame, classes, range, plain);
+  }
+
+  // Makes the range's payload in `trial`. Its size, exact up to twice the limit; beyond that, kTooLong.
+  size_t try_range(const SliceRange& range) {
+    if (!pack(range)) return kTooLong;
+    trial.resize(1 + 2 * limit);
+    const int packed = LZ4_compress_fast_extState(&lz4, reinterpret_cast<const char*>(plain.data()),
+                                                  reinterpret_cast<char*>(trial.data() + 1),
+                                                  static_cast<int>(plain.size()), static_cast<int>(2 * limit), 1);
+    if (packed > 0 && static_cast<size_t>(packed) < plain.size()) {
+      trial.resize(1 + static_cast<size_t>(packed));
+      trial[0] = static_cast<uint8_t>(Form::lz4);
+    } else if (plain.size() <= 2 * limit) {
+      trial.resize(1 + plain.size());
+      trial[0] = static_cast<uint8_t>(Form::plain);
+      std::memcpy(trial.data() + 1, plain.data(), plain.size());
+    } else {
+      return kTooLong;
+    }
+    return trial.size();
+  }
+
+  // Finds about the most tiles from range.first_tile on, at most `left`, whose payload fits; leaves it in `best`.
+  uint32_t cut(SliceRange range, uint32_t left) {
+    uint32_t fits = 0;
+    uint32_t too_many = left + 1;
+    double guess = 0.97 * static_cast<double>(limit) / bytes_per_tile;
+    for (int trials = 0; fits + 1 < too_many && (fits == 0 || trials < kMaxTrials); ++trials) {
+      range.tile_count = static_cast<uint32_t>(std::clamp(guess, fits + 1.0, too_many - 1.0));
+      const size_t size = try_range(range);
+      if (size <= limit) {
+        fits = range.tile_count;
+        std::swap(trial, best);
+        if (static_cast<double>(size) >= kWellFilled * static_cast<double>(limit)) break;
+      } else {
+        too_many = range.tile_count;
+      }
+      guess = size == kTooLong ? range.tile_count / 2
+                               : 0.98 * range.tile_count * static_cast<double>(limit) / static_cast<double>(size);
+    }
+    bytes_per_tile = static_cast<double>(best.size()) / fits;
+    return fits;
+  }
+
+  bool cut_frame(EncodedFrame& out) {
+    const uint32_t tiles = frame.grid.tile_count();
+    const uint32_t lights = frame.grid.lights;
+    const uint32_t step = lights_that_fit(codec, limit - 1);
+    for (uint32_t light = 0; light < lights; light += step) {
+      SliceRange range{.first_light = light, .light_count = std::min(step, lights - light)};
+      bytes_per_tile = 0.25 * range.light_count;
+      for (range.first_tile = 0; range.first_tile < tiles; range.first_tile += range.tile_count) {
+        if (out.slices.size() == kMaxSlices) return false;
+        range.tile_count = cut(range, tiles - range.first_tile);
+        append(range, out);
+      }
+    }
+    return true;
+  }
+
+  void append(const SliceRange& range, EncodedFrame& out) const {
+    SliceHeader header;
+    header.slice = static_cast<uint16_t>(out.slices.size());
+    header.first_tile = range.first_tile;
+    header.tile_count = range.tile_count;
+    header.first_light = static_cast<uint16_t>(range.first_light);
+    header.light_count = static_cast<uint16_t>(range.light_count);
+    header.codec = codec;
+    out.slices.push_back(header);
+    out.bytes.insert(out.bytes.end(), best.begin(), best.end());
+    out.offsets.push_back(out.bytes.size());
+  }
+};
+
+FrameEncoder::FrameEncoder() : workspace_(std::make_unique<Workspace>()) {}
+FrameEncoder::~FrameEncoder() = default;
+FrameEncoder::FrameEncoder(FrameEncoder&&) noexcept = default;
+
+Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes,
+                                  EncodedFrame& out) {
+  assert(max_payload_bytes >= kMinPayloadBytes && frame.words.size() == frame.grid.word_count());
+  out.codec = codec;
+  out.slices.clear();
+  out.bytes.clear();
+  out.offsets.assign(1, 0);
+  Workspace& work = *workspace_;
+  work.frame = frame;
+  work.codec = codec;
+  work.limit = max_payload_bytes;
+  if (codec == CodecId::tiles_lz4) classify(frame.words, work.classes);
+  const bool all_cut = work.cut_frame(out);
+  work.frame = {};
+  if (!all_cut) {
+    out.slices.clear();
+    out.bytes.clear();
+    out.offsets.assign(1, 0);
+    return Error{"the frame takes more than " + std::to_string(kMaxSlices) + " slices"};
+  }
+  for (SliceHeader& header : out.slices) header.slice_count = static_cast<uint16_t>(out.slices.size());
+  return {};
+}
+
+Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
+                          std::span<uint64_t> words) {
+  assert(words.size() == grid.word_count());
+  const SliceRange range{header.first_tile, header.tile_count, header.first_light, header.light_count};
+  if (range.tile_count == 0 || range.first_tile >= grid.tile_count() ||
+      range.tile_count > grid.tile_count() - range.first_tile || range.light_count == 0 ||
+      range.first_light + range.light_count > grid.lights) {
+    return Error{"a slice's tiles or lights are not of this frame"};
+  }
+  if (payload.empty() || payload.size() > 1 + kMaxPlainBytes) return Error{"a slice of impossible length"};
+  std::span<const uint8_t> plain = payload.subspan(1);
+  std::array<uint8_t, kMaxPlainBytes> unpacked;
+  if (payload[0] == static_cast<uint8_t>(Form::lz4)) {
+    const int size =
+        LZ4_decompress_safe(reinterpret_cast<const char*>(plain.data()), reinterpret_cast<char*>(unpacked.data()),
+                            static_cast<int>(plain.size()), static_cast<int>(unpacked.size()));
+    if (size < 0) return Error{"a slice's LZ4 block is damaged"};
+    plain = std::span(unpacked).first(static_cast<size_t>(size));
+  } else if (payload[0] != static_cast<uint8_t>(Form::plain)) {
+    return Error{"a slice of unknown form"};
+  }
+  bool exact = false;
+  switch (header.codec) {
+    case CodecId::raw32_lz4: exact = unpack_raw32(plain, range, grid, words); break;
+    case CodecId::tiles_lz4: exact = unpack_tiles(plain, range, grid, words); break;
+    default: return Error{"a slice of unknown codec"};
+  }
+  if (!exact) return Error{"a slice's size does not match its tiles"};
+  return {};
+}
+
+}  // namespace gnomon::protocol

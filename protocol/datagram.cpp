@@ -1,0 +1,87 @@
+#include "protocol/datagram.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "protocol/fields.h"
+
+namespace gnomon::protocol {
+namespace {
+
+template <class A>
+void fields(A& a, Of<A, Header>& m) {
+  a(m.kind, m.flags, m.session, m.sequence);
+  a.check(m.kind == DatagramKind::camera_update || m.kind == DatagramKind::frame_slice, "unknown kind");
+}
+
+template <class A>
+void fields(A& a, Of<A, SliceAck>& m) {
+  a(m.frame, m.first_slice, m.slices);
+}
+
+template <class A>
+void fields(A& a, Of<A, CameraUpdate>& m) {
+  a(m.frame);
+  fields(a, m.camera);
+  a(m.client_time_us, m.display_deadline_us, m.ack_count);
+  a.check(m.ack_count <= kMaxAcks, "too many acknowledgements");
+  for (size_t i = 0; i < std::min<size_t>(m.ack_count, kMaxAcks); ++i) fields(a, m.acks[i]);
+}
+
+template <class A>
+void fields(A& a, Of<A, SliceHeader>& m) {
+  a(m.frame, m.slice, m.slice_count, m.first_tile, m.tile_count, m.first_light, m.light_count);
+  a(m.codec, m.reserved, m.reserved2, m.server_us, m.gpu_us);
+  a.check(m.slice < m.slice_count, "slice is not below slice_count");
+  a.check(m.tile_count > 0 && m.light_count > 0, "an empty slice");
+}
+
+}  // namespace
+
+std::optional<Header> decode_header(std::span<const uint8_t> datagram) {
+  Reader reader(datagram);
+  uint8_t version = 0;
+  Header header;
+  reader(version);
+  reader.check(version == kVersion, "unknown version");
+  fields(reader, header);
+  if (!reader.ok()) return std::nullopt;
+  return header;
+}
+
+std::optional<CameraUpdate> decode_camera_update(std::span<const uint8_t> body) {
+  Reader reader(body);
+  CameraUpdate update;
+  fields(reader, update);
+  if (!reader.ok()) return std::nullopt;
+  return update;
+}
+
+std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body) {
+  Reader reader(body);
+  FrameSlice slice;
+  fields(reader, slice.header);
+  if (!reader.ok()) return std::nullopt;
+  slice.payload = reader.rest();
+  return slice;
+}
+
+void append_header(std::vector<uint8_t>& out, const Header& header) {
+  Writer writer(out);
+  writer(static_cast<uint8_t>(kVersion));
+  fields(writer, header);
+}
+
+void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update) {
+  assert(update.ack_count <= kMaxAcks);
+  Writer writer(out);
+  fields(writer, update);
+}
+
+void append_frame_slice(std::vector<uint8_t>& out, const SliceHeader& header, std::span<const uint8_t> payload) {
+  Writer writer(out);
+  fields(writer, header);
+  out.insert(out.end(), payload.begin(), payload.end());
+}
+
+}  // namespace gnomon::protocol

@@ -1,0 +1,224 @@
+#include "protocol/messages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "protocol/fields.h"
+
+namespace gnomon::protocol {
+namespace {
+
+// The longest texts and lists, in bytes and items.
+constexpr size_t kMaxName = 256;
+constexpr size_t kMaxToken = 512;
+constexpr size_t kMaxScene = 1024;
+constexpr size_t kMaxSentence = 1024;
+constexpr size_t kMaxCodecs = 16;
+constexpr size_t kMaxPasses = 32;
+
+constexpr size_t kLengthBytes = 4;
+constexpr size_t kTypeBytes = 2;
+
+bool is_rate(float hz) { return std::isfinite(hz) && hz >= 0; }
+bool is_side(uint16_t pixels) { return pixels > 0 && pixels <= kMaxSide; }
+bool is_known(CodecId codec) { return codec == CodecId::raw32_lz4 || codec == CodecId::tiles_lz4; }
+
+template <class A>
+void fields(A& a, Of<A, LightInfo>& m) {
+  a(m.kind, m.position, m.direction, m.color, m.intensity, m.range, m.inner_cone_cos, m.outer_cone_cos);
+  a.check(is_valid(m), "a light is of unknown kind, not finite, negative or not of unit direction");
+}
+
+template <class A>
+void lights(A& a, Of<A, std::vector<LightInfo>>& list) {
+  a.list(list, kMaxLights, [&](auto& light) { fields(a, light); });
+}
+
+template <class A>
+void passes(A& a, Of<A, std::vector<std::string>>& list) {
+  a.list(list, kMaxPasses, [&](auto& pass) { a.text(pass, kMaxName); });
+}
+
+template <class A>
+void fields(A& a, Of<A, SceneManifest>& m) {
+  a.text(m.name, kMaxScene);
+  a(m.content_hash, m.triangles, m.bounds_min, m.bounds_max);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    a.check(std::isfinite(m.bounds_min[axis]) && std::isfinite(m.bounds_max[axis]), "bounds are not finite");
+  }
+  fields(a, m.default_camera);
+  lights(a, m.lights);
+}
+
+template <class A>
+void fields(A& a, Of<A, Hello>& m) {
+  a(m.version_min, m.version_max, m.features);
+  a.check(m.version_min <= m.version_max, "version_min is above version_max");
+  a.text(m.client, kMaxName);
+  a.text(m.tenant, kMaxName);
+  a.text(m.token, kMaxToken);
+  a.text(m.scene, kMaxScene);
+  a(m.width, m.height, m.border_x, m.border_y, m.rate_hz);
+  // A size that is merely too large is for the server to refuse, with one that would fit.
+  a.check(m.width > 0 && m.height > 0, "the size is empty");
+  a.check(m.border_x < m.width && m.border_y < m.height, "the border leaves no picture");
+  a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
+  a.list(m.codecs, kMaxCodecs, [&](auto& codec) { a(codec); });
+  // A newer client may prefer what this side has never heard of.
+  if constexpr (A::kReading) std::erase_if(m.codecs, [](CodecId codec) { return !is_known(codec); });
+  passes(a, m.passes);
+}
+
+template <class A>
+void fields(A& a, Of<A, Welcome>& m) {
+  a(m.version, m.features, m.session, m.data_port, m.data_key, m.width, m.height, m.rate_hz, m.codec);
+  a.check(m.data_port != 0, "the data port is 0");
+  a.check(is_side(m.width) && is_side(m.height), "the size is empty or too large");
+  a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
+  a.check(is_known(m.codec), "the codec is unknown");
+  passes(a, m.passes);
+  a.text(m.tracer, kMaxName);
+  a(m.silence_timeout_ms);
+  fields(a, m.scene);
+}
+
+template <class A>
+void fields(A& a, Of<A, Refused>& m) {
+  a(m.code);
+  a.text(m.text, kMaxSentence);
+  a(m.fit_width, m.fit_height, m.fit_rate_hz);
+  a.check(is_rate(m.fit_rate_hz), "the rate is negative or not finite");
+}
+
+template <class A>
+void fields(A& a, Of<A, SceneChanged>& m) {
+  fields(a, m.scene);
+}
+
+template <class A>
+void fields(A& a, Of<A, LightsChanged>& m) {
+  lights(a, m.lights);
+}
+
+template <class A>
+void fields(A& a, Of<A, Degraded>& m) {
+  a(m.width, m.height, m.rate_hz);
+  a.check(is_side(m.width) && is_side(m.height), "the size is empty or too large");
+  a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
+  a.text(m.reason, kMaxSentence);
+}
+
+template <class A>
+void fields(A& a, Of<A, Draining>& m) {
+  a(m.deadline_ms);
+}
+
+template <class A>
+void fields(A& a, Of<A, Stats>& m) {
+  a(m.frames, m.coalesced, m.queue_us, m.gpu_us, m.total_us);
+}
+
+template <class A>
+void fields(A& a, Of<A, Bye>& m) {
+  a.text(m.reason, kMaxSentence);
+}
+
+// A message's type on the wire is its place in the variant, counted from 1.
+constexpr std::array<const char*, std::variant_size_v<Message>> kNames = {
+    "Hello", "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded", "Draining", "Stats", "Bye"};
+
+template <size_t Index>
+Result<Message> decode_as(std::span<const uint8_t> body) {
+  Message message{std::in_place_index<Index>};
+  Reader reader(body);
+  fields(reader, std::get<Index>(message));
+  if (!reader.ok()) return Error{std::string("malformed ") + kNames[Index] + ": " + reader.why()};
+  return message;
+}
+
+using Decode = Result<Message> (*)(std::span<const uint8_t>);
+
+template <size_t... Indices>
+constexpr std::array<Decode, sizeof...(Indices)> decoders(std::index_sequence<Indices...>) {
+  return {decode_as<Indices>...};
+}
+
+constexpr auto kDecoders = decoders(std::make_index_sequence<std::variant_size_v<Message>>());
+
+template <class T>
+T load(const uint8_t* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+}  // namespace
+
+const char* to_string(RefusalCode code) {
+  switch (code) {
+    case RefusalCode::malformed: return "malformed";
+    case RefusalCode::version: return "version";
+    case RefusalCode::unknown_tenant: return "unknown_tenant";
+    case RefusalCode::bad_token: return "bad_token";
+    case RefusalCode::unknown_scene: return "unknown_scene";
+    case RefusalCode::scene_unavailable: return "scene_unavailable";
+    case RefusalCode::bad_size: return "bad_size";
+    case RefusalCode::too_many_sessions: return "too_many_sessions";
+    case RefusalCode::over_capacity: return "over_capacity";
+    case RefusalCode::unknown_pass: return "unknown_pass";
+    case RefusalCode::draining: return "draining";
+    case RefusalCode::internal: return "internal";
+  }
+  return "unknown";
+}
+
+std::vector<uint8_t> encode(const Message& message) {
+  std::vector<uint8_t> frame(kLengthBytes);
+  Writer writer(frame);
+  writer(static_cast<uint16_t>(message.index() + 1));
+  std::visit([&](const auto& m) { fields(writer, m); }, message);
+  const auto length = static_cast<uint32_t>(frame.size() - kLengthBytes);
+  std::memcpy(frame.data(), &length, sizeof length);
+  return frame;
+}
+
+void MessageReader::feed(std::span<const uint8_t> bytes) {
+  if (failed_) return;
+  // Moving what is left only when it is the smaller part keeps the cost per byte constant.
+  if (read_ > buffer_.size() / 2) {
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(read_));
+    read_ = 0;
+  }
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+}
+
+Result<std::optional<Message>> MessageReader::next() {
+  if (failed_) return *failed_;
+  while (buffer_.size() - read_ >= kLengthBytes) {
+    const auto length = load<uint32_t>(buffer_.data() + read_);
+    if (length < kTypeBytes) return fail("a message of " + std::to_string(length) + " bytes has no type");
+    if (length > max_bytes_ - std::min(max_bytes_, kLengthBytes)) {
+      return fail("a message of " + std::to_string(length) + " bytes, more than are taken here");
+    }
+    if (buffer_.size() - read_ - kLengthBytes < length) break;
+    const uint8_t* start = buffer_.data() + read_ + kLengthBytes;
+    read_ += kLengthBytes + length;
+    const size_t type = load<uint16_t>(start);
+    if (type == 0 || type > kDecoders.size()) continue;
+    auto message = kDecoders[type - 1]({start + kTypeBytes, length - kTypeBytes});
+    if (!message) return fail(message.error().message);
+    return std::optional<Message>(*std::move(message));
+  }
+  return std::optional<Message>();
+}
+
+Error MessageReader::fail(std::string why) {
+  buffer_.clear();
+  read_ = 0;
+  failed_ = Error{std::move(why)};
+  return *failed_;
+}
+
+}  // namespace gnomon::protocol

@@ -1,0 +1,39 @@
+// Which of the last 1,024 sequence numbers have been seen. What is older counts as seen; so does 0.
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+
+namespace gnomon::protocol {
+
+class ReplayWindow {
+ public:
+  static constexpr uint64_t kSize = 1024;
+
+  // True the first time that `sequence` comes. Call only for datagrams whose tag is right.
+  bool take(uint64_t sequence) {
+    if (sequence > newest_) {
+      forget(sequence);
+    } else if (newest_ - sequence >= kSize || seen_[sequence % kSize]) {
+      return false;
+    }
+    seen_.set(sequence % kSize);
+    return true;
+  }
+
+ private:
+  // Moves the window up to `sequence`: the places of the numbers in between are free again.
+  void forget(uint64_t sequence) {
+    if (sequence - newest_ >= kSize) {
+      seen_.reset();
+    } else {
+      for (uint64_t s = newest_ + 1; s <= sequence; ++s) seen_.reset(s % kSize);
+    }
+    newest_ = sequence;
+  }
+
+  uint64_t newest_ = 0;
+  std::bitset<kSize> seen_{1};
+};
+
+}  // namespace gnomon::protocol

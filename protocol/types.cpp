@@ -1,0 +1,47 @@
+#include "protocol/types.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::protocol {
+namespace {
+
+constexpr float kUnitTolerance = 1e-3f;
+
+bool is_finite(std::initializer_list<float> values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+template <size_t N>
+bool is_finite(const std::array<float, N>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+template <size_t N>
+bool is_unit(const std::array<float, N>& v) {
+  double squared = 0;
+  for (const float component : v) squared += double{component} * component;
+  return std::abs(std::sqrt(squared) - 1.0) <= kUnitTolerance;
+}
+
+bool is_cosine(float v) { return v >= -1.0f && v <= 1.0f; }
+
+}  // namespace
+
+bool is_valid(const CameraView& camera) {
+  const float width = camera.tan_left + camera.tan_right;
+  const float height = camera.tan_up + camera.tan_down;
+  return is_finite(camera.position) && is_finite(camera.orientation) && is_unit(camera.orientation) &&
+         is_finite({camera.tan_left, camera.tan_right, camera.tan_up, camera.tan_down, width, height}) &&
+         is_finite({camera.near_plane}) && width > 0 && height > 0 && camera.near_plane > 0;
+}
+
+bool is_valid(const LightInfo& light) {
+  const bool aimed = light.kind != LightKind::point;
+  return light.kind <= LightKind::directional && is_finite(light.position) && is_finite(light.direction) &&
+         is_finite(light.color) && is_finite({light.intensity, light.range}) && light.intensity >= 0 &&
+         light.range >= 0 && is_cosine(light.inner_cone_cos) && is_cosine(light.outer_cone_cos) &&
+         (!aimed || is_unit(light.direction));
+}
+
+}  // namespace gnomon::protocol
