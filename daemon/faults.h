@@ -1,0 +1,67 @@
+// Everything that may go wrong at run time, in one table: what it is called in metrics, how loud it is in the log.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "common/log.h"
+#include "protocol/messages.h"
+
+namespace gnomon::daemon {
+
+enum class Fault : uint8_t {
+  // A datagram is rejected.
+  datagram_too_long,
+  datagram_header,
+  datagram_session,
+  datagram_seal,
+  datagram_kind,
+  datagram_body,
+  // A view or a frame is dropped.
+  view_out_of_order,
+  view_queue_full,
+  view_draining,
+  submit_failed,
+  device_lost,
+  encode_failed,
+  session_gone,
+  send_queue_full,
+  socket_full,
+  send_failed,
+  // A connection is refused a session.
+  refused_malformed,
+  refused_version,
+  refused_unknown_tenant,
+  refused_bad_token,
+  refused_unknown_scene,
+  refused_scene_unavailable,
+  refused_bad_size,
+  refused_too_many_sessions,
+  refused_over_capacity,
+  refused_unknown_pass,
+  refused_draining,
+  refused_internal,
+  handshake_timeout,
+  handshake_abandoned,
+  half_open_replaced,
+};
+
+enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal };
+
+struct FaultRow {
+  Fault fault;
+  FaultKind kind;
+  const char* label;  // of the metric; unique within its kind
+  log::Level level;
+  const char* event;  // of the log line
+};
+
+// In the enum's order, one row each.
+std::span<const FaultRow> fault_table();
+const FaultRow& row_of(Fault fault);
+
+Fault fault_of(protocol::RefusalCode code);
+
+}  // namespace gnomon::daemon

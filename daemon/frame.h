@@ -1,0 +1,48 @@
+// One frame's way through the daemon: each stage takes one of these values and hands the next one on.
+//
+//   ViewRequest -render loop, GPU-> RenderedFrame -encode pool-> EncodedFrame -net thread-> datagrams
+#pragma once
+
+#include "common/clock.h"
+#include "common/ids.h"
+#include "gpu/renderer.h"
+#include "protocol/codec.h"
+
+namespace gnomon::daemon {
+
+// A client asks for the visibility of one camera.
+struct ViewRequest {
+  SessionId session;
+  FrameId frame;
+  gpu::CameraView camera;
+  TimePoint arrival;  // of the datagram
+};
+
+// What later stages need to know of a frame, and when each was done with it.
+struct FrameMeta {
+  SessionId session;
+  uint32_t net_thread = 0;  // which one owns the session
+  FrameId frame;
+  protocol::CodecId codec = protocol::CodecId::tiles_lz4;
+  TileGrid grid;
+  uint32_t coalesced = 0;  // views of this session replaced since its last frame
+  TimePoint arrival;
+  TimePoint submitted;
+  TimePoint rendered;
+  TimePoint encode_began;
+  TimePoint encoded;
+  Nanoseconds gpu{};       // measured by the device
+  Nanoseconds readback{};  // of it, the copy to host memory
+};
+
+struct RenderedFrame {
+  FrameMeta meta;
+  gpu::FrameLease mask;
+};
+
+struct EncodedFrame {
+  FrameMeta meta;
+  protocol::EncodedFrame slices;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,181 @@
+#include "daemon/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <map>
+
+namespace gnomon::daemon {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+using prometheus::Registry;
+
+// From a fast GPU's kernel to a frame that nobody waits for any more.
+const Histogram::BucketBoundaries kStageBuckets{0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01,
+                                                0.02,   0.05,   0.1,   0.2,   0.5,   1};
+
+Family<Counter>& counter(Registry& registry, const char* name, const char* help) {
+  return BuildCounter().Name(name).Help(help).Register(registry);
+}
+
+Family<Gauge>& gauge(Registry& registry, const char* name, const char* help) {
+  return BuildGauge().Name(name).Help(help).Register(registry);
+}
+
+struct Stages {
+  Histogram *queue, *gpu, *readback, *encode, *send, *total;
+
+  Stages(Family<Histogram>& family, const std::string& tenant) {
+    const auto stage = [&](const char* name) {
+      return &family.Add({{"tenant", tenant}, {"stage", name}}, kStageBuckets);
+    };
+    queue = stage("queue");
+    gpu = stage("gpu");
+    readback = stage("readback");
+    encode = stage("encode");
+    send = stage("send");
+    total = stage("total");
+  }
+
+  void observe(const FrameMeta& meta, TimePoint sent) {
+    queue->Observe(to_seconds(meta.submitted - meta.arrival));
+    gpu->Observe(to_seconds(meta.gpu - meta.readback));
+    readback->Observe(to_seconds(meta.readback));
+    encode->Observe(to_seconds(meta.encoded - meta.encode_began));
+    send->Observe(to_seconds(sent - meta.encoded));
+    total->Observe(to_seconds(sent - meta.arrival));
+  }
+};
+
+struct SceneCounters {
+  Counter* buffers;
+  Counter* bits;
+};
+
+struct TenantSeries {
+  Stages stages;
+  Counter& coalesced;
+  Counter& bytes_sent;
+  Gauge& sessions;
+  std::map<std::string, SceneCounters> scenes;
+};
+
+}  // namespace
+
+struct Metrics::Families {
+  Registry registry;
+  Family<Counter>& buffers =
+      counter(registry, "gnomon_visibility_buffers_total", "Visibility buffers sent; vbps is the rate of this.");
+  Family<Counter>& bits =
+      counter(registry, "gnomon_visibility_bits_total", "Visibility bits sent: pixels times lights.");
+  Family<Counter>& coalesced = counter(registry, "gnomon_frames_coalesced_total",
+                                       "Views replaced by a newer one before they were rendered.");
+  Family<Counter>& bytes = counter(registry, "gnomon_bytes_sent_total", "Bytes of datagrams sent to clients.");
+  Family<Counter>& dropped =
+      counter(registry, "gnomon_frames_dropped_total", "Views and frames dropped, by reason.");
+  Family<Counter>& rejected = counter(registry, "gnomon_datagrams_rejected_total",
+                                      "Datagrams that were not a view of a session, by reason.");
+  Family<Counter>& refusals =
+      counter(registry, "gnomon_refusals_total", "Connections that got no session, by reason.");
+  Family<Gauge>& sessions = gauge(registry, "gnomon_sessions", "Open sessions.");
+  Family<Gauge>& load_seconds =
+      gauge(registry, "gnomon_scene_load_seconds", "Time that reading the scene took, when it was last loaded.");
+  Family<Gauge>& scene_bytes = gauge(registry, "gnomon_scene_memory_bytes", "Host memory that the scene occupies.");
+  Family<Gauge>& build = gauge(registry, "gnomon_build_info", "Always 1; the version is the label.");
+  Family<Histogram>& stages = BuildHistogram()
+                                  .Name("gnomon_stage_seconds")
+                                  .Help("Time that frames spent in a stage; total is from arrival to sent.")
+                                  .Register(registry);
+  Counter& device_busy =
+      counter(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.").Add({});
+
+  std::vector<std::unique_ptr<TenantSeries>> tenants;
+  std::vector<Counter*> faults;  // by Fault
+
+  Family<Counter>& family_of(FaultKind kind) {
+    switch (kind) {
+      case FaultKind::datagram_rejected: return rejected;
+      case FaultKind::frame_dropped: return dropped;
+      case FaultKind::refusal: return refusals;
+    }
+    return dropped;
+  }
+
+  void add_tenant(const std::string& name, const std::vector<std::string>& scenes) {
+    auto series = std::make_unique<TenantSeries>(TenantSeries{{stages, name},
+                                                              coalesced.Add({{"tenant", name}}),
+                                                              bytes.Add({{"tenant", name}}),
+                                                              sessions.Add({{"tenant", name}}),
+                                                              {}});
+    for (const std::string& scene : scenes) {
+      const prometheus::Labels labels{{"tenant", name}, {"scene", scene}};
+      series->scenes[scene] = {&buffers.Add(labels), &bits.Add(labels)};
+    }
+    tenants.push_back(std::move(series));
+  }
+};
+
+Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
+                 const std::string& version)
+    : families_(std::make_unique<Families>()) {
+  std::vector<std::string> labels = scenes;
+  labels.push_back(kOtherScenes);
+  for (const std::string& tenant : tenants) families_->add_tenant(tenant, labels);
+  for (const FaultRow& row : fault_table()) {
+    families_->faults.push_back(&families_->family_of(row.kind).Add({{"reason", row.label}}));
+  }
+  families_->build.Add({{"version", version}}).Set(1);
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::report(Fault fault, log::Fields fields) {
+  const FaultRow& row = row_of(fault);
+  families_->faults[static_cast<size_t>(fault)]->Increment();
+  switch (row.level) {
+    case log::Level::debug: return log::debug(row.event, fields);
+    case log::Level::info: return log::info(row.event, fields);
+    case log::Level::warning: return log::warning(row.event, fields);
+    case log::Level::error: return log::error(row.event, fields);
+    case log::Level::off: return;
+  }
+}
+
+void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameMeta& meta, TimePoint sent,
+                         size_t bytes) {
+  TenantSeries& series = *families_->tenants[tenant.value];
+  const auto known = series.scenes.find(scene);
+  const SceneCounters& counters = known != series.scenes.end() ? known->second : series.scenes.at(kOtherScenes);
+  counters.buffers->Increment();
+  counters.bits->Increment(double(meta.grid.width) * meta.grid.height * meta.grid.lights);
+  series.bytes_sent.Increment(static_cast<double>(bytes));
+  series.stages.observe(meta, sent);
+}
+
+void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coalesced.Increment(); }
+void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]->sessions.Increment(); }
+void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
+void Metrics::device_busy(Nanoseconds gpu_time) { families_->device_busy.Increment(to_seconds(gpu_time)); }
+
+void Metrics::scene_loaded(const std::string& scene, double seconds, uint64_t memory_bytes) {
+  families_->load_seconds.Add({{"scene", scene}}).Set(seconds);
+  families_->scene_bytes.Add({{"scene", scene}}).Set(static_cast<double>(memory_bytes));
+}
+
+uint64_t Metrics::count_of(Fault fault) const {
+  return static_cast<uint64_t>(families_->faults[static_cast<size_t>(fault)]->Value());
+}
+
+std::string Metrics::text() const { return prometheus::TextSerializer().Serialize(families_->registry.Collect()); }
+
+}  // namespace gnomon::daemon

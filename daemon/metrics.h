@@ -1,0 +1,49 @@
+// What the daemon counts, for Prometheus. Labels are bounded: tenants, scenes, stages and reasons, never sessions.
+//
+// Any thread. Every series is made at the start; counting touches one atomic or one short lock of one histogram, so
+// that a scrape never holds up a frame.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/clock.h"
+#include "common/ids.h"
+#include "daemon/faults.h"
+#include "daemon/frame.h"
+
+namespace gnomon::daemon {
+
+// Clients may ask for files beside the configured scenes: all of those share this label.
+inline constexpr const char* kOtherScenes = "other";
+
+class Metrics {
+ public:
+  // The tenants' names in the order of their ids, and the configured scenes.
+  Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
+          const std::string& version);
+  ~Metrics();
+
+  // Counts a fault and logs it as the table says.
+  void report(Fault fault, log::Fields fields = {});
+
+  // A frame's last datagram has been handed to the kernel.
+  void frame_sent(TenantId tenant, const std::string& scene, const FrameMeta& meta, TimePoint sent, size_t bytes);
+
+  void coalesced(TenantId tenant);
+  void session_opened(TenantId tenant);
+  void session_closed(TenantId tenant);
+  void device_busy(Nanoseconds gpu_time);
+  void scene_loaded(const std::string& scene, double seconds, uint64_t memory_bytes);
+
+  uint64_t count_of(Fault fault) const;
+
+  std::string text() const;  // Prometheus' text format
+
+ private:
+  struct Families;
+  std::unique_ptr<Families> families_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,78 @@
+// Everything that the render thread reacts to, in one inbox.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <utility>
+#include <variant>
+
+#include "common/inbox.h"
+#include "daemon/frame.h"
+#include "scenes/registry.h"
+
+namespace gnomon::daemon {
+
+struct SessionOpened {
+  SessionId session;
+  TenantId tenant;
+  SceneId scene;  // resident
+  uint32_t width = 0;
+  uint32_t height = 0;
+  uint32_t lights = 0;
+  protocol::CodecId codec = protocol::CodecId::tiles_lz4;
+  uint32_t net_thread = 0;
+};
+
+struct SessionClosed {
+  SessionId session;
+};
+
+struct SceneArrived {
+  scenes::LoadedScene scene;
+  std::function<void(Result<void>)> resident;  // called on the render thread
+};
+
+struct FrameFinished {
+  SessionId session;
+  Nanoseconds gpu{};
+  bool device_lost = false;
+};
+
+struct LeaseDropped {};  // a frame slot may be free again
+
+struct StopRendering {};  // no further views; the loop ends when the last lease has come back
+
+using RenderEvent = std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, FrameFinished,
+                                 LeaseDropped, StopRendering>;
+
+// Only views come as fast as strangers please: their number is bounded, everything else passes.
+class RenderInbox {
+ public:
+  explicit RenderInbox(size_t max_views = 16384) : max_views_(max_views) {}
+
+  bool push(RenderEvent event) { return events_.push(std::move(event)); }
+
+  // False: too many are waiting (the render thread is busy with a scene), or closed. The view is dropped.
+  bool push_view(const ViewRequest& view) {
+    if (views_.fetch_add(1, std::memory_order_relaxed) < max_views_ && events_.push(view)) return true;
+    views_.fetch_sub(1, std::memory_order_relaxed);
+    return false;
+  }
+
+  // The render thread.
+  void take(std::vector<RenderEvent>& batch, TimePoint deadline) {
+    events_.take(batch, deadline);
+    size_t views = 0;
+    for (const RenderEvent& event : batch) views += std::holds_alternative<ViewRequest>(event);
+    views_.fetch_sub(views, std::memory_order_relaxed);
+  }
+
+  void close() { events_.close(); }
+
+ private:
+  const size_t max_views_;
+  std::atomic<size_t> views_{0};
+  Inbox<RenderEvent> events_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,147 @@
+// A renderer without a GPU: answers with masks that a test can tell apart.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "gpu/renderer.h"
+
+namespace gnomon::daemon {
+
+// The mask word that the fake answers for a camera: depends on all that identifies the view.
+inline uint64_t fake_word(const gpu::CameraView& camera, size_t word) {
+  const auto bits = static_cast<uint64_t>(camera.position.x * 1000.0f + 0.5f);
+  return (bits + 1) * 0x9e3779b97f4a7c15ull ^ (uint64_t{word} << 7);
+}
+
+// Frames wait until the test completes them. Any thread.
+class FakeRenderer : public gpu::Renderer {
+ public:
+  struct Waiting {
+    gpu::RenderJob job;
+    std::function<void(gpu::FrameDone)> on_done;
+  };
+
+  explicit FakeRenderer(uint32_t slots, uint32_t lights = 2) : lights_(lights), free_(slots) {}
+
+  std::string device_name() const override { return "fake"; }
+
+  Result<void> make_resident(SceneId id, const scenes::ScenePtr&) override {
+    std::lock_guard lock(mutex_);
+    resident_.insert(id);
+    return {};
+  }
+  void evict(SceneId id) override {
+    std::lock_guard lock(mutex_);
+    resident_.erase(id);
+  }
+
+  uint32_t free_slots() const override {
+    std::lock_guard lock(mutex_);
+    return free_;
+  }
+
+  Result<void> submit(const gpu::RenderJob& job, std::function<void(gpu::FrameDone)> on_done) override {
+    std::lock_guard lock(mutex_);
+    if (refuse_submits) return Error{"refused by the test"};
+    if (free_ == 0 || !resident_.contains(job.scene)) std::abort();  // a broken precondition is a bug
+    --free_;
+    waiting_.push_back({job, std::move(on_done)});
+    changed_.notify_all();
+    return {};
+  }
+
+  size_t waiting() const {
+    std::lock_guard lock(mutex_);
+    return waiting_.size();
+  }
+  gpu::RenderJob job(size_t index) const {
+    std::lock_guard lock(mutex_);
+    return waiting_.at(index).job;
+  }
+  std::set<SceneId> resident() const {
+    std::lock_guard lock(mutex_);
+    return resident_;
+  }
+
+  // Completes the oldest frame. The slot is free again when the lease is dropped.
+  void complete(std::chrono::nanoseconds gpu_time = std::chrono::milliseconds(1), bool lost = false) {
+    Waiting frame;
+    {
+      std::lock_guard lock(mutex_);
+      frame = std::move(waiting_.front());
+      waiting_.pop_front();
+    }
+    gpu::FrameDone done;
+    done.id = frame.job.id;
+    done.gpu_ns = static_cast<uint64_t>(gpu_time.count());
+    done.device_lost = lost;
+    if (lost) {
+      free_slot();
+    } else {
+      done.mask = answer(frame.job);
+    }
+    frame.on_done(std::move(done));
+  }
+
+  bool refuse_submits = false;  // set it before the renderer is in use, or from the thread that submits
+
+ protected:
+  gpu::FrameLease answer(const gpu::RenderJob& job) {
+    const TileGrid grid{job.width, job.height, lights_};
+    auto words = std::make_shared<std::vector<uint64_t>>(grid.word_count());
+    for (size_t i = 0; i < words->size(); ++i) (*words)[i] = fake_word(job.camera, i);
+    return gpu::FrameLease({grid, *words}, [this, words] { free_slot(); });
+  }
+
+  void free_slot() {
+    std::lock_guard lock(mutex_);
+    ++free_;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Waiting> waiting_;
+
+ private:
+  uint32_t lights_;
+  uint32_t free_;
+  std::set<SceneId> resident_;
+};
+
+// Completes every frame by itself, from a completion thread, each after `delay`.
+class SelfRunningFakeRenderer final : public FakeRenderer {
+ public:
+  SelfRunningFakeRenderer(uint32_t slots, uint32_t lights, std::chrono::milliseconds delay)
+      : FakeRenderer(slots, lights), thread_([this, delay] { run(delay); }) {}
+
+  ~SelfRunningFakeRenderer() override {
+    {
+      std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+ private:
+  void run(std::chrono::milliseconds delay) {
+    while (true) {
+      {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
+        if (waiting_.empty()) return;
+      }
+      std::this_thread::sleep_for(delay);
+      complete(delay);
+    }
+  }
+
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace gnomon::daemon

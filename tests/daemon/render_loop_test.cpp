@@ -1,0 +1,283 @@
+#include "daemon/render_loop.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/daemon/fake_renderer.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr SceneId kScene{0};
+constexpr TenantId kTenant{0};
+constexpr SessionId kA{11}, kB{22}, kSilent{33};
+
+// The loop on the test's own thread and clock.
+class RenderLoopTest : public testing::Test {
+ protected:
+  static constexpr uint32_t kSlots = 2;
+
+  void SetUp() override {
+    device_ = std::move(*RenderDevice::open([this]() -> Result<std::unique_ptr<gpu::Renderer>> {
+      ++renderers_made_;
+      if (no_more_renderers_) return Error{"no device left"};
+      auto made = std::make_unique<FakeRenderer>(kSlots);
+      fake_ = made.get();
+      return std::unique_ptr<gpu::Renderer>(std::move(made));
+    }));
+    loop_ = std::make_unique<RenderLoop>(scheduler::make_round_robin(), *device_, inbox_, metrics_,
+                                         [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); });
+    loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
+                               [](Result<void> made) { EXPECT_TRUE(made); }},
+                  now_);
+    for (const SessionId session : {kA, kB, kSilent}) open(session);
+  }
+
+  void TearDown() override {
+    rendered_.clear();
+    device_.reset();
+  }
+
+  void open(SessionId session) {
+    loop_->handle(SessionOpened{session, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  }
+
+  void view(SessionId session, uint32_t frame) {
+    ViewRequest view{session, FrameId{frame}, {}, now_};
+    view.camera.position.x = static_cast<float>(frame);
+    loop_->handle(view, now_);
+  }
+
+  // What the thread does with its inbox, and then starts what fits.
+  void settle() {
+    std::vector<RenderEvent> batch;
+    do {
+      loop_->start(now_);
+      inbox_.take(batch, TimePoint::min());
+      for (RenderEvent& event : batch) loop_->handle(std::move(event), now_);
+    } while (!batch.empty());
+    now_ += 1ms;
+  }
+
+  std::vector<uint32_t> rendered_frames_of(SessionId session) {
+    std::vector<uint32_t> frames;
+    for (const RenderedFrame& frame : rendered_) {
+      if (frame.meta.session == session) frames.push_back(frame.meta.frame.value);
+    }
+    return frames;
+  }
+
+  TimePoint now_ = TimePoint(std::chrono::hours(1));
+  Metrics metrics_{{"default"}, {}, "test"};
+  RenderInbox inbox_;
+  int renderers_made_ = 0;
+  bool no_more_renderers_ = false;
+  FakeRenderer* fake_ = nullptr;
+  std::unique_ptr<RenderDevice> device_;
+  std::vector<RenderedFrame> rendered_;
+  std::unique_ptr<RenderLoop> loop_;
+};
+
+TEST_F(RenderLoopTest, NewestCameraWinsAndTheOthersAreCounted) {
+  for (uint32_t frame = 1; frame <= kSlots; ++frame) {  // fill the device
+    view(kB, frame);
+    settle();
+  }
+  for (uint32_t frame = 1; frame <= 5; ++frame) view(kA, frame);
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots);
+  fake_->complete();
+  rendered_.clear();  // drops the lease: a slot is free
+  settle();
+  ASSERT_EQ(fake_->waiting(), kSlots);
+  EXPECT_EQ(fake_->job(1).camera.position.x, 5.0f);
+  fake_->complete();
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{5});
+  EXPECT_EQ(rendered_.back().meta.coalesced, 4u);
+  EXPECT_NE(metrics_.text().find("gnomon_frames_coalesced_total{tenant=\"default\"} 4"), std::string::npos);
+}
+
+TEST_F(RenderLoopTest, ASilentSessionHoldsNobodyUp) {
+  for (uint32_t frame = 1; frame <= 50; ++frame) {
+    view(kA, frame);
+    view(kB, frame);
+    settle();
+    ASSERT_EQ(fake_->waiting(), 2u);
+    fake_->complete();
+    fake_->complete();
+    EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{frame});
+    EXPECT_EQ(rendered_frames_of(kB), std::vector<uint32_t>{frame});
+    rendered_.clear();
+    settle();
+  }
+}
+
+TEST_F(RenderLoopTest, NeverSubmitsMoreThanTheSlots) {
+  for (uint64_t i = 100; i < 120; ++i) {
+    open(SessionId{i});
+    view(SessionId{i}, 1);
+  }
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots);
+  fake_->complete();  // done, but the lease is still out
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots - 1);
+  rendered_.clear();
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots);
+}
+
+TEST_F(RenderLoopTest, FramesCarryWhatLaterStagesNeed) {
+  const TimePoint arrival = now_;
+  view(kA, 7);
+  now_ += 3ms;
+  settle();
+  fake_->complete(4ms);
+  ASSERT_EQ(rendered_.size(), 1u);
+  const FrameMeta& meta = rendered_[0].meta;
+  EXPECT_EQ(meta.arrival, arrival);
+  EXPECT_EQ(meta.submitted, arrival + 3ms);
+  EXPECT_EQ(meta.gpu, Nanoseconds(4ms));
+  EXPECT_EQ(meta.grid, rendered_[0].mask.mask().grid);
+  gpu::CameraView camera;
+  camera.position.x = 7;
+  EXPECT_EQ(rendered_[0].mask.mask().words[0], fake_word(camera, 0));
+}
+
+TEST_F(RenderLoopTest, AClosedSessionsViewIsDropped) {
+  for (uint32_t frame = 1; frame <= kSlots; ++frame) {
+    view(kB, frame);
+    settle();
+  }
+  view(kA, 1);
+  loop_->handle(SessionClosed{kA}, now_);
+  view(kA, 2);  // was on its way
+  while (fake_->waiting() > 0) {
+    fake_->complete();
+    rendered_.clear();
+    settle();
+  }
+  EXPECT_EQ(metrics_.count_of(Fault::session_gone), 2u);
+  view(kB, 9);
+  settle();
+  ASSERT_EQ(fake_->waiting(), 1u);
+  EXPECT_EQ(fake_->job(0).camera.position.x, 9.0f);
+}
+
+TEST_F(RenderLoopTest, ASessionMayCloseWhileItsFrameIsOnTheDevice) {
+  view(kA, 1);
+  settle();
+  loop_->handle(SessionClosed{kA}, now_);
+  fake_->complete();
+  rendered_.clear();
+  settle();
+  EXPECT_EQ(fake_->free_slots(), kSlots);
+}
+
+TEST_F(RenderLoopTest, StopsWhenTheLastLeaseHasComeBack) {
+  view(kA, 1);
+  settle();
+  view(kB, 1);
+  loop_->handle(StopRendering{}, now_);
+  EXPECT_FALSE(loop_->finished());
+  fake_->complete();
+  settle();
+  EXPECT_FALSE(loop_->finished()) << "the lease is still out";
+  rendered_.clear();
+  settle();
+  EXPECT_TRUE(loop_->finished());
+  EXPECT_EQ(fake_->waiting(), 0u) << "the view that was pending is not rendered";
+  view(kB, 2);
+  EXPECT_EQ(metrics_.count_of(Fault::view_draining), 2u);
+}
+
+TEST_F(RenderLoopTest, ALostDeviceIsMadeAnewWithItsScenesAndSessionsGoOn) {
+  view(kA, 1);
+  view(kB, 1);
+  settle();
+  fake_->complete(1ms, true);
+  settle();
+  EXPECT_EQ(renderers_made_, 1) << "a frame is still on the old device";
+  EXPECT_FALSE(loop_->device_up());
+  view(kA, 2);
+  fake_->complete(1ms, true);
+  settle();
+  EXPECT_EQ(renderers_made_, 2);
+  EXPECT_TRUE(loop_->device_up());
+  EXPECT_EQ(fake_->resident(), std::set<SceneId>{kScene});
+  ASSERT_EQ(fake_->waiting(), 1u);
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{2});
+  EXPECT_EQ(metrics_.count_of(Fault::device_lost), 2u);
+}
+
+TEST_F(RenderLoopTest, ADeviceThatIsLostTooOftenIsGivenUp) {
+  for (uint32_t loss = 1; loss <= kMaxLosses + 1; ++loss) {
+    EXPECT_FALSE(loop_->finished()) << loss;
+    view(kA, loss);
+    settle();
+    fake_->complete(1ms, true);
+    settle();
+  }
+  EXPECT_TRUE(loop_->finished());
+  ASSERT_TRUE(loop_->failure());
+  EXPECT_NE(loop_->failure()->message.find("lost 4 times within 60 s"), std::string::npos);
+}
+
+TEST_F(RenderLoopTest, LossesFarApartAreForgiven) {
+  for (uint32_t loss = 1; loss <= 3 * kMaxLosses; ++loss) {
+    view(kA, loss);
+    settle();
+    fake_->complete(1ms, true);
+    settle();
+    now_ += kLossWindow;
+  }
+  EXPECT_FALSE(loop_->failure());
+}
+
+TEST_F(RenderLoopTest, AFailedRebuildIsAFailure) {
+  no_more_renderers_ = true;
+  view(kA, 1);
+  settle();
+  fake_->complete(1ms, true);
+  settle();
+  ASSERT_TRUE(loop_->failure());
+  EXPECT_EQ(loop_->failure()->message, "no device left");
+  view(kA, 2);
+  settle();  // and nothing is submitted to a renderer that is not there
+}
+
+TEST_F(RenderLoopTest, ARefusedSubmitCostsOneFrameAndManyInARowTheDevice) {
+  fake_->refuse_submits = true;
+  view(kA, 1);
+  settle();
+  EXPECT_EQ(metrics_.count_of(Fault::submit_failed), 1u);
+  fake_->refuse_submits = false;
+  view(kA, 2);
+  settle();
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{2});
+  rendered_.clear();
+  settle();
+  fake_->refuse_submits = true;
+  for (uint32_t frame = 3; renderers_made_ == 1 && frame < 100; ++frame) {
+    view(kA, frame);
+    settle();
+  }
+  EXPECT_EQ(renderers_made_, 2);
+}
+
+TEST(RenderInbox, BoundsWaitingViewsAndNothingElse) {
+  RenderInbox inbox(3);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(inbox.push_view({}));
+  EXPECT_FALSE(inbox.push_view({}));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(inbox.push(SessionClosed{}));
+  std::vector<RenderEvent> batch;
+  inbox.take(batch, TimePoint::min());
+  EXPECT_EQ(batch.size(), 13u);
+  EXPECT_TRUE(inbox.push_view({}));
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
