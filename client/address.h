@@ -1,0 +1,22 @@
+// HOST:PORT as people write it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/result.h"
+
+namespace gnomon::client {
+
+struct Address {
+  std::string host;  // a name or a numeric address, without brackets
+  uint16_t port = 0;
+};
+
+// "host:7311", "127.0.0.1:7311" or "[::1]:7311".
+Result<Address> parse_address(std::string_view text);
+
+std::string to_string(const Address& address);
+
+}  // namespace gnomon::client

@@ -1,0 +1,64 @@
+#include "client/camera_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gnomon::client {
+namespace {
+
+constexpr double kOrbitSeconds = 20;
+
+glm::vec3 to_glm(const protocol::Vec3& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& size) {
+  const float shown_up = std::tan(pose.vertical_fov / 2);
+  const float shown_right = shown_up * static_cast<float>(size.width) / static_cast<float>(size.height);
+  const float right = shown_right * static_cast<float>(size.traced_width()) / static_cast<float>(size.width);
+  const float up = shown_up * static_cast<float>(size.traced_height()) / static_cast<float>(size.height);
+  const glm::quat q = glm::normalize(pose.orientation);
+  protocol::CameraView view;
+  view.position = {pose.position.x, pose.position.y, pose.position.z};
+  view.orientation = {q.x, q.y, q.z, q.w};
+  view.tan_left = view.tan_right = right;
+  view.tan_up = view.tan_down = up;
+  return view;
+}
+
+CameraPath CameraPath::of_scene(const scenes::Scene& scene) {
+  CameraPath path;
+  path.rest_ = scene.cameras.front().rest;
+  const auto moving = std::find_if(scene.paths.begin(), scene.paths.end(),
+                                   [](const scenes::CameraPath& p) { return p.duration_seconds > 0; });
+  if (moving == scene.paths.end()) return path;
+  path.animation_ = *moving;
+  path.rest_ = scene.cameras[moving->camera].rest;
+  path.duration_seconds_ = moving->duration_seconds;
+  return path;
+}
+
+CameraPath CameraPath::orbit(const protocol::SceneManifest& scene) {
+  CameraPath path;
+  const protocol::CameraView& camera = scene.default_camera;
+  const protocol::Quat& q = camera.orientation;
+  path.rest_ = {to_glm(camera.position), glm::quat(q[3], q[0], q[1], q[2]),
+                std::atan(camera.tan_up) + std::atan(camera.tan_down)};
+  path.circle_radii_ = 0.03f * (to_glm(scene.bounds_max) - to_glm(scene.bounds_min));
+  path.duration_seconds_ = kOrbitSeconds;
+  return path;
+}
+
+scenes::CameraPose CameraPath::at(double seconds) const {
+  const double time = std::fmod(std::max(seconds, 0.0), duration_seconds_);
+  if (!animation_.channels.empty()) {
+    return scenes::pose_at(animation_, rest_.vertical_fov, static_cast<float>(time));
+  }
+  const auto angle = static_cast<float>(2 * std::numbers::pi * time / duration_seconds_);
+  scenes::CameraPose pose = rest_;
+  pose.position += circle_radii_ * glm::vec3(std::cos(angle) - 1, 0.3f * std::sin(angle), std::sin(angle));
+  return pose;
+}
+
+}  // namespace gnomon::client

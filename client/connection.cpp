@@ -1,0 +1,99 @@
+#include "client/connection.h"
+
+#include <cstdio>
+#include <utility>
+
+namespace gnomon::client {
+
+std::string describe(const protocol::Refused& refused) {
+  std::string line = std::string("refused (") + protocol::to_string(refused.code) + "): " + refused.text;
+  std::string fit;
+  if (refused.fit_width && refused.fit_height) {
+    fit = std::to_string(refused.fit_width) + "x" + std::to_string(refused.fit_height);
+  }
+  if (refused.fit_rate_hz > 0) {
+    char rate[32];
+    std::snprintf(rate, sizeof rate, "%.4g Hz", static_cast<double>(refused.fit_rate_hz));
+    fit.append(fit.empty() ? "" : " at ").append(rate);
+  }
+  if (!fit.empty()) line.append("; would fit: ").append(fit);
+  return line;
+}
+
+Connection::Connection(Loop& loop, ConnectOptions options, ConnectionEvents events)
+    : loop_(loop),
+      options_(std::move(options)),
+      events_(std::move(events)),
+      handshake_timer_(
+          loop, [this] { fail(Error{std::string("no answer from ") + to_string(options_.server) + " in time"}); }),
+      control_(loop, options_.server,
+               {.connected = [this] { control_.send(options_.hello); },
+                .message = [this](protocol::Message message) { on_message(std::move(message)); },
+                .failed = [this](const Error& error) { fail(error); }}) {
+  handshake_timer_.arm(Clock::now() + options_.timeout);
+}
+
+Connection::~Connection() { close(""); }
+
+Result<void> Connection::wait_open() {
+  loop_.run_until(TimePoint::max(), [this] { return state_ != State::connecting; });
+  if (state_ == State::open) return {};
+  return failure_.value_or(Error{"the connection was closed"});
+}
+
+DataCounters Connection::data_counters() const { return data_ ? data_->counters() : DataCounters{}; }
+
+void Connection::send(protocol::DatagramKind kind, std::span<const uint8_t> body) {
+  if (state_ == State::open) data_->send(kind, body);
+}
+
+void Connection::close(const std::string& reason) {
+  if (state_ == State::closed) return;
+  state_ = State::closed;
+  handshake_timer_.disarm();
+  control_.close(reason);
+}
+
+void Connection::on_message(protocol::Message message) {
+  if (state_ == State::closed) return;
+  if (const auto* bye = std::get_if<protocol::Bye>(&message)) {
+    return fail(Error{"the server ended the session" +
+                      (bye->reason.empty() ? std::string() : std::string(": ") + bye->reason)});
+  }
+  if (state_ == State::open) {
+    if (events_.message) events_.message(message);
+    return;
+  }
+  if (auto* welcome = std::get_if<protocol::Welcome>(&message)) return on_welcome(std::move(*welcome));
+  if (auto* refused = std::get_if<protocol::Refused>(&message)) {
+    refusal_ = std::move(*refused);
+    return fail(Error{describe(*refusal_)});
+  }
+  fail(Error{"the server answered Hello with neither Welcome nor Refused"});
+}
+
+void Connection::on_welcome(protocol::Welcome welcome) {
+  // The masks' memory is sized by these numbers: never beyond what was asked for.
+  if (welcome.width == 0 || welcome.height == 0 || welcome.width > options_.hello.width ||
+      welcome.height > options_.hello.height || welcome.scene.lights.size() > protocol::kMaxLights) {
+    return fail(Error{"the server's Welcome offers a size or a number of lights that was not asked for"});
+  }
+  auto data = DataChannel::open(loop_, control_.server_ip(), welcome, [this](const protocol::Opened& datagram) {
+    if (state_ == State::open && events_.datagram) events_.datagram(datagram);
+  });
+  if (!data) return fail(data.error());
+  welcome_ = std::move(welcome);
+  data_ = std::move(*data);
+  handshake_timer_.disarm();
+  state_ = State::open;
+  if (events_.opened) events_.opened();
+}
+
+void Connection::fail(Error error) {
+  if (state_ == State::closed) return;
+  close("");
+  failure_ = std::move(error);
+  if (events_.closed) events_.closed(*failure_);
+}
+
+}  // namespace gnomon::client

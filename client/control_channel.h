@@ -1,0 +1,41 @@
+// The control connection: protocol messages over one stream. The place where TLS goes in.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/address.h"
+#include "client/loop.h"
+#include "common/result.h"
+#include "protocol/messages.h"
+
+namespace gnomon::client {
+
+// The loop's thread. Call backs may destroy the channel.
+class ControlChannel {
+ public:
+  struct Events {
+    std::function<void()> connected = {};
+    std::function<void(protocol::Message)> message = {};
+    std::function<void(const Error&)> failed = {};  // once, and nothing after it; never after close()
+  };
+
+  // Starts to look up and connect.
+  ControlChannel(Loop& loop, const Address& server, Events events);
+  ~ControlChannel();  // drops the connection
+
+  void send(const protocol::Message& message);
+
+  // Says Bye, as far as the connection takes it without waiting, and closes.
+  void close(const std::string& reason);
+
+  // The server's numeric address; valid once connected.
+  std::string server_ip() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace gnomon::client

@@ -1,0 +1,92 @@
+#include "client/montage.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+namespace gnomon::client {
+namespace {
+
+constexpr uint32_t kGap = 4;              // pixels between panels
+constexpr uint32_t kPanelsPerColumn = 4;  // at least; more lights make more columns of smaller panels
+constexpr uint8_t kBackground = 24;
+
+// Mean of the pixels that fall into each smaller one.
+Picture scale_down(const Picture& from, uint32_t width, uint32_t height) {
+  Picture to(width, height);
+  for (uint32_t y = 0; y < height; ++y) {
+    const uint32_t y0 = y * from.height / height;
+    const uint32_t y1 = std::max(y0 + 1, (y + 1) * from.height / height);
+    for (uint32_t x = 0; x < width; ++x) {
+      const uint32_t x0 = x * from.width / width;
+      const uint32_t x1 = std::max(x0 + 1, (x + 1) * from.width / width);
+      const uint32_t count = (y1 - y0) * (x1 - x0);
+      for (uint32_t channel = 0; channel < 4; ++channel) {
+        uint32_t sum = 0;
+        for (uint32_t v = y0; v < y1; ++v) {
+          for (uint32_t u = x0; u < x1; ++u) sum += from.pixel(u, v)[channel];
+        }
+        to.pixel(x, y)[channel] = static_cast<uint8_t>((sum + count / 2) / count);
+      }
+    }
+  }
+  return to;
+}
+
+void paste(const Picture& from, Picture& to, uint32_t left, uint32_t top) {
+  for (uint32_t y = 0; y < from.height; ++y) {
+    std::memcpy(to.pixel(left, top + y), from.pixel(0, y), size_t{4} * from.width);
+  }
+}
+
+Picture background(uint32_t width, uint32_t height) {
+  Picture picture(width, height);
+  for (size_t i = 0; i < picture.rgba.size(); ++i) picture.rgba[i] = i % 4 == 3 ? 255 : kBackground;
+  return picture;
+}
+
+}  // namespace
+
+Picture crop_centre(const Picture& traced, uint32_t width, uint32_t height) {
+  assert(width <= traced.width && height <= traced.height);
+  Picture shown(width, height);
+  const uint32_t left = (traced.width - width) / 2;
+  const uint32_t top = (traced.height - height) / 2;
+  for (uint32_t y = 0; y < height; ++y) {
+    std::memcpy(shown.pixel(0, y), traced.pixel(left, top + y), size_t{4} * width);
+  }
+  return shown;
+}
+
+Picture seen_by_light(const Picture& material, const TileMaskView& mask, uint32_t light) {
+  assert(material.width == mask.grid.width && material.height == mask.grid.height);
+  Picture seen = material;
+  for (uint32_t y = 0; y < seen.height; ++y) {
+    for (uint32_t x = 0; x < seen.width; ++x) {
+      if (!mask.lit(x, y, light)) std::memset(seen.pixel(x, y), 0, 3);
+    }
+  }
+  return seen;
+}
+
+Picture montage(const std::vector<Picture>& panels, const Picture& shaded) {
+  if (panels.empty()) return shaded;
+  const auto count = static_cast<uint32_t>(panels.size());
+  // As many rows as keep the panels' columns narrower than the picture beside them.
+  uint32_t rows = std::min(count, kPanelsPerColumn);
+  while ((count + rows - 1) / rows > rows) ++rows;
+  const uint32_t columns = (count + rows - 1) / rows;
+  const uint32_t panel_height = std::max(1u, (shaded.height - std::min(shaded.height, kGap * (rows - 1))) / rows);
+  const uint32_t panel_width = std::max(1u, panel_height * shaded.width / shaded.height);
+
+  Picture whole = background(columns * (panel_width + kGap) + shaded.width,
+                             std::max(shaded.height, rows * (panel_height + kGap) - kGap));
+  for (uint32_t i = 0; i < count; ++i) {
+    paste(scale_down(panels[i], panel_width, panel_height), whole, i / rows * (panel_width + kGap),
+          i % rows * (panel_height + kGap));
+  }
+  paste(shaded, whole, columns * (panel_width + kGap), 0);
+  return whole;
+}
+
+}  // namespace gnomon::client

@@ -1,0 +1,28 @@
+// RGBA pictures as PNG files. libpng stands behind this header alone.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "common/result.h"
+
+namespace gnomon::client {
+
+// Rows from the top, four bytes a pixel.
+struct Picture {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  std::vector<uint8_t> rgba;
+
+  Picture() = default;
+  Picture(uint32_t w, uint32_t h) : width(w), height(h), rgba(size_t{4} * w * h) {}
+  uint8_t* pixel(uint32_t x, uint32_t y) { return &rgba[4 * (size_t{y} * width + x)]; }
+  const uint8_t* pixel(uint32_t x, uint32_t y) const { return &rgba[4 * (size_t{y} * width + x)]; }
+  friend bool operator==(const Picture&, const Picture&) = default;
+};
+
+Result<void> write_png(const std::filesystem::path& file, const Picture& picture);
+Result<Picture> read_png(const std::filesystem::path& file);
+
+}  // namespace gnomon::client

@@ -1,0 +1,138 @@
+#include "client/visibility_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gnomon::client {
+
+VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events events)
+    : options_(std::move(options)),
+      events_(std::move(events)),
+      expiry_timer_(loop, [this] { expire(Clock::now()); }),
+      connection_(loop, options_.connect,
+                  {.opened = [this] { start(); },
+                   .message = [this](const protocol::Message& message) { on_message(message); },
+                   .datagram = [this](const protocol::Opened& datagram) { on_datagram(datagram); },
+                   .closed =
+                       [this](const Error& error) {
+                         expiry_timer_.disarm();
+                         if (events_.closed) events_.closed(error);
+                       }}) {}
+
+void VisibilityStream::start() {
+  const auto& welcome = connection_.welcome();
+  scene_ = welcome.scene;
+  restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
+  expiry_timer_.arm(Clock::now() + options_.patience / 2);
+  if (events_.opened) events_.opened();
+}
+
+// Frames asked for before this have another shape: their slices are of no use any more.
+void VisibilityStream::restart_with(TileGrid grid) {
+  if (assembler_ && assembler_->grid() == grid) return;
+  assembler_.emplace(grid);
+  first_of_grid_ = FrameId{newest_asked_.value + 1};
+}
+
+void VisibilityStream::on_message(const protocol::Message& message) {
+  TileGrid changed = grid();
+  if (const auto* degraded = std::get_if<protocol::Degraded>(&message)) {
+    const auto& welcome = connection_.welcome();
+    if (degraded->width > 0 && degraded->width <= welcome.width) changed.width = degraded->width;
+    if (degraded->height > 0 && degraded->height <= welcome.height) changed.height = degraded->height;
+  } else if (const auto* scene = std::get_if<protocol::SceneChanged>(&message)) {
+    scene_ = scene->scene;
+  } else if (const auto* lights = std::get_if<protocol::LightsChanged>(&message)) {
+    scene_.lights = lights->lights;
+  }
+  changed.lights = static_cast<uint32_t>(std::min<size_t>(scene_.lights.size(), protocol::kMaxLights));
+  restart_with(changed);
+  if (events_.message) events_.message(message);
+}
+
+FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds display_deadline) {
+  const TimePoint now = Clock::now();
+  protocol::CameraUpdate update;
+  update.frame = newest_asked_ = FrameId{newest_asked_.value + 1};
+  update.camera = camera;
+  update.client_time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+  update.display_deadline_us = static_cast<uint32_t>(to_microseconds(display_deadline));
+  acks_.fill(update);
+  body_.clear();
+  protocol::append_camera_update(body_, update);
+  asked_.push_back({camera, now, {}, false});
+  ++counters_.asked;
+  connection_.send(protocol::DatagramKind::camera_update, body_);
+  return update.frame;
+}
+
+void VisibilityStream::on_datagram(const protocol::Opened& datagram) {
+  if (datagram.header.kind != protocol::DatagramKind::frame_slice) return;
+  if (const auto slice = protocol::decode_frame_slice(datagram.body)) {
+    add_slice(*slice);
+  } else {
+    ++counters_.wrong_frames;
+  }
+}
+
+void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
+  const FrameId frame = slice.header.frame;
+  if (frame.value == 0 || frame > newest_asked_) {
+    ++counters_.wrong_frames;
+    return;
+  }
+  acks_.received(frame, slice.header.slice);
+  Asked* asked = find(frame);
+  if (!asked || asked->answered || frame < first_of_grid_) {
+    ++counters_.late_slices;
+    return;
+  }
+  switch (assembler_->add(slice)) {
+    case SliceOutcome::stored:
+    case SliceOutcome::completed: asked->last_slice = Clock::now(); break;
+    case SliceOutcome::duplicate: ++counters_.duplicate_slices; break;
+    case SliceOutcome::late: ++counters_.late_slices; break;
+    case SliceOutcome::malformed: ++counters_.wrong_frames; break;
+  }
+  deliver_finished();
+}
+
+void VisibilityStream::deliver_finished() {
+  while (auto frame = assembler_->take_finished()) {
+    Asked* asked = find(frame->frame);
+    if (asked && !asked->answered && asked->last_slice) {
+      asked->answered = true;
+      newest_answered_ = std::max(newest_answered_, frame->frame);
+      ++(frame->complete() ? counters_.complete : counters_.incomplete);
+      counters_.lost_slices += frame->slice_count - frame->slices_received;
+      // A copy: the call back may ask for another camera, which moves the records.
+      const Answer answer{asked->camera, *frame, *asked->last_slice - asked->sent};
+      if (events_.answer) events_.answer(answer);
+    }
+    if (frame->grid == assembler_->grid()) assembler_->recycle(std::move(*frame));
+  }
+}
+
+void VisibilityStream::expire(TimePoint now) {
+  for (size_t i = 0; i < asked_.size(); ++i) {
+    const Asked& asked = asked_[i];
+    if (asked.answered || !asked.last_slice || now - *asked.last_slice < options_.patience) continue;
+    assembler_->give_up(FrameId{newest_asked_.value - static_cast<uint32_t>(asked_.size() - 1 - i)});
+  }
+  deliver_finished();
+  while (!asked_.empty() && (asked_.front().answered || now - asked_.front().sent >= options_.answer_timeout)) {
+    const FrameId frame{newest_asked_.value - static_cast<uint32_t>(asked_.size() - 1)};
+    if (!asked_.front().answered) {
+      ++(frame < newest_answered_ ? counters_.superseded : counters_.unanswered);
+    }
+    asked_.pop_front();
+  }
+  if (connection_.state() == Connection::State::open) expiry_timer_.arm(now + options_.patience / 2);
+}
+
+VisibilityStream::Asked* VisibilityStream::find(FrameId frame) {
+  const uint32_t back = newest_asked_.value - frame.value;
+  return back < asked_.size() ? &asked_[asked_.size() - 1 - back] : nullptr;
+}
+
+}  // namespace gnomon::client

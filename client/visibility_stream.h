@@ -1,0 +1,104 @@
+// What an engine uses: ask for a camera, get its visibility. See client/example.cpp.
+//
+//   ask(camera) -> CameraUpdate (+ acknowledgements) ... FrameSlices -> FrameAssembler -> Answer
+//
+// Any number of cameras may be in flight; the server renders the newest that it has, so some are never answered.
+// Belongs to one Loop and its thread.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "client/ack_list.h"
+#include "client/connection.h"
+#include "client/frame_assembler.h"
+
+namespace gnomon::client {
+
+// The visibility of one camera: whole, or without the tiles that mask.missing_tiles() names.
+struct Answer {
+  protocol::CameraView camera;
+  const AssembledFrame& mask;  // borrowed for the call
+  Nanoseconds response;        // from the camera's sending to the last slice's arrival
+};
+
+struct StreamOptions {
+  ConnectOptions connect;
+  // How long an unfinished frame waits for another slice before it is handed over as it is.
+  Nanoseconds patience = std::chrono::milliseconds(250);
+  // How long a camera may go unanswered before it is forgotten.
+  Nanoseconds answer_timeout = std::chrono::seconds(10);
+};
+
+struct StreamCounters {
+  uint64_t asked = 0;
+  uint64_t complete = 0;     // frames
+  uint64_t incomplete = 0;   // frames handed over with tiles missing
+  uint64_t superseded = 0;   // cameras without answer while a newer one has got one
+  uint64_t unanswered = 0;   // cameras without answer for the timeout, and no newer one either
+  uint64_t lost_slices = 0;  // of incomplete frames
+  uint64_t duplicate_slices = 0;
+  uint64_t late_slices = 0;   // of frames already handed over
+  uint64_t wrong_frames = 0;  // slices of frames never asked for, that contradict their frame or do not decode
+};
+
+class VisibilityStream {
+ public:
+  struct Events {
+    std::function<void(const Answer&)> answer = {};
+    std::function<void()> opened = {};                           // may be empty, as those below
+    std::function<void(const protocol::Message&)> message = {};  // Stats, Degraded, Draining, ...
+    std::function<void(const Error&)> closed = {};
+  };
+
+  VisibilityStream(Loop& loop, StreamOptions options, Events events);
+
+  Result<void> wait_open() { return connection_.wait_open(); }
+  void close(const std::string& reason) { connection_.close(reason); }
+  const Connection& connection() const { return connection_; }
+
+  // What the masks are of; once open. The server may change both in mid-session (Degraded, SceneChanged).
+  const TileGrid& grid() const { return assembler_->grid(); }
+  const protocol::SceneManifest& scene() const { return scene_; }
+
+  // Sends a camera; its frustum covers the whole traced buffer. Ids count from 1. Once open.
+  FrameId ask(const protocol::CameraView& camera, Nanoseconds display_deadline = {});
+
+  // Cameras asked since the newest one that has been answered.
+  size_t in_flight() const { return newest_asked_.value - newest_answered_.value; }
+  const StreamCounters& counters() const { return counters_; }
+
+ private:
+  struct Asked {
+    protocol::CameraView camera;
+    TimePoint sent;
+    std::optional<TimePoint> last_slice;
+    bool answered = false;
+  };
+
+  void start();
+  void restart_with(TileGrid grid);
+  void on_message(const protocol::Message& message);
+  void on_datagram(const protocol::Opened& datagram);
+  void add_slice(const protocol::FrameSlice& slice);
+  void deliver_finished();
+  void expire(TimePoint now);
+  Asked* find(FrameId frame);
+
+  StreamOptions options_;
+  Events events_;
+  std::optional<FrameAssembler> assembler_;
+  protocol::SceneManifest scene_;
+  AckList acks_;
+  std::deque<Asked> asked_;  // of consecutive frames up to newest_asked_
+  FrameId newest_asked_{0};
+  FrameId newest_answered_{0};
+  FrameId first_of_grid_{1};  // frames before it have another shape
+  StreamCounters counters_;
+  std::vector<uint8_t> body_;
+  Timer expiry_timer_;
+  Connection connection_;
+};
+
+}  // namespace gnomon::client

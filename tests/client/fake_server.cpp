@@ -1,0 +1,147 @@
+#include "tests/client/fake_server.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+
+#include "tests/client/sliced.h"
+
+namespace gnomon::tests {
+namespace {
+
+constexpr int kPatienceMs = 5000;
+
+bool readable(int socket) {
+  pollfd wait{socket, POLLIN, 0};
+  return poll(&wait, 1, kPatienceMs) == 1;
+}
+
+int bound_socket(int type, uint16_t& port) {
+  const int made = socket(AF_INET, type, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  if (bind(made, reinterpret_cast<sockaddr*>(&address), size) != 0) std::abort();
+  getsockname(made, reinterpret_cast<sockaddr*>(&address), &size);
+  port = ntohs(address.sin_port);
+  return made;
+}
+
+}  // namespace
+
+Peer::Peer(int listener) {
+  if (readable(listener)) stream_ = accept(listener, nullptr, nullptr);
+}
+
+Peer::~Peer() {
+  hang_up();
+  if (datagrams_ >= 0) close(datagrams_);
+}
+
+void Peer::hang_up() {
+  if (stream_ >= 0) close(stream_);
+  stream_ = -1;
+}
+
+std::optional<protocol::Message> Peer::read() {
+  while (true) {
+    auto next = reader_.next();
+    if (!next) return std::nullopt;
+    if (next->has_value()) return std::move(**next);
+    std::array<uint8_t, 4096> bytes;
+    if (stream_ < 0 || !readable(stream_)) return std::nullopt;
+    const ssize_t count = recv(stream_, bytes.data(), bytes.size(), 0);
+    if (count <= 0) return std::nullopt;
+    reader_.feed(std::span(bytes).first(static_cast<size_t>(count)));
+  }
+}
+
+void Peer::write(const protocol::Message& message) { write_bytes(protocol::encode(message)); }
+
+void Peer::write_bytes(std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = send(stream_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (count <= 0) return;
+    bytes = bytes.subspan(static_cast<size_t>(count));
+  }
+}
+
+void Peer::welcome(protocol::Welcome message) {
+  datagrams_ = bound_socket(SOCK_DGRAM, message.data_port);
+  message.session = SessionId{0x1234567890abcdef};
+  message.data_key.fill(7);
+  seal_ = protocol::make_clear_seal(message.session, message.data_key, protocol::Side::server);
+  write(message);
+}
+
+std::optional<protocol::CameraUpdate> Peer::read_camera() {
+  std::array<uint8_t, 2048> bytes;
+  sockaddr_storage from{};
+  socklen_t size = sizeof from;
+  if (!readable(datagrams_)) return std::nullopt;
+  const ssize_t count =
+      recvfrom(datagrams_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+  if (count <= 0) return std::nullopt;
+  const auto opened = seal_->open(std::span(bytes).first(static_cast<size_t>(count)));
+  if (!opened) return std::nullopt;
+  const auto* address = reinterpret_cast<const uint8_t*>(&from);
+  client_address_.assign(address, address + size);
+  return protocol::decode_camera_update(opened->body);
+}
+
+void Peer::send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload) {
+  std::vector<uint8_t> body, datagram;
+  protocol::append_frame_slice(body, header, payload);
+  seal_->seal(protocol::DatagramKind::frame_slice, body, datagram);
+  send_raw(datagram);
+}
+
+void Peer::send_raw(std::span<const uint8_t> datagram) {
+  sendto(datagrams_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(client_address_.data()),
+         static_cast<socklen_t>(client_address_.size()));
+}
+
+void Peer::send_frame(FrameId frame, const TileMaskView& mask) {
+  const auto encoded = sliced(frame, mask, protocol::kMaxSlicePayloadBytes);
+  for (size_t i = 0; i < encoded.slices.size(); ++i) send_slice(encoded.slices[i], encoded.payload(i));
+}
+
+FakeServer::FakeServer(Script script) : address_{"127.0.0.1", 0} {
+  listener_ = bound_socket(SOCK_STREAM, address_.port);
+  listen(listener_, 1);
+  thread_ = std::thread([this, script = std::move(script)] {
+    Peer peer(listener_);
+    script(peer);
+  });
+}
+
+FakeServer::~FakeServer() {
+  thread_.join();
+  close(listener_);
+}
+
+protocol::Welcome small_welcome(uint16_t width, uint16_t height, size_t lights) {
+  protocol::Welcome welcome;
+  welcome.width = width;
+  welcome.height = height;
+  welcome.silence_timeout_ms = 5000;
+  welcome.tracer = "fake";
+  welcome.scene.name = "little";
+  welcome.scene.bounds_min = {-1, -1, -1};
+  welcome.scene.bounds_max = {1, 1, 1};
+  welcome.scene.lights.resize(lights);
+  for (auto& light : welcome.scene.lights) {
+    light.direction = {0, -1, 0};
+    light.color = {1, 1, 1};
+    light.intensity = 1;
+  }
+  return welcome;
+}
+
+}  // namespace gnomon::tests

@@ -1,0 +1,63 @@
+// A server that plays a script to one client: for what a real one never does.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/address.h"
+#include "protocol/codec.h"
+#include "protocol/messages.h"
+#include "protocol/seal.h"
+
+namespace gnomon::tests {
+
+// The server's end of one connection. Everything waits five seconds at most and then gives nothing.
+class Peer {
+ public:
+  explicit Peer(int listener);
+  ~Peer();
+
+  std::optional<protocol::Message> read();
+  void write(const protocol::Message& message);
+  void write_bytes(std::span<const uint8_t> bytes);
+  void hang_up();  // without Bye
+
+  // Fills in session, data port and key, says Welcome.
+  void welcome(protocol::Welcome message);
+  std::optional<protocol::CameraUpdate> read_camera();
+  // To where the last camera came from.
+  void send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload);
+  void send_frame(FrameId frame, const TileMaskView& mask);
+  void send_raw(std::span<const uint8_t> datagram);
+
+ private:
+  int stream_ = -1;
+  int datagrams_ = -1;
+  std::vector<uint8_t> client_address_;
+  protocol::MessageReader reader_;
+  std::unique_ptr<protocol::Seal> seal_;
+};
+
+class FakeServer {
+ public:
+  using Script = std::function<void(Peer&)>;
+
+  explicit FakeServer(Script script);  // runs on a thread of its own once a client has connected
+  ~FakeServer();                       // waits for the script's end
+
+  const client::Address& address() const { return address_; }
+
+ private:
+  int listener_;
+  client::Address address_;
+  std::thread thread_;
+};
+
+// A Welcome for a little scene of `lights` lights.
+protocol::Welcome small_welcome(uint16_t width, uint16_t height, size_t lights);
+
+}  // namespace gnomon::tests

@@ -1,0 +1,18 @@
+// A mask as its datagrams carry it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "protocol/codec.h"
+
+namespace gnomon::tests {
+
+inline protocol::EncodedFrame sliced(FrameId frame, const TileMaskView& mask, size_t max_payload_bytes) {
+  protocol::EncodedFrame encoded;
+  const auto done = protocol::FrameEncoder().encode(mask, protocol::CodecId::tiles_lz4, max_payload_bytes, encoded);
+  EXPECT_TRUE(done) << done.error().message;
+  for (auto& slice : encoded.slices) slice.frame = frame;
+  return encoded;
+}
+
+}  // namespace gnomon::tests
