@@ -23,11 +23,13 @@ constexpr size_t kTooLong = std::numeric_limits<size_t>::max();
 
 // A slice is good enough when it fills this much of its payload; after so many trials, whatever fits will do.
 constexpr double kWellFilled = 0.94;
+constexpr double kAim = 0.98;
 constexpr int kMaxTrials = 5;
+constexpr double kClassWeight = 0.04;  // bytes that a tile's class is expected to take after LZ4
 
-// Lights of which one tile always fits: two bits and a mixed word each, or a word a pixel for 32 of them.
+// Lights of which one tile always fits, whatever it shows: a class and kMaxTileBytes each, or a word a pixel for 32.
 uint32_t lights_that_fit(CodecId codec, size_t plain_bytes) {
-  const size_t lights = codec == CodecId::raw32_lz4 ? plain_bytes / 256 * 32 : plain_bytes / 9;
+  const size_t lights = codec == CodecId::raw32_lz4 ? plain_bytes / 256 * 32 : plain_bytes / (1 + kMaxTileBytes);
   return static_cast<uint32_t>(std::min<size_t>(lights, kMaxLights));
 }
 
@@ -36,16 +38,40 @@ uint32_t lights_that_fit(CodecId codec, size_t plain_bytes) {
 struct FrameEncoder::Workspace {
   TileMaskView frame;
   CodecId codec = CodecId::tiles_lz4;
-  size_t limit = 0;           // bytes of a payload
-  double bytes_per_tile = 0;  // what the last slice took: the guess for the next
+  size_t limit = 0;  // bytes of a payload
+  double ratio = 1;  // payload bytes for a range's weight, as the last trial had it
   LZ4_stream_t lz4;
-  std::vector<TileClass> classes;
+  CodedTiles coded;  // of tiles_lz4
   std::vector<uint8_t> plain;
   std::vector<uint8_t> trial;  // the payload tried last
   std::vector<uint8_t> best;   // the longest so far that fits
 
   bool pack(const SliceRange& range) {
-    return codec == CodecId::raw32_lz4 ? pack_raw32(frame, range, plain) : pack_tiles(frame, classes, range, plain);
+    return codec == CodecId::raw32_lz4 ? pack_raw32(frame, range, plain)
+                                       : pack_tiles(coded, frame.grid, range, plain);
+  }
+
+  // Roughly what the range's payload is proportional to: LZ4 shrinks classes a lot, tiles' bytes hardly.
+  double weight(const SliceRange& range) const {
+    if (codec == CodecId::raw32_lz4) return range.tile_count;
+    size_t bytes = 0;
+    for (uint32_t l = 0; l < range.light_count; ++l) {
+      bytes += coded.bytes_between(first_word(frame.grid, range, l), range.tile_count);
+    }
+    return static_cast<double>(bytes) + kClassWeight * range.tile_count * range.light_count;
+  }
+
+  // The most tiles, from `least` to `most`, whose payload is expected to be well within the limit.
+  uint32_t guess(SliceRange range, uint32_t least, uint32_t most) const {
+    while (least < most) {
+      range.tile_count = least + (most - least + 1) / 2;
+      if (ratio * weight(range) <= kAim * static_cast<double>(limit)) {
+        least = range.tile_count;
+      } else {
+        most = range.tile_count - 1;
+      }
+    }
+    return least;
   }
 
   // Makes the range's payload in `trial`. Its size, exact up to twice the limit; beyond that, kTooLong.
@@ -72,21 +98,18 @@ struct FrameEncoder::Workspace {
   uint32_t cut(SliceRange range, uint32_t left) {
     uint32_t fits = 0;
     uint32_t too_many = left + 1;
-    double guess = 0.97 * static_cast<double>(limit) / bytes_per_tile;
     for (int trials = 0; fits + 1 < too_many && (fits == 0 || trials < kMaxTrials); ++trials) {
-      range.tile_count = static_cast<uint32_t>(std::clamp(guess, fits + 1.0, too_many - 1.0));
+      range.tile_count = guess(range, fits + 1, too_many - 1);
       const size_t size = try_range(range);
-      if (size <= limit) {
-        fits = range.tile_count;
-        std::swap(trial, best);
-        if (static_cast<double>(size) >= kWellFilled * static_cast<double>(limit)) break;
-      } else {
+      ratio = size == kTooLong ? 2 * ratio : static_cast<double>(size) / weight(range);
+      if (size > limit) {
         too_many = range.tile_count;
+        continue;
       }
-      guess = size == kTooLong ? range.tile_count / 2
-                               : 0.98 * range.tile_count * static_cast<double>(limit) / static_cast<double>(size);
+      fits = range.tile_count;
+      std::swap(trial, best);
+      if (static_cast<double>(size) >= kWellFilled * static_cast<double>(limit)) break;
     }
-    bytes_per_tile = static_cast<double>(best.size()) / fits;
     return fits;
   }
 
@@ -96,7 +119,7 @@ struct FrameEncoder::Workspace {
     const uint32_t step = lights_that_fit(codec, limit - 1);
     for (uint32_t light = 0; light < lights; light += step) {
       SliceRange range{.first_light = light, .light_count = std::min(step, lights - light)};
-      bytes_per_tile = 0.25 * range.light_count;
+      ratio = 1;
       for (range.first_tile = 0; range.first_tile < tiles; range.first_tile += range.tile_count) {
         if (out.slices.size() == kMaxSlices) return false;
         range.tile_count = cut(range, tiles - range.first_tile);
@@ -135,7 +158,7 @@ Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size
   work.frame = frame;
   work.codec = codec;
   work.limit = max_payload_bytes;
-  if (codec == CodecId::tiles_lz4) classify(frame.words, work.classes);
+  if (codec == CodecId::tiles_lz4) work.coded.code(frame.words);
   const bool all_cut = work.cut_frame(out);
   work.frame = {};
   if (!all_cut) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/tile_mask.h"
+#include "protocol/tile_code.h"
 
 namespace gnomon::protocol {
 
@@ -17,18 +18,24 @@ struct SliceRange {
   uint32_t light_count = 0;
 };
 
-// What a tile of one light looks like; two bits on the wire.
-enum class TileClass : uint8_t { dark = 0, lit = 1, mixed = 2, edge = 3 };
-
 // A slice's plain bytes never exceed this, so that decoding needs a small fixed buffer.
 inline constexpr size_t kMaxPlainBytes = 1 << 16;
 
-// One class for every word of a frame, in the same order.
-void classify(std::span<const uint64_t> words, std::vector<TileClass>& classes);
+// Every tile of a frame coded, in the order of the frame's words; a slice is then a few copies.
+struct CodedTiles {
+  std::vector<TileClass> classes;
+  std::vector<uint8_t> bytes;
+  std::vector<uint32_t> starts;  // word i has bytes[starts[i] .. starts[i + 1])
+
+  void code(std::span<const uint64_t> words);
+  size_t bytes_between(size_t first_word, size_t words) const {
+    return starts[first_word + words] - starts[first_word];
+  }
+};
 
 // Pack: replace `plain`; false when it would exceed kMaxPlainBytes.
-// Unpack: write the range's words, nothing else; false when `plain` is not exactly what the range needs.
-bool pack_tiles(const TileMaskView& frame, std::span<const TileClass> classes, const SliceRange& range,
+// Unpack: write words of the range, nothing else; false when `plain` is not exactly what the range needs.
+bool pack_tiles(const CodedTiles& coded, const TileGrid& grid, const SliceRange& range,
                 std::vector<uint8_t>& plain);
 bool unpack_tiles(std::span<const uint8_t> plain, const SliceRange& range, const TileGrid& grid,
                   std::span<uint64_t> words);
@@ -36,5 +43,10 @@ bool unpack_tiles(std::span<const uint8_t> plain, const SliceRange& range, const
 bool pack_raw32(const TileMaskView& frame, const SliceRange& range, std::vector<uint8_t>& plain);
 bool unpack_raw32(std::span<const uint8_t> plain, const SliceRange& range, const TileGrid& grid,
                   std::span<uint64_t> words);
+
+// Index of the word of the range's first tile, `light` lights after its first one.
+inline size_t first_word(const TileGrid& grid, const SliceRange& range, uint32_t light) {
+  return size_t{range.first_light + light} * grid.tile_count() + range.first_tile;
+}
 
 }  // namespace gnomon::protocol
