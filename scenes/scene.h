@@ -139,8 +139,8 @@ struct Scene {
   std::vector<CameraPath> paths;
   Bounds bounds;                // of what is drawn, in the world
   uint64_t triangle_count = 0;  // in the world: a mesh placed twice counts twice
-  // 128 bits over what affects visibility: world triangles, alpha tests and lights. Two files that give the same
-  // masks for the same camera have the same hash, whatever their names, colours and cameras.
+  // 128 bits over what affects visibility: world triangles in their order, alpha tests and lights. Names, colours,
+  // cameras and the way a file arranges its triangles into nodes and meshes do not count (see content_hash.h).
   ContentHash content_hash{};
 
   uint32_t mask_words() const { return (static_cast<uint32_t>(lights.size()) + 31) / 32; }
@@ -148,5 +148,11 @@ struct Scene {
 };
 
 using ScenePtr = std::shared_ptr<const Scene>;
+
+// A pose on a circle around the scene's middle, looking towards it; one turn takes kOrbitSeconds. Within the bounds
+// where a lamp is (an interior), else from outside with all of the scene in view. For scenes without a camera, and
+// for those whose camera stands still where one that moves is wanted.
+inline constexpr float kOrbitSeconds = 20.0f;
+CameraPose orbit_pose(const Scene& scene, float seconds);
 
 }  // namespace gnomon::scenes

@@ -1,0 +1,128 @@
+#include "scenes/content_hash.h"
+
+#include <xxhash.h>
+
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "scenes/world_triangles.h"
+
+namespace gnomon::scenes {
+namespace {
+
+// Raised when what is hashed changes, so that old caches are not taken for new ones.
+constexpr uint32_t kVersion = 1;
+
+class Hasher {
+ public:
+  Hasher() : state_(XXH3_createState(), &XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
+
+  void add_bytes(const void* data, size_t size) { XXH3_128bits_update(state_.get(), data, size); }
+
+  template <class... T>
+  void add(const T&... values) {
+    (add_one(values), ...);
+  }
+
+  ContentHash finish() const {
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state_.get()));
+    ContentHash hash;
+    static_assert(sizeof canonical.digest == sizeof(ContentHash));
+    std::memcpy(hash.data(), canonical.digest, hash.size());
+    return hash;
+  }
+
+ private:
+  template <class T>
+  void add_one(const T& value) {
+    static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> ||
+                  std::is_same_v<T, glm::vec2> || std::is_same_v<T, glm::vec3>);
+    add_bytes(&value, sizeof value);
+  }
+
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
+};
+
+void add_alpha_test(const Scene& scene, uint32_t material, Hasher& hasher) {
+  const Material& m = scene.materials[material];
+  const Texture& t = scene.textures[m.base_color_texture];
+  hasher.add(m.base_color.a, m.alpha_cutoff, t.width, t.height, t.wrap_u, t.wrap_v);
+  std::vector<uint8_t> alphas(t.rgba.size() / 4);
+  for (size_t i = 0; i < alphas.size(); ++i) alphas[i] = t.rgba[4 * i + 3];
+  hasher.add_bytes(alphas.data(), alphas.size());
+}
+
+void add_lights(const Scene& scene, Hasher& hasher) {
+  hasher.add(static_cast<uint64_t>(scene.lights.size()));
+  for (const Light& light : scene.lights) {
+    hasher.add(light.type);
+    if (light.type != LightType::directional) hasher.add(light.position, light.range);
+    if (light.type != LightType::point) hasher.add(light.direction);
+    if (light.type == LightType::spot) hasher.add(light.outer_cone_cos);
+  }
+}
+
+class Walk {
+ public:
+  explicit Walk(const Scene& scene) : scene_(scene) { hasher_.add(kVersion); }
+
+  void opaque_triangles() {
+    for_each_placement(scene_, Blocking::always, [&](const Placement& p) { triangles(p, false); });
+    hasher_.add(count_);
+  }
+
+  void tested_triangles() {
+    for_each_placement(scene_, Blocking::by_alpha, [&](const Placement& p) {
+      const uint32_t material = p.primitive.material;
+      if (material != last_tested_) add_alpha_test(scene_, material, hasher_);
+      last_tested_ = material;
+      triangles(p, true);
+    });
+    hasher_.add(count_);
+  }
+
+  Extent finish() {
+    add_lights(scene_, hasher_);
+    return {hasher_.finish(), count_ == 0 ? Bounds{} : bounds_};
+  }
+
+ private:
+  void triangles(const Placement& placement, bool with_uvs) {
+    const Primitive& primitive = placement.primitive;
+    const std::vector<glm::vec3> positions = placement.world_positions();
+    const bool mirrored = placement.mirrored();
+    for (const glm::uvec3& triangle : primitive.triangles) {
+      const glm::uvec3 t = wound(triangle, mirrored);
+      const glm::vec3 corners[3] = {positions[t.x], positions[t.y], positions[t.z]};
+      if (!has_area(face_normal(corners[0], corners[1], corners[2]))) continue;
+      for (const glm::vec3& p : corners) {
+        bounds_.min = glm::min(bounds_.min, p);
+        bounds_.max = glm::max(bounds_.max, p);
+      }
+      hasher_.add_bytes(corners, sizeof corners);
+      if (with_uvs && !primitive.uvs.empty()) {
+        hasher_.add(primitive.uvs[t.x], primitive.uvs[t.y], primitive.uvs[t.z]);
+      }
+      ++count_;
+    }
+  }
+
+  const Scene& scene_;
+  Hasher hasher_;
+  Bounds bounds_{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
+  uint64_t count_ = 0;
+  uint32_t last_tested_ = kNone;
+};
+
+}  // namespace
+
+Extent measure(const Scene& scene) {
+  Walk walk(scene);
+  walk.opaque_triangles();
+  walk.tested_triangles();
+  return walk.finish();
+}
+
+}  // namespace gnomon::scenes

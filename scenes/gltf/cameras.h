@@ -1,0 +1,23 @@
+// Cameras and the animations that move them. Internal to scenes/gltf/.
+#pragma once
+
+#include <vector>
+
+#include "common/result.h"
+#include "scenes/gltf/document.h"
+#include "scenes/gltf/hierarchy.h"
+#include "scenes/scene.h"
+
+namespace gnomon::scenes::gltf {
+
+struct Cameras {
+  std::vector<Camera> cameras;
+  std::vector<CameraPath> paths;
+};
+
+// One camera for each node that carries one, and a path for each that an animation moves, itself or through its
+// ancestors. Where several animations move the same property of a node, the first counts. Orthographic cameras are
+// left out: rays of ours start at one point.
+Result<Cameras> read_cameras(const Document& document, const std::vector<PlacedNode>& nodes);
+
+}  // namespace gnomon::scenes::gltf

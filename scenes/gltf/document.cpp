@@ -1,0 +1,185 @@
+#include "scenes/gltf/document.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include "common/log.h"
+#include "scenes/gltf/json_text.h"
+
+namespace gnomon::scenes::gltf {
+namespace {
+
+using nlohmann::json;
+using View = std::span<const uint8_t>;
+
+constexpr uint32_t kMagic = 0x46546c67;  // "glTF"
+constexpr uint32_t kJson = 0x4e4f534a;
+constexpr uint32_t kBin = 0x004e4942;
+
+struct Parts {
+  std::string_view json;
+  std::optional<View> bin;
+};
+
+uint32_t u32(View bytes, size_t at) {
+  return uint32_t{bytes[at]} | uint32_t{bytes[at + 1]} << 8 | uint32_t{bytes[at + 2]} << 16 |
+         uint32_t{bytes[at + 3]} << 24;
+}
+
+std::string_view as_text(View bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+// glTF 2.0, 4.4: a header of 12 bytes, then chunks. The first is JSON; a BIN chunk, if any, is the second.
+Result<Parts> split_glb(View file) {
+  if (file.size() < 20) return Error{"the .glb ends within its header"};
+  if (u32(file, 4) != 2) return Error{"the .glb has version " + std::to_string(u32(file, 4)) + "; only 2 is read"};
+  const size_t length = u32(file, 8);
+  if (length > file.size()) return Error{"the .glb is shorter than its header says: truncated"};
+  const View body = file.first(length);
+  Parts parts;
+  size_t at = 12;
+  for (size_t chunk = 0; at + 8 <= body.size(); ++chunk) {
+    const size_t size = u32(body, at);
+    const uint32_t type = u32(body, at + 4);
+    if (size > body.size() - at - 8) return Error{"a chunk of the .glb ends beyond the file: truncated"};
+    const View content = body.subspan(at + 8, size);
+    if (chunk == 0 && type != kJson) return Error{"the first chunk of the .glb is not JSON"};
+    if (chunk == 0) parts.json = as_text(content);
+    if (chunk == 1 && type == kBin) parts.bin = content;
+    at += 8 + std::min((size + 3) & ~size_t{3}, body.size() - at - 8);
+  }
+  if (parts.json.empty()) return Error{"the .glb has no JSON"};
+  return parts;
+}
+
+Result<Parts> split(View file) {
+  if (file.size() >= 4 && u32(file, 0) == kMagic) return split_glb(file);
+  return Parts{as_text(file), std::nullopt};
+}
+
+std::string text_of(const json& object, const char* key) {
+  const auto it = object.find(key);
+  return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+
+// A buffer's content, cut to its declared length; bytes that had to be read are kept in `owned`.
+Result<View> buffer_content(const json& buffer, bool first, std::optional<View> bin, Folder& folder,
+                            std::vector<Bytes>& owned) {
+  const auto length = buffer.find("byteLength");
+  if (length == buffer.end() || !length->is_number_unsigned()) return Error{"has no valid byteLength"};
+  const auto declared = length->get<uint64_t>();
+  const std::string uri = text_of(buffer, "uri");
+  View content;
+  if (!uri.empty()) {
+    Result<Bytes> bytes = read_uri(folder, uri);
+    if (!bytes) return bytes.error();
+    owned.push_back(std::move(*bytes));
+    content = owned.back();
+  } else if (first && bin) {
+    content = *bin;
+  } else {
+    return View{};  // legal while nothing reads from it
+  }
+  if (content.size() < declared) {
+    return Error{"holds " + std::to_string(content.size()) + " bytes, not the " + std::to_string(declared) +
+                 " that it declares"};
+  }
+  return content.first(declared);
+}
+
+Result<void> read_buffers(const json& root, std::optional<View> bin, Document& document) {
+  const auto buffers = root.find("buffers");
+  if (buffers == root.end()) return {};
+  for (const json& buffer : *buffers) {
+    const size_t index = document.buffers.size();
+    Result<View> content = buffer_content(buffer, index == 0, bin, document.folder, document.owned);
+    if (!content) return Error{"buffer " + std::to_string(index) + ": " + content.error().message};
+    document.buffers.push_back(*content);
+  }
+  return {};
+}
+
+void read_image_sources(const json& root, Document& document) {
+  const auto images = root.find("images");
+  if (images == root.end()) return;
+  for (const json& image : *images) {
+    ImageSource source;
+    source.uri = text_of(image, "uri");
+    const auto view = image.find("bufferView");
+    if (view != image.end() && view->is_number_unsigned() && view->get<uint64_t>() < INT32_MAX) {
+      source.buffer_view = view->get<int>();
+    }
+    document.images.push_back(std::move(source));
+  }
+}
+
+std::string one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+// tinygltf sees JSON alone. It throws on some of what it does not expect.
+Result<void> read_structure(json root, tinygltf::Model& model) {
+  root.erase("buffers");
+  root.erase("images");
+  std::string error;
+  std::string warning;
+  bool read = false;
+  try {
+    const std::string text = root.dump();
+    tinygltf::TinyGLTF reader;
+    read =
+        reader.LoadASCIIFromString(&model, &error, &warning, text.data(), static_cast<unsigned>(text.size()), "");
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (!read) return Error{"its structure is not glTF: " + one_line(error)};
+  if (!error.empty()) log::debug("glTF oddity", {{"what", one_line(error)}});
+  return {};
+}
+
+}  // namespace
+
+Result<Bytes> read_uri(Folder& folder, const std::string& uri) {
+  if (uri.rfind("data:", 0) != 0) return folder.read(uri);
+  Bytes bytes;
+  std::string mime_type;
+  if (!tinygltf::IsDataURI(uri) || !tinygltf::DecodeDataURI(&bytes, mime_type, uri, 0, false)) {
+    return Error{"its data URI '" + uri.substr(0, 40) + "...' cannot be read"};
+  }
+  return bytes;
+}
+
+Result<View> Document::view(int buffer_view) const {
+  const auto found = entry(model.bufferViews, buffer_view, "buffer view");
+  if (!found) return found.error();
+  const tinygltf::BufferView& v = **found;
+  const auto buffer = entry(buffers, v.buffer, "buffer");
+  if (!buffer) return buffer.error();
+  const View bytes = **buffer;
+  if (v.byteOffset > bytes.size() || v.byteLength > bytes.size() - v.byteOffset) {
+    return Error{"buffer view " + std::to_string(buffer_view) + " ends beyond its buffer"};
+  }
+  return bytes.subspan(v.byteOffset, v.byteLength);
+}
+
+Result<Document> open_document(const std::filesystem::path& file, const LoadLimits& limits) {
+  Result<Folder> folder = Folder::of(file, limits.max_file_bytes);
+  if (!folder) return folder.error();
+  Document document{std::move(*folder), {}, {}, {}, {}};
+  Result<Bytes> bytes = document.folder.read_scene_file();
+  if (!bytes) return bytes.error();
+  document.owned.push_back(std::move(*bytes));
+  const Result<Parts> parts = split(document.owned.front());
+  if (!parts) return parts.error();
+  Result<json> root = parse_gltf_json(parts->json);
+  if (!root) return root.error();
+  if (const auto ok = read_buffers(*root, parts->bin, document); !ok) return ok.error();
+  read_image_sources(*root, document);
+  if (const auto ok = read_structure(std::move(*root), document.model); !ok) return ok.error();
+  return document;
+}
+
+}  // namespace gnomon::scenes::gltf

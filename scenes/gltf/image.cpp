@@ -1,0 +1,59 @@
+#include "scenes/gltf/image.h"
+
+#include <climits>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+namespace {
+
+// The largest block that stb_image may ask for while this thread decodes one image.
+thread_local size_t largest_block = 0;
+
+void* limited_malloc(size_t size) { return size <= largest_block ? std::malloc(size) : nullptr; }
+void* limited_realloc(void* block, size_t size) {
+  return size <= largest_block ? std::realloc(block, size) : nullptr;
+}
+
+}  // namespace
+
+#define STBI_MALLOC(size) limited_malloc(size)
+#define STBI_REALLOC(block, size) limited_realloc(block, size)
+#define STBI_FREE(block) std::free(block)
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 32768
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#include <stb/stb_image.h>
+
+namespace gnomon::scenes::gltf {
+
+Result<Image> decode_image(std::span<const uint8_t> bytes, uint64_t max_texels) {
+  constexpr size_t kSlack = size_t{1} << 20;  // tables, and stb's first guesses
+  if (bytes.empty() || bytes.size() > INT_MAX) return Error{"is empty or too large"};
+  const int size = static_cast<int>(bytes.size());
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+  largest_block = kSlack;
+  if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0 || width <= 0 || height <= 0) {
+    return Error{"is neither PNG nor JPEG"};
+  }
+  const uint64_t texels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+  if (texels > max_texels) {
+    return Error{"of " + std::to_string(width) + " x " + std::to_string(height) +
+                 " takes the scene beyond its limit"};
+  }
+  // 8 bytes a texel: 16 bits in four channels. stb doubles its buffer while it unpacks.
+  largest_block = kSlack + 2 * (8 * texels + static_cast<size_t>(height)) + bytes.size();
+  const std::unique_ptr<stbi_uc, decltype(&std::free)> texel_bytes(
+      stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &std::free);
+  if (!texel_bytes) return Error{std::string("cannot be decoded: ") + stbi_failure_reason()};
+  Image image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
+  image.rgba.assign(texel_bytes.get(), texel_bytes.get() + 4 * texels);
+  return image;
+}
+
+}  // namespace gnomon::scenes::gltf

@@ -1,0 +1,138 @@
+#include "scenes/gltf/json_text.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+namespace gnomon::scenes::gltf {
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t kMaxTextBytes = size_t{1} << 30;
+constexpr size_t kMaxDepth = 64;  // glTF itself needs 8
+// tinygltf takes up to 2 KB for an empty entry of an array: three bytes of JSON.
+constexpr size_t kMaxNodes = size_t{1} << 20;
+constexpr size_t kMaxEntries = size_t{1} << 18;
+
+// What a file may require. Extensions that only change how a surface looks are ignored.
+constexpr std::array<std::string_view, 17> kSupported = {"KHR_lights_punctual",
+                                                         "KHR_mesh_quantization",
+                                                         "KHR_texture_transform",
+                                                         "KHR_materials_anisotropy",
+                                                         "KHR_materials_clearcoat",
+                                                         "KHR_materials_dispersion",
+                                                         "KHR_materials_emissive_strength",
+                                                         "KHR_materials_ior",
+                                                         "KHR_materials_iridescence",
+                                                         "KHR_materials_sheen",
+                                                         "KHR_materials_specular",
+                                                         "KHR_materials_transmission",
+                                                         "KHR_materials_unlit",
+                                                         "KHR_materials_variants",
+                                                         "KHR_materials_volume",
+                                                         "KHR_xmp_json_ld",
+                                                         "KHR_xmp"};
+// Those that are read; the values of all others need not be kept.
+constexpr std::array<std::string_view, 3> kRead = {"KHR_lights_punctual", "KHR_texture_transform",
+                                                   "KHR_materials_emissive_strength"};
+
+template <class List>
+bool contains(const List& list, std::string_view name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+// The parser needs no stack for nesting, but copying and printing do.
+bool nested_too_deeply(std::string_view text) {
+  size_t depth = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxDepth) return true;
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return false;
+}
+
+void strip(json& value) {
+  if (value.is_object()) {
+    value.erase("extras");
+    if (const auto extensions = value.find("extensions"); extensions != value.end() && extensions->is_object()) {
+      for (auto it = extensions->begin(); it != extensions->end();) {
+        it = contains(kRead, it.key()) ? std::next(it) : extensions->erase(it);
+      }
+    }
+  }
+  if (value.is_structured()) {
+    for (json& child : value) strip(child);
+  }
+}
+
+Result<void> check_version(const json& root) {
+  const auto asset = root.find("asset");
+  if (asset == root.end() || !asset->is_object()) return Error{"it has no 'asset' object: not a glTF 2.0 file"};
+  const auto version = asset->find("version");
+  if (version == asset->end() || !version->is_string()) return Error{"'asset.version' is missing"};
+  const std::string text = version->get<std::string>();
+  if (text != "2" && text.rfind("2.", 0) != 0) return Error{"it is glTF " + text + "; only glTF 2.0 is read"};
+  return {};
+}
+
+Result<void> check_extensions(const json& root) {
+  const auto required = root.find("extensionsRequired");
+  if (required == root.end()) return {};
+  if (!required->is_array()) return Error{"'extensionsRequired' is not an array"};
+  for (const json& name : *required) {
+    if (!name.is_string()) return Error{"'extensionsRequired' holds something other than names"};
+    const std::string text = name.get<std::string>();
+    if (!contains(kSupported, text)) return Error{"it requires the extension " + text + ", which is not supported"};
+  }
+  return {};
+}
+
+Result<void> check_counts(const json& root) {
+  constexpr std::array<const char*, 13> kArrays = {"accessors", "animations", "buffers", "bufferViews", "cameras",
+                                                   "images",    "materials",  "meshes",  "nodes",       "samplers",
+                                                   "scenes",    "skins",      "textures"};
+  for (const char* name : kArrays) {
+    const auto array = root.find(name);
+    if (array == root.end()) continue;
+    if (!array->is_array()) return Error{std::string("'") + name + "' is not an array"};
+    const size_t limit = std::string_view(name) == "nodes" ? kMaxNodes : kMaxEntries;
+    if (array->size() > limit) return Error{"it has " + std::to_string(array->size()) + " " + name + ": too many"};
+  }
+  return {};
+}
+
+Result<json> parsed(std::string_view text) {
+  try {
+    return json::parse(text.begin(), text.end());
+  } catch (const json::exception& e) {
+    return Error{std::string("its JSON cannot be read: ") + e.what()};
+  }
+}
+
+}  // namespace
+
+Result<json> parse_gltf_json(std::string_view text) {
+  if (text.size() > kMaxTextBytes) return Error{"its JSON has " + std::to_string(text.size()) + " bytes: too many"};
+  if (nested_too_deeply(text)) return Error{"its JSON is nested more than " + std::to_string(kMaxDepth) + " deep"};
+  Result<json> root = parsed(text);
+  if (!root) return root;
+  if (!root->is_object()) return Error{"its JSON is not an object"};
+  for (const auto check : {check_version, check_extensions, check_counts}) {
+    if (const Result<void> ok = check(*root); !ok) return ok.error();
+  }
+  strip(*root);
+  return root;
+}
+
+}  // namespace gnomon::scenes::gltf

@@ -1,0 +1,17 @@
+// KHR_lights_punctual. Internal to scenes/gltf/.
+#pragma once
+
+#include <optional>
+
+#include "common/result.h"
+#include "scenes/gltf/document.h"
+#include "scenes/gltf/hierarchy.h"
+#include "scenes/scene.h"
+
+namespace gnomon::scenes::gltf {
+
+// The light that a node carries, if it does. It shines along the node's -Z; the node's scale changes neither its
+// range nor its cone. Error: says what of it is not valid.
+Result<std::optional<Light>> light_at(const tinygltf::Model& model, const PlacedNode& node);
+
+}  // namespace gnomon::scenes::gltf

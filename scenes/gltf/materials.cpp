@@ -1,0 +1,177 @@
+#include "scenes/gltf/materials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "common/log.h"
+#include "scenes/gltf/image.h"
+
+namespace gnomon::scenes::gltf {
+namespace {
+
+Wrap wrap_of(int code) {
+  if (code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::clamp_to_edge;
+  if (code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::mirrored_repeat;
+  return Wrap::repeat;
+}
+
+Result<Image> read_image(Document& document, int index, uint64_t max_texels) {
+  const auto source = entry(document.images, index, "image");
+  if (!source) return source.error();
+  const std::string name = "image " + std::to_string(index);
+  const auto decoded = [&](std::span<const uint8_t> bytes) -> Result<Image> {
+    Result<Image> image = decode_image(bytes, max_texels);
+    if (!image) return Error{name + " " + image.error().message};
+    return image;
+  };
+  if ((*source)->buffer_view >= 0) {
+    const auto bytes = document.view((*source)->buffer_view);
+    if (!bytes) return Error{name + ": " + bytes.error().message};
+    return decoded(*bytes);
+  }
+  const auto bytes = read_uri(document.folder, (*source)->uri);
+  if (!bytes) return Error{name + ": " + bytes.error().message};
+  return decoded(*bytes);
+}
+
+// Reads each texture once, however many materials use it.
+class Textures {
+ public:
+  Textures(Document& document, uint64_t max_texels) : document_(document), texels_left_(max_texels) {}
+
+  // Index into Scene::textures.
+  Result<uint32_t> get(int texture) {
+    if (const auto known = known_.find(texture); known != known_.end()) return known->second;
+    Result<Texture> read_texture = read(texture);
+    if (!read_texture) return read_texture.error();
+    const auto index = static_cast<uint32_t>(textures_.size());
+    textures_.push_back(std::move(*read_texture));
+    known_.emplace(texture, index);
+    return index;
+  }
+
+  std::vector<Texture> take() { return std::move(textures_); }
+
+ private:
+  Result<Texture> read(int index) {
+    const auto found = entry(document_.model.textures, index, "texture");
+    if (!found) return found.error();
+    Result<Image> image = read_image(document_, (*found)->source, texels_left_);
+    if (!image) return image.error();
+    Texture texture;
+    texture.width = image->width;
+    texture.height = image->height;
+    texture.rgba = std::move(image->rgba);
+    texels_left_ -= texture.rgba.size() / 4;
+    for (size_t i = 3; i < texture.rgba.size(); i += 4) texture.has_alpha |= texture.rgba[i] != 255;
+    if ((*found)->sampler >= 0) {
+      const auto sampler = entry(document_.model.samplers, (*found)->sampler, "sampler");
+      if (!sampler) return sampler.error();
+      texture.wrap_u = wrap_of((*sampler)->wrapS);
+      texture.wrap_v = wrap_of((*sampler)->wrapT);
+    }
+    return texture;
+  }
+
+  Document& document_;
+  uint64_t texels_left_;
+  std::vector<Texture> textures_;
+  std::map<int, uint32_t> known_;
+};
+
+double number(const tinygltf::Value& object, const char* key, double otherwise) {
+  return object.Has(key) && object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble() : otherwise;
+}
+
+glm::vec2 pair(const tinygltf::Value& object, const char* key, const glm::vec2& otherwise) {
+  if (!object.Has(key)) return otherwise;
+  const tinygltf::Value& array = object.Get(key);
+  if (!array.IsArray() || array.ArrayLen() != 2 || !array.Get(0).IsNumber() || !array.Get(1).IsNumber()) {
+    return otherwise;
+  }
+  return {array.Get(0).GetNumberAsDouble(), array.Get(1).GetNumberAsDouble()};
+}
+
+TextureCoordinates coordinates_of(const tinygltf::TextureInfo& info) {
+  TextureCoordinates coordinates;
+  coordinates.set = info.texCoord;
+  const auto extension = info.extensions.find("KHR_texture_transform");
+  if (extension == info.extensions.end()) return coordinates;
+  const tinygltf::Value& t = extension->second;
+  const glm::vec2 offset = pair(t, "offset", glm::vec2(0.0f));
+  const glm::vec2 scale = pair(t, "scale", glm::vec2(1.0f));
+  const auto angle = static_cast<float>(number(t, "rotation", 0.0));
+  if (t.Has("texCoord") && t.Get("texCoord").IsInt()) coordinates.set = t.Get("texCoord").GetNumberAsInt();
+  const float c = std::cos(angle);
+  const float s = std::sin(angle);
+  // Translation x rotation x scale, in columns, as the extension's text has it.
+  coordinates.transform = glm::mat3(c * scale.x, -s * scale.x, 0.0f,  //
+                                    s * scale.y, c * scale.y, 0.0f,   //
+                                    offset.x, offset.y, 1.0f);
+  return coordinates;
+}
+
+AlphaMode alpha_mode_of(const std::string& name) {
+  if (name == "MASK") return AlphaMode::mask;
+  if (name == "BLEND") return AlphaMode::blend;
+  return AlphaMode::opaque;
+}
+
+float emissive_strength(const tinygltf::Material& source) {
+  const auto extension = source.extensions.find("KHR_materials_emissive_strength");
+  if (extension == source.extensions.end()) return 1.0f;
+  return static_cast<float>(number(extension->second, "emissiveStrength", 1.0));
+}
+
+Material factors_of(const tinygltf::Material& source) {
+  Material material;
+  material.name = source.name;
+  const auto& base = source.pbrMetallicRoughness.baseColorFactor;
+  for (int i = 0; i < 4 && base.size() == 4; ++i)
+    material.base_color[i] = static_cast<float>(base[static_cast<size_t>(i)]);
+  for (int i = 0; i < 3 && source.emissiveFactor.size() == 3; ++i) {
+    material.emissive[i] = static_cast<float>(source.emissiveFactor[static_cast<size_t>(i)]);
+  }
+  material.emissive *= emissive_strength(source);
+  material.alpha_mode = alpha_mode_of(source.alphaMode);
+  material.alpha_cutoff = static_cast<float>(source.alphaCutoff);
+  return material;
+}
+
+bool all_finite(const Material& m) {
+  const float numbers[] = {m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a,
+                           m.emissive.r,   m.emissive.g,   m.emissive.b,   m.alpha_cutoff};
+  return std::all_of(std::begin(numbers), std::end(numbers), [](float v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
+Result<Materials> read_materials(Document& document, uint64_t max_texels) {
+  Materials out;
+  Textures textures(document, max_texels);
+  for (const tinygltf::Material& source : document.model.materials) {
+    const std::string name = "material " + std::to_string(out.materials.size()) + " '" + source.name + "'";
+    Material material = factors_of(source);
+    if (!all_finite(material)) return Error{name + " has a number that is not finite"};
+    const tinygltf::TextureInfo& info = source.pbrMetallicRoughness.baseColorTexture;
+    if (info.index != -1) {
+      const Result<uint32_t> texture = textures.get(info.index);
+      if (!texture && material.alpha_mode == AlphaMode::mask) {
+        return Error{name + " needs its texture for an alpha test: " + texture.error().message};
+      }
+      if (!texture) log::warning("texture left out", {{"material", source.name}, {"why", texture.error().message}});
+      if (texture) material.base_color_texture = *texture;
+    }
+    out.materials.push_back(std::move(material));
+    out.coordinates.push_back(coordinates_of(info));
+  }
+  out.default_material = static_cast<uint32_t>(out.materials.size());
+  out.materials.emplace_back();
+  out.coordinates.emplace_back();
+  out.textures = textures.take();
+  return out;
+}
+
+}  // namespace gnomon::scenes::gltf

@@ -1,0 +1,143 @@
+#include "scenes/loader.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "scenes/content_hash.h"
+#include "scenes/gltf/cameras.h"
+#include "scenes/gltf/document.h"
+#include "scenes/gltf/geometry.h"
+#include "scenes/gltf/hierarchy.h"
+#include "scenes/gltf/lights.h"
+#include "scenes/gltf/materials.h"
+
+namespace gnomon::scenes {
+namespace {
+
+using gltf::Document;
+using gltf::PlacedNode;
+
+// Beyond this, areas and distances leave the range of floats.
+constexpr float kFarthest = 1e9f;
+
+// Fills a scene from the placed nodes, reading each mesh when the first node uses it.
+class Assembly {
+ public:
+  Assembly(Document& document, const LoadLimits& limits)
+      : document_(document), limits_(limits), scene_(std::make_shared<Scene>()) {}
+
+  Result<std::shared_ptr<Scene>> run() {
+    auto materials = gltf::read_materials(document_, limits_.max_texels);
+    if (!materials) return materials.error();
+    materials_ = std::move(*materials);
+    mesh_index_.assign(document_.model.meshes.size(), kUnread);
+    const auto nodes = gltf::place_nodes(document_.model, limits_);
+    if (!nodes) return nodes.error();
+    for (const PlacedNode& node : *nodes) {
+      if (const auto ok = add_mesh(node); !ok) return ok.error();
+      if (const auto ok = add_light(node); !ok) return ok.error();
+    }
+    auto cameras = gltf::read_cameras(document_, *nodes);
+    if (!cameras) return cameras.error();
+    scene_->cameras = std::move(cameras->cameras);
+    scene_->paths = std::move(cameras->paths);
+    scene_->materials = std::move(materials_.materials);
+    scene_->textures = std::move(materials_.textures);
+    return std::move(scene_);
+  }
+
+ private:
+  static constexpr uint32_t kUnread = kNone;
+  static constexpr uint32_t kNothingToDraw = kNone - 1;
+
+  Result<void> add_mesh(const PlacedNode& node) {
+    const int mesh = document_.model.nodes[static_cast<size_t>(node.node)].mesh;
+    if (mesh == -1) return {};
+    const auto index = scene_mesh(mesh);
+    if (!index) return Error{gltf::node_name(document_.model, node.node) + ": " + index.error().message};
+    if (*index == kNothingToDraw) return {};
+    const Mesh& placed = scene_->meshes[*index];
+    scene_->instances.push_back({*index, glm::mat4(node.to_world)});
+    scene_->triangle_count += gltf::triangle_count(placed);
+    if (scene_->instances.size() > limits_.max_instances) return Error{"it has too many instances of meshes"};
+    if (scene_->triangle_count > limits_.max_triangles) return Error{"it has too many triangles"};
+    return check_extent(placed, scene_->instances.back());
+  }
+
+  // Index into Scene::meshes.
+  Result<uint32_t> scene_mesh(int mesh) {
+    if (mesh < 0 || static_cast<size_t>(mesh) >= mesh_index_.size()) {
+      return Error{"mesh " + std::to_string(mesh) + " does not exist"};
+    }
+    uint32_t& index = mesh_index_[static_cast<size_t>(mesh)];
+    if (index != kUnread) return index;
+    auto read = gltf::read_mesh(document_, mesh, materials_, limits_.max_triangles - scene_->triangle_count);
+    if (!read) return read.error();
+    index = kNothingToDraw;
+    if (!read->primitives.empty()) {
+      index = static_cast<uint32_t>(scene_->meshes.size());
+      scene_->meshes.push_back(std::move(*read));
+    }
+    return index;
+  }
+
+  // By the corners of the primitives' boxes: an affine image of a box holds that of what is in it.
+  Result<void> check_extent(const Mesh& mesh, const Instance& instance) {
+    for (const Primitive& primitive : mesh.primitives) {
+      Bounds box{primitive.positions.front(), primitive.positions.front()};
+      for (const glm::vec3& p : primitive.positions) {
+        box.min = glm::min(box.min, p);
+        box.max = glm::max(box.max, p);
+      }
+      for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p((corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
+                          (corner & 4) ? box.max.z : box.min.z);
+        const glm::vec3 w(instance.object_to_world * glm::vec4(p, 1.0f));
+        if (!(std::abs(w.x) <= kFarthest && std::abs(w.y) <= kFarthest && std::abs(w.z) <= kFarthest)) {
+          return Error{"mesh '" + mesh.name + "' reaches farther than a million kilometres"};
+        }
+      }
+    }
+    return {};
+  }
+
+  Result<void> add_light(const PlacedNode& node) {
+    auto light = gltf::light_at(document_.model, node);
+    if (!light) return light.error();
+    if (!*light) return {};
+    scene_->lights.push_back(std::move(**light));
+    if (scene_->lights.size() > limits_.max_lights) {
+      return Error{"it has more than " + std::to_string(limits_.max_lights) + " lights"};
+    }
+    return {};
+  }
+
+  Document& document_;
+  const LoadLimits& limits_;
+  std::shared_ptr<Scene> scene_;
+  gltf::Materials materials_;
+  std::vector<uint32_t> mesh_index_;  // for each mesh of the file: index into Scene::meshes
+};
+
+Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits) {
+  auto document = gltf::open_document(file, limits);
+  if (!document) return document.error();
+  return Assembly(*document, limits).run();
+}
+
+}  // namespace
+
+Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits) {
+  auto read = read_scene(file, limits);
+  if (!read) return Error{file.string() + ": " + read.error().message};
+  Scene& scene = **read;
+  scene.name = file.stem().string();
+  const Extent extent = measure(scene);
+  scene.bounds = extent.bounds;
+  scene.content_hash = extent.hash;
+  if (scene.cameras.empty()) scene.cameras.push_back({"bounds", orbit_pose(scene, 0.0f)});
+  return ScenePtr(std::move(*read));
+}
+
+}  // namespace gnomon::scenes
