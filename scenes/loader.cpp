@@ -1,6 +1,8 @@
 #include "scenes/loader.h"
 
+#include <algorithm>
 #include <cmath>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -121,16 +123,27 @@ class Assembly {
 };
 
 Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits) {
-  auto document = gltf::open_document(file, limits);
-  if (!document) return document.error();
-  return Assembly(*document, limits).run();
+  try {
+    auto document = gltf::open_document(file, limits);
+    if (!document) return document.error();
+    return Assembly(*document, limits).run();
+  } catch (const std::bad_alloc&) {
+    return Error{"there is not enough memory for it"};
+  }
+}
+
+// Messages quote names of the file, which may hold anything; they stay one line.
+Error about(const std::filesystem::path& file, std::string message) {
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return Error{file.string() + ": " + message};
 }
 
 }  // namespace
 
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits) {
   auto read = read_scene(file, limits);
-  if (!read) return Error{file.string() + ": " + read.error().message};
+  if (!read) return about(file, read.error().message);
   Scene& scene = **read;
   scene.name = file.stem().string();
   const Extent extent = measure(scene);

@@ -103,7 +103,7 @@ Result<Elements> Elements::of(const Document& document, int index, int type) {
   e.element_bytes_ = component_bytes(accessor.componentType) * static_cast<size_t>(e.width_);
   if (accessor.type != type) return named(index, "has another type than its use needs");
   if (e.element_bytes_ == 0) return named(index, "has a component type that glTF does not know");
-  if (accessor.bufferView == -1) {
+  if (accessor.bufferView == -1 || document.lacks_bytes(accessor.bufferView)) {
     if (e.count_ > kMaxZeros) return named(index, "has too many elements for one without a buffer view");
   } else {
     const auto view = entry(document.model.bufferViews, accessor.bufferView, "buffer view");

@@ -21,7 +21,7 @@ class Elements {
   size_t count() const { return count_; }
   bool is_unsigned() const;
 
-  // No bytes stand behind it: every element is zero.
+  // No bytes stand behind it (no buffer view, or a buffer that the file leaves open): every element is zero.
   bool all_zero() const { return base_ == nullptr && sparse_at_.empty(); }
 
   // Components as numbers; normalised integers become -1 to 1 or 0 to 1. i < count(). Components that the type lacks

@@ -7,6 +7,7 @@
 
 #include "common/log.h"
 #include "scenes/gltf/json_text.h"
+#include "scenes/gltf/uri.h"
 
 namespace gnomon::scenes::gltf {
 namespace {
@@ -19,6 +20,7 @@ constexpr uint32_t kJson = 0x4e4f534a;
 constexpr uint32_t kBin = 0x004e4942;
 
 struct Parts {
+  bool binary = false;
   std::string_view json;
   std::optional<View> bin;
 };
@@ -38,6 +40,7 @@ Result<Parts> split_glb(View file) {
   if (length > file.size()) return Error{"the .glb is shorter than its header says: truncated"};
   const View body = file.first(length);
   Parts parts;
+  parts.binary = true;
   size_t at = 12;
   for (size_t chunk = 0; at + 8 <= body.size(); ++chunk) {
     const size_t size = u32(body, at);
@@ -55,7 +58,7 @@ Result<Parts> split_glb(View file) {
 
 Result<Parts> split(View file) {
   if (file.size() >= 4 && u32(file, 0) == kMagic) return split_glb(file);
-  return Parts{as_text(file), std::nullopt};
+  return Parts{false, as_text(file), std::nullopt};
 }
 
 std::string text_of(const json& object, const char* key) {
@@ -64,7 +67,7 @@ std::string text_of(const json& object, const char* key) {
 }
 
 // A buffer's content, cut to its declared length; bytes that had to be read are kept in `owned`.
-Result<View> buffer_content(const json& buffer, bool first, std::optional<View> bin, Folder& folder,
+Result<View> buffer_content(const json& buffer, bool first, const Parts& parts, Folder& folder,
                             std::vector<Bytes>& owned) {
   const auto length = buffer.find("byteLength");
   if (length == buffer.end() || !length->is_number_unsigned()) return Error{"has no valid byteLength"};
@@ -76,10 +79,13 @@ Result<View> buffer_content(const json& buffer, bool first, std::optional<View> 
     if (!bytes) return bytes.error();
     owned.push_back(std::move(*bytes));
     content = owned.back();
-  } else if (first && bin) {
-    content = *bin;
+  } else if (first && parts.bin) {
+    content = *parts.bin;
+  } else if (first && parts.binary) {
+    return Error{"is missing: the .glb has no BIN chunk"};
   } else {
-    return View{};  // legal while nothing reads from it
+    log::warning("glTF buffer without bytes", {{"bytes", declared}});
+    return View{};
   }
   if (content.size() < declared) {
     return Error{"holds " + std::to_string(content.size()) + " bytes, not the " + std::to_string(declared) +
@@ -88,12 +94,12 @@ Result<View> buffer_content(const json& buffer, bool first, std::optional<View> 
   return content.first(declared);
 }
 
-Result<void> read_buffers(const json& root, std::optional<View> bin, Document& document) {
+Result<void> read_buffers(const json& root, const Parts& parts, Document& document) {
   const auto buffers = root.find("buffers");
   if (buffers == root.end()) return {};
   for (const json& buffer : *buffers) {
     const size_t index = document.buffers.size();
-    Result<View> content = buffer_content(buffer, index == 0, bin, document.folder, document.owned);
+    Result<View> content = buffer_content(buffer, index == 0, parts, document.folder, document.owned);
     if (!content) return Error{"buffer " + std::to_string(index) + ": " + content.error().message};
     document.buffers.push_back(*content);
   }
@@ -143,13 +149,13 @@ Result<void> read_structure(json root, tinygltf::Model& model) {
 }  // namespace
 
 Result<Bytes> read_uri(Folder& folder, const std::string& uri) {
-  if (uri.rfind("data:", 0) != 0) return folder.read(uri);
-  Bytes bytes;
-  std::string mime_type;
-  if (!tinygltf::IsDataURI(uri) || !tinygltf::DecodeDataURI(&bytes, mime_type, uri, 0, false)) {
-    return Error{"its data URI '" + uri.substr(0, 40) + "...' cannot be read"};
-  }
-  return bytes;
+  return is_data_uri(uri) ? decode_data_uri(uri) : folder.read(uri);
+}
+
+bool Document::lacks_bytes(int buffer_view) const {
+  const auto found = entry(model.bufferViews, buffer_view, "buffer view");
+  const auto buffer = found ? entry(buffers, (*found)->buffer, "buffer") : found.error();
+  return buffer && (*buffer)->data() == nullptr;
 }
 
 Result<View> Document::view(int buffer_view) const {
@@ -176,7 +182,7 @@ Result<Document> open_document(const std::filesystem::path& file, const LoadLimi
   if (!parts) return parts.error();
   Result<json> root = parse_gltf_json(parts->json);
   if (!root) return root.error();
-  if (const auto ok = read_buffers(*root, parts->bin, document); !ok) return ok.error();
+  if (const auto ok = read_buffers(*root, *parts, document); !ok) return ok.error();
   read_image_sources(*root, document);
   if (const auto ok = read_structure(std::move(*root), document.model); !ok) return ok.error();
   return document;

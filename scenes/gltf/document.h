@@ -27,12 +27,14 @@ struct ImageSource {
 struct Document {
   Folder folder;
   tinygltf::Model model;                          // without the bytes of buffers and images
-  std::vector<std::span<const uint8_t>> buffers;  // as long as declared
+  std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or without bytes where glTF lets them lack
   std::vector<ImageSource> images;
   std::vector<Bytes> owned;  // what `buffers` looks at
 
   // The bytes of a buffer view. Error: it or its buffer does not exist, or it ends beyond its buffer.
   Result<std::span<const uint8_t>> view(int buffer_view) const;
+  // Whether the view's buffer exists but was left without bytes: legal, and everything read from it is zero.
+  bool lacks_bytes(int buffer_view) const;
 };
 
 Result<Document> open_document(const std::filesystem::path& file, const LoadLimits& limits);

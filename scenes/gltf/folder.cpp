@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "scenes/gltf/uri.h"
+
 namespace gnomon::scenes::gltf {
 namespace fs = std::filesystem;
 namespace {
@@ -27,29 +29,6 @@ class Descriptor {
  private:
   int fd_;
 };
-
-int hex_value(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
-std::string percent_decoded(const std::string& uri) {
-  std::string text;
-  for (size_t i = 0; i < uri.size(); ++i) {
-    const bool escape = uri[i] == '%' && i + 2 < uri.size();
-    const int high = escape ? hex_value(uri[i + 1]) : -1;
-    const int low = escape ? hex_value(uri[i + 2]) : -1;
-    if (high >= 0 && low >= 0) {
-      text += static_cast<char>(high * 16 + low);
-      i += 2;
-    } else {
-      text += uri[i];
-    }
-  }
-  return text;
-}
 
 std::string quoted(const std::string& text) {
   std::string out(1, '\'');

@@ -154,12 +154,13 @@ Result<MaybePrimitive> read_primitive(const Document& document, const tinygltf::
   }
   const Result<Elements> vertices = Elements::of(document, position, TINYGLTF_TYPE_VEC3);
   if (!vertices) return Error{"POSITION: " + vertices.error().message};
+  if (vertices->all_zero()) return MaybePrimitive();
   Result<Corners> corners = read_corners(document, source.indices, vertices->count(), 3 * max_triangles + 2);
   if (!corners) return corners.error();
   if (triangles_of(source.mode, corners->size()) > max_triangles) {
     return Error{"has more triangles than the scene may have"};
   }
-  if (vertices->all_zero() || triangles_of(source.mode, corners->size()) == 0) return MaybePrimitive();
+  if (triangles_of(source.mode, corners->size()) == 0) return MaybePrimitive();
 
   const Result<uint32_t> material = material_of(source, materials);
   if (!material) return material.error();

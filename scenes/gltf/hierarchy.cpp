@@ -1,5 +1,6 @@
 #include "scenes/gltf/hierarchy.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/pose.h"
@@ -48,23 +49,44 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
+// The parent of each node, -1 for roots. Error: two parents, a missing child, a cycle.
+Result<std::vector<int>> parents_of(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (size_t i = 0; i < parents.size(); ++i) {
+    for (const int child : model.nodes[i].children) {
+      if (const auto found = entry(model.nodes, child, "node"); !found) return found.error();
+      int& parent = parents[static_cast<size_t>(child)];
+      if (parent != -1) return Error{node_name(model, child) + " has two parents"};
+      parent = static_cast<int>(i);
+    }
+  }
+  // Each node has one way up; a way that comes back to a node of its own is a cycle.
+  std::vector<size_t> seen_on(parents.size(), 0);  // number of the way that came by first
+  for (size_t start = 0; start < parents.size(); ++start) {
+    size_t node = start;
+    for (; seen_on[node] == 0; node = static_cast<size_t>(parents[node])) {
+      seen_on[node] = start + 1;
+      if (parents[node] == -1) break;
+    }
+    if (parents[node] != -1 && seen_on[node] == start + 1) {
+      return Error{node_name(model, static_cast<int>(node)) + " lies on a cycle"};
+    }
+  }
+  return parents;
+}
+
 Result<std::vector<int>> roots_of(const tinygltf::Model& model) {
+  const auto parents = parents_of(model);
+  if (!parents) return parents.error();
   if (!model.scenes.empty()) {
-    const int index = model.defaultScene == -1 ? 0 : model.defaultScene;
-    const auto scene = entry(model.scenes, index, "scene");
+    const auto scene = entry(model.scenes, std::max(model.defaultScene, 0), "scene");
     if (!scene) return scene.error();
     return (*scene)->nodes;
   }
   if (model.defaultScene != -1) return Error{"scene " + std::to_string(model.defaultScene) + " does not exist"};
-  std::vector<bool> is_child(model.nodes.size(), false);
-  for (const tinygltf::Node& node : model.nodes) {
-    for (const int child : node.children) {
-      if (child >= 0 && static_cast<size_t>(child) < is_child.size()) is_child[static_cast<size_t>(child)] = true;
-    }
-  }
   std::vector<int> roots;
-  for (size_t i = 0; i < is_child.size(); ++i) {
-    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  for (size_t i = 0; i < parents->size(); ++i) {
+    if ((*parents)[i] == -1) roots.push_back(static_cast<int>(i));
   }
   return roots;
 }
@@ -98,7 +120,7 @@ class Walk {
   Result<void> place(const Waiting& next) {
     if (next.node < 0 || static_cast<size_t>(next.node) >= reached_.size()) return Error{"does not exist"};
     const auto index = static_cast<size_t>(next.node);
-    if (reached_[index]) return Error{"is reached twice: it has two parents or lies on a cycle"};
+    if (reached_[index]) return Error{"is reached twice by the scene"};
     reached_[index] = true;
     const tinygltf::Node& source = model_.nodes[index];
     Result<NodeTransform> local = transform_of(source);

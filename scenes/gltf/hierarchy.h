@@ -22,8 +22,8 @@ struct PlacedNode {
 };
 
 // The nodes of the default scene (the first, where the file names none; all roots, where it has no scenes), parents
-// before children, in the file's order. Error: a node that does not exist, is reached twice (two parents, a cycle),
-// lies too deep, or has a transform that is not valid.
+// before children, in the file's order. Error: a node that does not exist, has two parents, lies on a cycle or too
+// deep, or has a transform that is not valid.
 Result<std::vector<PlacedNode>> place_nodes(const tinygltf::Model& model, const LoadLimits& limits);
 
 // "node 3 'lamp'", for errors.

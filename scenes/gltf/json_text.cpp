@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
+
+#include "scenes/gltf/schema.h"
 
 namespace gnomon::scenes::gltf {
 namespace {
@@ -62,17 +65,40 @@ bool nested_too_deeply(std::string_view text) {
   return false;
 }
 
-void strip(json& value) {
-  if (value.is_object()) {
-    value.erase("extras");
-    if (const auto extensions = value.find("extensions"); extensions != value.end() && extensions->is_object()) {
-      for (auto it = extensions->begin(); it != extensions->end();) {
-        it = contains(kRead, it.key()) ? std::next(it) : extensions->erase(it);
-      }
-    }
+void keep_what_is_read(json& object) {
+  object.erase("extras");
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end() || !extensions->is_object()) return;
+  for (auto it = extensions->begin(); it != extensions->end();) {
+    it = contains(kRead, it.key()) ? std::next(it) : extensions->erase(it);
   }
+}
+
+// JSON does not tell 36.0 from 36, tinygltf does.
+void make_whole(json& number) {
+  const double v = number.get<double>();
+  if (v != std::floor(v) || std::abs(v) > INT32_MAX) return;
+  number = v >= 0.0 ? json(static_cast<uint64_t>(v)) : json(static_cast<int64_t>(v));
+}
+
+void normalise(json& value) {
+  if (value.is_object()) keep_what_is_read(value);
+  if (value.is_number_float()) make_whole(value);
   if (value.is_structured()) {
-    for (json& child : value) strip(child);
+    for (json& child : value) normalise(child);
+  }
+}
+
+// An accessor of a kind that later versions may bring hurts only who uses it: it keeps its place, with no elements.
+void blank_unknown_accessors(json& root) {
+  constexpr std::array<std::string_view, 7> kTypes = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
+  const auto accessors = root.find("accessors");
+  if (accessors == root.end() || !accessors->is_array()) return;
+  for (json& accessor : *accessors) {
+    const bool has_type = accessor.is_object() && accessor.contains("type") && accessor["type"].is_string();
+    if (has_type && !contains(kTypes, accessor["type"].get_ref<const std::string&>())) {
+      accessor = {{"componentType", 5126}, {"type", "SCALAR"}, {"count", 0}};
+    }
   }
 }
 
@@ -82,7 +108,7 @@ Result<void> check_version(const json& root) {
   const auto version = asset->find("version");
   if (version == asset->end() || !version->is_string()) return Error{"'asset.version' is missing"};
   const std::string text = version->get<std::string>();
-  if (text != "2" && text.rfind("2.", 0) != 0) return Error{"it is glTF " + text + "; only glTF 2.0 is read"};
+  if (text.rfind("2.", 0) != 0) return Error{"it is glTF '" + text + "'; only glTF 2.0 is read"};
   return {};
 }
 
@@ -112,11 +138,18 @@ Result<void> check_counts(const json& root) {
   return {};
 }
 
+// nlohmann quotes the bytes that it fell over.
+std::string printable(std::string text) {
+  const auto odd = [](char c) { return c < ' ' || c > '~'; };
+  std::replace_if(text.begin(), text.end(), odd, '?');
+  return text;
+}
+
 Result<json> parsed(std::string_view text) {
   try {
     return json::parse(text.begin(), text.end());
   } catch (const json::exception& e) {
-    return Error{std::string("its JSON cannot be read: ") + e.what()};
+    return Error{"its JSON cannot be read: " + printable(e.what())};
   }
 }
 
@@ -128,10 +161,12 @@ Result<json> parse_gltf_json(std::string_view text) {
   Result<json> root = parsed(text);
   if (!root) return root;
   if (!root->is_object()) return Error{"its JSON is not an object"};
-  for (const auto check : {check_version, check_extensions, check_counts}) {
-    if (const Result<void> ok = check(*root); !ok) return ok.error();
-  }
-  strip(*root);
+  if (const auto ok = check_version(*root); !ok) return ok.error();
+  if (const auto ok = check_extensions(*root); !ok) return ok.error();
+  if (const auto ok = check_counts(*root); !ok) return ok.error();
+  normalise(*root);
+  if (const auto ok = check_types(*root); !ok) return ok.error();
+  blank_unknown_accessors(*root);
   return root;
 }
 

@@ -146,6 +146,12 @@ bool all_finite(const Material& m) {
   return std::all_of(std::begin(numbers), std::end(numbers), [](float v) { return std::isfinite(v); });
 }
 
+// A texture may leave its image to an extension that we do not read: then it is as if it were not there.
+bool has_source(const Document& document, int texture) {
+  const auto found = entry(document.model.textures, texture, "texture");
+  return !found || (*found)->source != -1;
+}
+
 }  // namespace
 
 Result<Materials> read_materials(Document& document, uint64_t max_texels) {
@@ -156,7 +162,7 @@ Result<Materials> read_materials(Document& document, uint64_t max_texels) {
     Material material = factors_of(source);
     if (!all_finite(material)) return Error{name + " has a number that is not finite"};
     const tinygltf::TextureInfo& info = source.pbrMetallicRoughness.baseColorTexture;
-    if (info.index != -1) {
+    if (info.index != -1 && has_source(document, info.index)) {
       const Result<uint32_t> texture = textures.get(info.index);
       if (!texture && material.alpha_mode == AlphaMode::mask) {
         return Error{name + " needs its texture for an alpha test: " + texture.error().message};
