@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -62,11 +63,25 @@ class FrameLease {
   std::function<void()> release_;
 };
 
+// What one pass of a frame took, by the device's timestamps.
+struct StageTime {
+  std::string_view pass;  // lives as long as the program
+  uint64_t gpu_ns = 0;
+};
+
+// What a resident scene costs.
+struct SceneFootprint {
+  uint64_t memory_bytes = 0;         // on the device, the tracer's included
+  uint64_t tracer_memory_bytes = 0;  // of these, the tracer's
+  double tracer_build_seconds = 0;
+};
+
 struct FrameDone {
   JobId id;
-  bool device_lost = false;  // then there is no mask
-  uint64_t gpu_ns = 0;       // from the first command to the last, by the device's timestamps
-  uint64_t readback_ns = 0;  // of these, the copy to host memory
+  bool device_lost = false;       // then there is no mask
+  uint64_t gpu_ns = 0;            // from the first command to the last, by the device's timestamps
+  uint64_t readback_ns = 0;       // of these, the copy to host memory
+  std::vector<StageTime> stages;  // every pass, in order
   FrameLease mask;
 };
 
@@ -76,10 +91,14 @@ class Renderer {
   virtual ~Renderer() = default;
 
   virtual std::string device_name() const = 0;
+  virtual std::string driver_name() const { return {}; }
+  virtual std::string tracer_name() const { return {}; }
 
   // Uploads a scene and builds what the tracer needs; blocking. Twice is no news.
   virtual Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) = 0;
   virtual void evict(SceneId id) = 0;
+  // Of a resident scene; zeros for another.
+  virtual SceneFootprint footprint(SceneId) const { return {}; }
 
   // How many submits will be accepted now. Grows when leases are dropped.
   virtual uint32_t free_slots() const = 0;

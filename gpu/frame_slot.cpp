@@ -1,0 +1,92 @@
+#include "gpu/frame_slot.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gnomon::gpu {
+
+Result<FrameSlot> FrameSlot::create(const DevicePtr& device, const FramePlan& plan) {
+  FrameSlot slot;
+  slot.device_ = device;
+  VkCommandPoolCreateInfo pool{};
+  pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+  pool.queueFamilyIndex = device->queue().family();
+  VkCommandPool pool_handle = VK_NULL_HANDLE;
+  if (const VkResult r = vkCreateCommandPool(device->handle(), &pool, nullptr, &pool_handle); r != VK_SUCCESS)
+    return vulkan_error(r, "creating a command pool");
+  slot.pool_ = {device, pool_handle};
+  VkCommandBufferAllocateInfo allocate{};
+  allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  allocate.commandPool = pool_handle;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  if (const VkResult r = vkAllocateCommandBuffers(device->handle(), &allocate, &slot.commands_); r != VK_SUCCESS)
+    return vulkan_error(r, "allocating a command buffer");
+  VkQueryPoolCreateInfo queries{};
+  queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  queries.queryCount = static_cast<uint32_t>(plan.pass_count() + 1);
+  VkQueryPool query_handle = VK_NULL_HANDLE;
+  if (const VkResult r = vkCreateQueryPool(device->handle(), &queries, nullptr, &query_handle); r != VK_SUCCESS)
+    return vulkan_error(r, "creating a query pool");
+  slot.timestamps_ = {device, query_handle};
+  return slot;
+}
+
+Result<void> FrameSlot::ensure(const FramePlan& plan, const Capacity& capacity) {
+  if (resources_ && resources_->capacity.holds(capacity)) return {};
+  const Capacity old = resources_ ? resources_->capacity : Capacity{};
+  resources_.reset();
+  auto grown = plan.allocate({std::max(old.width, capacity.width), std::max(old.height, capacity.height),
+                              std::max(old.lights, capacity.lights)});
+  if (!grown) return grown.error();
+  resources_ = std::move(*grown);
+  return {};
+}
+
+Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
+                                   uint32_t width, uint32_t height) {
+  device_->collect();
+  const TileGrid grid{width, height, scene.light_count()};
+  if (auto ready = ensure(plan, {width, height, grid.lights}); !ready) return ready.error();
+  FrameUniforms uniforms{};
+  set_view(uniforms, camera, width, height);
+  scene.describe(uniforms);
+  std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
+
+  if (const VkResult r = vkResetCommandPool(device_->handle(), pool_.get(), 0); r != VK_SUCCESS)
+    return vulkan_error(r, "resetting a command pool");
+  VkCommandBufferBeginInfo begin{};
+  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  if (const VkResult r = vkBeginCommandBuffer(commands_, &begin); r != VK_SUCCESS)
+    return vulkan_error(r, "recording a frame");
+  plan.execute(commands_, *resources_, scene, grid, timestamps_.get());
+  if (const VkResult r = vkEndCommandBuffer(commands_); r != VK_SUCCESS)
+    return vulkan_error(r, "recording a frame");
+  return device_->queue().submit(commands_);
+}
+
+Result<FrameTiming> FrameSlot::timing(const FramePlan& plan) const {
+  std::vector<uint64_t> ticks(plan.pass_count() + 1);
+  const VkResult r = vkGetQueryPoolResults(device_->handle(), timestamps_.get(), 0,
+                                           static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
+                                           ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
+  if (r != VK_SUCCESS) return vulkan_error(r, "reading timestamps");
+  const auto ns = [&](uint64_t from, uint64_t to) {
+    return static_cast<uint64_t>(static_cast<double>(to - from) * device_->features().timestamp_period_ns);
+  };
+  FrameTiming timing;
+  timing.total_ns = ns(ticks.front(), ticks.back());
+  for (size_t pass = 0; pass < plan.pass_count(); ++pass)
+    timing.stages.push_back({plan.pass_name(pass), ns(ticks[pass], ticks[pass + 1])});
+  return timing;
+}
+
+std::span<const std::byte> FrameSlot::host(const FramePlan& plan, std::string_view resource) const {
+  const Buffer* buffer = plan.buffer(*resources_, resource);
+  if (!buffer) return {};
+  return {buffer->mapped(), buffer->bytes()};
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,71 @@
+// Declare -> compile -> execute: an ordered list of passes, wired by the names of what they read and write.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gpu/passes/pass.h"
+
+namespace gnomon::gpu {
+
+// Memory of one frame slot for every resource of a plan, and the descriptor sets that point to it.
+struct FrameResources {
+  struct Entry {
+    Image image;
+    Buffer buffer;
+  };
+  Capacity capacity;
+  Buffer uniforms;             // FrameUniforms, mapped
+  std::vector<Entry> entries;  // as FramePlan's resources
+  Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool;
+  std::vector<VkDescriptorSet> sets;          // one for each pass
+  std::vector<std::vector<BoundPort>> ports;  // for each pass
+};
+
+class FramePlan {
+ public:
+  // Error: no such pass, or a pass reads what none before it writes.
+  static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
+                                   const Tracer& tracer);
+
+  size_t pass_count() const { return passes_.size(); }
+  std::string_view pass_name(size_t i) const { return passes_[i]->name(); }
+
+  // Error: out of memory.
+  Result<FrameResources> allocate(const Capacity& capacity) const;
+
+  // The buffer of that name; null where the plan has none.
+  const Buffer* buffer(const FrameResources& resources, std::string_view name) const;
+
+  // Records every pass and its barriers, and a timestamp before the first and after each (queries 0...pass_count).
+  void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
+               const TileGrid& grid, VkQueryPool timestamps) const;
+
+ private:
+  struct Resource {
+    std::string_view name;
+    ResourceSpec spec;
+    VkImageUsageFlags image_usage = 0;
+    VkBufferUsageFlags buffer_usage = 0;
+  };
+  struct Barrier {
+    size_t resource;
+    VkPipelineStageFlags2 from_stage, to_stage;
+    VkAccessFlags2 from_access, to_access;
+    VkImageLayout from_layout, to_layout;
+  };
+
+  Result<void> wire();
+  void add_barrier(size_t pass, size_t resource, Use use, struct LastUse& last);
+  void wait_for(VkCommandBuffer commands, const FrameResources& resources, size_t pass) const;
+  Result<void> bind(FrameResources& resources) const;
+
+  DevicePtr device_;
+  std::vector<std::unique_ptr<Pass>> passes_;
+  std::vector<std::vector<Port>> ports_;        // for each pass
+  std::vector<std::vector<size_t>> wiring_;     // for each pass and port: the resource
+  std::vector<std::vector<Barrier>> barriers_;  // before each pass; the last entry: after all, for the host
+  std::vector<Resource> resources_;
+};
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,78 @@
+// A pass: one step of a frame. It declares by name what it reads and writes; FramePlan wires the rest.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "gpu/frame_uniforms.h"
+#include "gpu/pipeline.h"
+#include "gpu/resident_scene.h"
+#include "gpu/resources.h"
+
+namespace gnomon::gpu {
+
+// How a pass touches a resource. The first four and `sampled` concern images where a format is given.
+enum class Use { color_target, depth_target, sampled, storage_read, storage_write, copy_source, copy_target };
+
+constexpr bool writes(Use use) {
+  return use == Use::color_target || use == Use::depth_target || use == Use::storage_write ||
+         use == Use::copy_target;
+}
+
+// The largest frame that a slot's resources can hold.
+struct Capacity {
+  uint32_t width = 0, height = 0, lights = 0;
+
+  bool holds(const Capacity& other) const {
+    return width >= other.width && height >= other.height && lights >= other.lights;
+  }
+  TileGrid grid() const { return {width, height, lights}; }
+};
+
+// What to allocate for a resource: an image where `format` is set, else a buffer. Said by its first writer.
+struct ResourceSpec {
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  std::function<uint64_t(const Capacity&)> bytes;
+  MemoryUse memory = MemoryUse::device;
+};
+
+struct Port {
+  std::string_view resource;  // names live as long as the program
+  Use use;
+  ResourceSpec spec = {};
+};
+
+struct BoundPort {
+  const Image* image = nullptr;
+  const Buffer* buffer = nullptr;
+};
+
+// What a pass knows while it records one frame.
+struct FrameContext {
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  VkDescriptorSet descriptors = VK_NULL_HANDLE;
+  std::span<const BoundPort> ports;  // in the order of Pass::ports
+  const ResidentScene& scene;
+  TileGrid grid;  // this frame's, within the capacity
+};
+
+// Immutable once made; shared by all frame slots.
+class Pass {
+ public:
+  virtual ~Pass() = default;
+  virtual std::string_view name() const = 0;
+  virtual std::vector<Port> ports() const = 0;
+  virtual const PassLayout* layout() const = 0;  // null: binds nothing
+  virtual void record(const FrameContext& frame) const = 0;
+};
+
+class Tracer;
+
+// Makes the pass of that name. `tracer` outlives it. Error: no such pass, with the names there are.
+Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer& tracer);
+
+}  // namespace gnomon::gpu

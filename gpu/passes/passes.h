@@ -1,0 +1,50 @@
+// The passes there are, the resources that they share, and what compute passes have in common.
+//
+//   gbuffer   -> triangle_id (uint32: 0 none, else 1 + index into WorldMesh::triangles), depth
+//   trace     triangle_id -> masks (tile words, see common/tile_mask.h)
+//   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
+//   readback  masks -> host_masks        readback_surface  surface -> host_surface
+#pragma once
+
+#include "gpu/passes/pass.h"
+
+namespace gnomon::gpu {
+
+namespace resource {
+inline constexpr std::string_view kTriangleId = "triangle_id";
+inline constexpr std::string_view kDepth = "depth";
+inline constexpr std::string_view kMasks = "masks";
+inline constexpr std::string_view kHostMasks = "host_masks";
+inline constexpr std::string_view kSurface = "surface";
+inline constexpr std::string_view kHostSurface = "host_surface";
+}  // namespace resource
+
+// One pixel's surface as the tracers see it. triangle: as in triangle_id.
+struct SurfaceSample {
+  glm::vec3 position{0.0f};
+  uint32_t triangle = 0;
+  glm::vec3 normal{0.0f};
+  uint32_t reserved = 0;
+};
+static_assert(sizeof(SurfaceSample) == 32);
+
+Result<std::unique_ptr<Pass>> make_gbuffer_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer);
+Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
+
+// Copies as much of a buffer as this frame has written into cached host memory.
+Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::string_view source,
+                                                 std::string_view target);
+
+struct ComputeStep {
+  PassLayout layout;
+  Pipeline pipeline;
+};
+Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
+                                      std::span<const uint32_t> shader);
+
+// One workgroup for each 8x8 tile.
+void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
+void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push);
+
+}  // namespace gnomon::gpu

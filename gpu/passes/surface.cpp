@@ -1,0 +1,35 @@
+// Writes down the surface points that the trace pass starts from, by the same arithmetic.
+#include "gpu/passes/passes.h"
+#include "spirv/surface_comp.h"
+
+namespace gnomon::gpu {
+namespace {
+
+class SurfacePass : public Pass {
+ public:
+  explicit SurfacePass(ComputeStep step) : step_(std::move(step)) {}
+
+  std::string_view name() const override { return "surface"; }
+  const PassLayout* layout() const override { return &step_.layout; }
+  std::vector<Port> ports() const override {
+    const auto bytes = [](const Capacity& c) { return uint64_t{c.width} * c.height * sizeof(SurfaceSample); };
+    return {{resource::kTriangleId, Use::sampled}, {resource::kSurface, Use::storage_write, {{}, bytes}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const VkDeviceAddress samples = frame.ports[1].buffer->address();
+    dispatch_tiles(frame, step_, std::as_bytes(std::span(&samples, 1)));
+  }
+
+ private:
+  ComputeStep step_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device) {
+  auto step = make_compute_step(device, 1, surface_comp);
+  if (!step) return step.error();
+  return std::unique_ptr<Pass>(std::make_unique<SurfacePass>(std::move(*step)));
+}
+
+}  // namespace gnomon::gpu

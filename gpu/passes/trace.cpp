@@ -1,0 +1,45 @@
+// Asks the tracer for every light at every pixel and packs the answers into tile words.
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "gpu/passes/passes.h"
+#include "gpu/tracers/tracer.h"
+
+namespace gnomon::gpu {
+namespace {
+
+class TracePass : public Pass {
+ public:
+  explicit TracePass(ComputeStep step) : step_(std::move(step)) {}
+
+  std::string_view name() const override { return "trace"; }
+  const PassLayout* layout() const override { return &step_.layout; }
+  std::vector<Port> ports() const override {
+    const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
+    return {{resource::kTriangleId, Use::sampled}, {resource::kMasks, Use::storage_write, {{}, bytes}}};
+  }
+
+  // Push constants: the address of the masks, then what the tracer says.
+  void record(const FrameContext& frame) const override {
+    std::array<std::byte, kPushConstantBytes> push{};
+    const VkDeviceAddress masks = frame.ports[1].buffer->address();
+    const std::span<const std::byte> tracer = frame.scene.traced().push_constants();
+    std::memcpy(push.data(), &masks, sizeof(masks));
+    std::copy(tracer.begin(), tracer.end(), push.begin() + sizeof(masks));
+    dispatch_tiles(frame, step_, push);
+  }
+
+ private:
+  ComputeStep step_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer) {
+  auto step = make_compute_step(device, 1, tracer.shader());
+  if (!step) return step.error();
+  return std::unique_ptr<Pass>(std::make_unique<TracePass>(std::move(*step)));
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,47 @@
+// Pipelines and descriptor sets, reduced to the two shapes that the passes use.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "gpu/device.h"
+
+namespace gnomon::gpu {
+
+using DescriptorSetLayout = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>;
+using PipelineLayout = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
+using Pipeline = Owned<VkPipeline, vkDestroyPipeline>;
+
+// Every pass sees the same set: binding 0 the frame's uniforms, bindings 1 and up the images that it samples, in
+// the order in which it declares them. All else goes through device addresses in push constants.
+struct PassLayout {
+  DescriptorSetLayout set;
+  PipelineLayout pipeline;
+};
+
+// What every device offers, lavapipe of Mesa 22 included.
+inline constexpr uint32_t kPushConstantBytes = 128;
+
+Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images);
+
+Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,
+                                       std::span<const uint32_t> shader);
+
+struct VertexStream {
+  VkFormat format;
+  uint32_t stride;  // bytes
+};
+
+struct RasterPipeline {
+  std::span<const uint32_t> vertex_shader;
+  std::span<const uint32_t> fragment_shader;
+  std::vector<VertexStream> streams;  // location i comes from binding i
+  std::vector<VkFormat> colors;
+  VkFormat depth;
+};
+
+// Triangle lists, both faces, reverse-Z depth test and write, dynamic viewport and scissor.
+Result<Pipeline> make_raster_pipeline(const DevicePtr& device, const PassLayout& layout,
+                                      const RasterPipeline& what);
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,44 @@
+// A device queue with its timeline: every submit gets the next number, reached when the device is done with it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+
+#include "common/clock.h"
+#include "common/result.h"
+#include "gpu/vulkan.h"
+
+namespace gnomon::gpu {
+
+// Any thread.
+class Queue {
+ public:
+  Queue() = default;
+  Queue(const Queue&) = delete;
+  Queue& operator=(const Queue&) = delete;
+
+  Result<void> open(VkDevice device, uint32_t family);
+  void close();
+
+  uint32_t family() const { return family_; }
+
+  // The timeline value that marks the end of `commands`. Error: out of memory or device lost.
+  Result<uint64_t> submit(VkCommandBuffer commands);
+
+  // Waits until the timeline has reached `value`. Error: device lost.
+  Result<void> wait(uint64_t value) const;
+
+  uint64_t submitted() const { return submitted_; }
+  uint64_t completed() const;
+
+ private:
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  VkSemaphore timeline_ = VK_NULL_HANDLE;
+  uint32_t family_ = 0;
+  std::mutex submitting_;
+  std::atomic<uint64_t> submitted_ = 0;
+};
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,29 @@
+// From a pixel's triangle id to its surface point; the mapping of invocations to pixels of a tile.
+#extension GL_EXT_samplerless_texture_functions : require
+
+layout(local_size_x = 64) in;
+layout(set = 0, binding = 1) uniform utexture2D triangle_ids;
+
+// Neighbouring invocations form blocks of 4x2 pixels: eight lanes, the narrowest subgroup, share as many texels,
+// triangles and tree nodes as a block can.
+uvec2 pixel_in_tile(uint invocation) {
+  uint block = invocation / 8u, lane = invocation % 8u;
+  return uvec2((block % 2u) * 4u + lane % 4u, (block / 2u) * 2u + lane / 4u);
+}
+
+// 1 + the index of the triangle that the pixel shows; 0: none, or outside the picture.
+uint triangle_at(uvec2 pixel) {
+  if (pixel.x >= frame.width || pixel.y >= frame.height) return 0u;
+  return texelFetch(triangle_ids, ivec2(pixel), 0).x;
+}
+
+vec3 pixel_ray(uvec2 pixel) {
+  precise vec3 ray = frame.ray_corner + (float(pixel.x) + 0.5) * frame.ray_dx + (float(pixel.y) + 0.5) * frame.ray_dy;
+  return ray;
+}
+
+SurfacePoint surface_of(uint triangle, uvec2 pixel) {
+  uvec3 corners = frame.triangles.at[triangle];
+  return surface_point(frame.camera, frame.forward, pixel_ray(pixel), frame.positions.at[corners.x],
+                       frame.positions.at[corners.y], frame.positions.at[corners.z]);
+}

@@ -1,0 +1,58 @@
+// Walks a bounding volume hierarchy without a stack: nodes lie in depth-first order, a miss follows `skip`
+// (gpu/tracers/bvh_build.h). Bit-identical to testing every triangle: boxes are met whenever their triangles are.
+#include "tracers/alpha.glsl"
+
+struct BvhNode {
+  vec3 lo;
+  uint skip;
+  vec3 hi;
+  uint leaf;
+};
+struct BvhTriangle {
+  vec3 p0;
+  uint triangle;
+  vec3 p1;
+  uint masked;
+  vec3 p2;
+  uint reserved;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhNodes { BvhNode at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhTriangles { BvhTriangle at[]; };
+
+bool triangle_blocks(BvhTriangle t, vec3 origin, vec3 direction) {
+  if (!segment_meets_triangle(origin, direction, t.p0, t.p1, t.p2)) return false;
+  return t.masked == 0u || blocks_by_alpha(t.triangle, origin, direction, t.p0, t.p1, t.p2);
+}
+
+bool leaf_blocks(uint leaf, vec3 origin, vec3 direction) {
+  uint first = leaf >> 4, count = leaf & 15u;
+  for (uint i = 0u; i < count; ++i)
+    if (triangle_blocks(BvhTriangles(push.triangles).at[first + i], origin, direction)) return true;
+  return false;
+}
+
+bool occluded(vec3 origin, vec3 direction) {
+  // No component is zero, so no product below is 0 * infinity.
+  vec3 tiny = vec3(1e-20);
+  vec3 slope = 1.0 / mix(direction, tiny, lessThan(abs(direction), tiny));
+  // The triangle test rounds, and so may meet a triangle that the segment misses by a hair: boxes are widened by
+  // more than that, far below what one can see (16 times the rounding of the largest coordinate).
+  float largest = max(push.largest_coordinate, max(abs(origin.x), max(abs(origin.y), abs(origin.z))));
+  vec3 margin = vec3(largest * (1.0 / 1048576.0));
+  vec3 below = -(origin + margin) * slope;
+  vec3 above = -(origin - margin) * slope;
+
+  uint n = 0u;
+  while (n < push.node_count) {
+    BvhNode node = BvhNodes(push.nodes).at[n];
+    vec3 t0 = node.lo * slope + below;
+    vec3 t1 = node.hi * slope + above;
+    vec3 near = min(t0, t1), far = max(t0, t1);
+    float enter = max(max(near.x, near.y), max(near.z, 0.0));
+    float leave = min(min(far.x, far.y), min(far.z, 1.0));
+    bool met = enter <= leave * 1.000001;
+    if (met && node.leaf != 0u && leaf_blocks(node.leaf, origin, direction)) return true;
+    n = met ? n + 1u : node.skip;
+  }
+  return false;
+}

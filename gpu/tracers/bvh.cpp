@@ -1,0 +1,69 @@
+// Tracer "bvh": a bounding volume hierarchy in plain compute. Runs on every device.
+#include <thread>
+
+#include "common/clock.h"
+#include "gpu/tracers/bvh_build.h"
+#include "gpu/tracers/tracer.h"
+#include "spirv/trace_bvh_comp.h"
+
+namespace gnomon::gpu {
+namespace {
+
+// As shaders/trace_bvh.comp declares it, after the address of the masks.
+struct Push {
+  VkDeviceAddress nodes = 0;
+  VkDeviceAddress triangles = 0;
+  uint32_t node_count = 0;
+  float largest_coordinate = 0;
+};
+
+class BvhScene : public TracedScene {
+ public:
+  BvhScene(Buffer nodes, Buffer triangles, uint32_t node_count, float largest_coordinate)
+      : nodes_(std::move(nodes)), triangles_(std::move(triangles)) {
+    push_ = {nodes_.address(), triangles_.address(), node_count, largest_coordinate};
+  }
+  uint64_t memory_bytes() const override { return nodes_.bytes() + triangles_.bytes(); }
+  std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
+
+ private:
+  Buffer nodes_, triangles_;
+  Push push_;
+};
+
+float largest_coordinate(const scenes::WorldMesh& mesh) {
+  glm::vec3 largest(0.0f);
+  for (const glm::vec3& p : mesh.positions) largest = glm::max(largest, glm::abs(p));
+  return glm::max(largest.x, glm::max(largest.y, largest.z));
+}
+
+class BvhTracer : public Tracer {
+ public:
+  explicit BvhTracer(DevicePtr device) : device_(std::move(device)) {}
+
+  std::string_view name() const override { return "bvh"; }
+  std::span<const uint32_t> shader() const override { return trace_bvh_comp; }
+
+  Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
+    const TimePoint start = Clock::now();
+    const Bvh bvh = build_bvh(input.mesh, std::max(1u, std::thread::hardware_concurrency()));
+    auto nodes = upload(device_, std::as_bytes(std::span(bvh.nodes)));
+    if (!nodes) return nodes.error();
+    auto triangles = upload(device_, std::as_bytes(std::span(bvh.triangles)));
+    if (!triangles) return triangles.error();
+    std::unique_ptr<TracedScene> scene =
+        std::make_unique<BvhScene>(std::move(*nodes), std::move(*triangles),
+                                   static_cast<uint32_t>(bvh.nodes.size()), largest_coordinate(input.mesh));
+    scene->build_seconds = to_seconds(Clock::now() - start);
+    return scene;
+  }
+
+ private:
+  DevicePtr device_;
+};
+
+}  // namespace
+
+std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device) { return std::make_unique<BvhTracer>(device); }
+
+}  // namespace gnomon::gpu

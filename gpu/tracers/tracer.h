@@ -1,0 +1,52 @@
+// A tracer: answers whether a shadow segment meets geometry. On the device it is a shader that defines
+//   bool occluded(vec3 origin, vec3 direction)   // some geometry at origin + t * direction, 0 < t < 1
+// (shaders/tracers/NAME.glsl, included by shaders/trace_NAME.comp); on the host it builds, once for each scene, what
+// that shader reads.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gpu/resources.h"
+#include "scenes/world_mesh.h"
+
+namespace gnomon::gpu {
+
+// What a tracer keeps on the device for one scene.
+class TracedScene {
+ public:
+  virtual ~TracedScene() = default;
+  virtual uint64_t memory_bytes() const = 0;
+  // Follow the address of the masks; at most kPushConstantBytes - 8.
+  virtual std::span<const std::byte> push_constants() const = 0;
+
+  double build_seconds = 0;
+};
+
+// What a tracer builds from. The buffers are those of the resident scene and outlive what is built.
+struct TracerInput {
+  const scenes::Scene& scene;
+  const scenes::WorldMesh& mesh;
+  const Buffer& positions;
+  const Buffer& triangles;
+};
+
+class Tracer {
+ public:
+  virtual ~Tracer() = default;
+  virtual std::string_view name() const = 0;
+  virtual std::span<const uint32_t> shader() const = 0;  // the trace pass with this tracer
+  // Blocking; the render loop's thread. Error: out of memory, device lost.
+  virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
+};
+
+// `name`: "bvh", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or the device
+// does not offer it.
+Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device);
+
+std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device);
+Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);
+
+}  // namespace gnomon::gpu

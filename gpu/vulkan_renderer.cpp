@@ -1,0 +1,157 @@
+#include "gpu/vulkan_renderer.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "common/inbox.h"
+#include "gpu/frame_slot.h"
+#include "gpu/passes/passes.h"
+#include "gpu/tracers/tracer.h"
+
+namespace gnomon::gpu {
+namespace {
+
+// What leases share with the renderer and keep alive after it.
+struct SlotPool {
+  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, FramePlan p)
+      : device(std::move(d)), tracer(std::move(t)), plan(std::move(p)) {}
+
+  uint32_t free_count() const {
+    std::lock_guard lock(mutex);
+    return static_cast<uint32_t>(free.size());
+  }
+  void give_back(size_t slot) {
+    std::lock_guard lock(mutex);
+    free.push_back(slot);
+  }
+  size_t take() {
+    std::lock_guard lock(mutex);
+    const size_t slot = free.back();
+    free.pop_back();
+    return slot;
+  }
+
+  DevicePtr device;
+  std::unique_ptr<Tracer> tracer;
+  FramePlan plan;
+  std::vector<FrameSlot> slots;
+  mutable std::mutex mutex;
+  std::vector<size_t> free;
+};
+
+struct InFlight {
+  JobId id;
+  size_t slot;
+  uint64_t timeline;
+  TileGrid grid;
+  std::function<void(FrameDone)> on_done;
+};
+
+class VulkanRenderer : public Renderer {
+ public:
+  explicit VulkanRenderer(std::shared_ptr<SlotPool> pool)
+      : pool_(std::move(pool)), completion_([this] { complete(); }) {}
+  ~VulkanRenderer() override {
+    in_flight_.close();
+    completion_.join();
+  }
+
+  std::string device_name() const override { return pool_->device->info().name; }
+  std::string driver_name() const override { return pool_->device->info().driver; }
+  std::string tracer_name() const override { return std::string(pool_->tracer->name()); }
+
+  Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
+    if (scenes_.contains(id)) return {};
+    auto resident = ResidentScene::create(pool_->device, scene, *pool_->tracer);
+    if (!resident) return resident.error();
+    scenes_[id] = std::move(*resident);
+    return {};
+  }
+  void evict(SceneId id) override { scenes_.erase(id); }
+
+  SceneFootprint footprint(SceneId id) const override {
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end()) return {};
+    const TracedScene& traced = found->second->traced();
+    return {found->second->memory_bytes(), traced.memory_bytes(), traced.build_seconds};
+  }
+
+  uint32_t free_slots() const override { return pool_->free_count(); }
+
+  Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) override {
+    const auto scene = scenes_.find(job.scene);
+    if (scene == scenes_.end()) return Error{"scene " + std::to_string(job.scene.value) + " is not resident"};
+    const uint32_t most = pool_->device->features().max_image_side;
+    if (job.width < 1 || job.height < 1 || job.width > most || job.height > most)
+      return Error{"a frame of " + std::to_string(job.width) + "x" + std::to_string(job.height) +
+                   " pixels: the device renders from 1x1 to " + std::to_string(most) + "x" + std::to_string(most)};
+    if (free_slots() == 0) return Error{"all frame slots are taken"};
+    const size_t slot = pool_->take();
+    const auto timeline = pool_->slots[slot].submit(pool_->plan, *scene->second, job.camera, job.width, job.height);
+    if (!timeline) {
+      pool_->give_back(slot);
+      return timeline.error();
+    }
+    in_flight_.push(
+        {job.id, slot, *timeline, {job.width, job.height, scene->second->light_count()}, std::move(on_done)});
+    return {};
+  }
+
+ private:
+  void complete() {
+    std::vector<InFlight> batch;
+    for (in_flight_.take(batch); !batch.empty(); in_flight_.take(batch))
+      for (InFlight& frame : batch) frame.on_done(finish(frame));
+  }
+
+  FrameDone finish(const InFlight& frame) const {
+    const FrameSlot& slot = pool_->slots[frame.slot];
+    FrameDone done;
+    done.id = frame.id;
+    auto release = [pool = pool_, slot = frame.slot] { pool->give_back(slot); };
+    const auto passed = pool_->device->queue().wait(frame.timeline);
+    auto timing = passed ? slot.timing(pool_->plan) : Result<FrameTiming>(passed.error());
+    if (!timing) {
+      release();
+      done.device_lost = true;
+      return done;
+    }
+    done.gpu_ns = timing->total_ns;
+    done.stages = std::move(timing->stages);
+    for (const StageTime& stage : done.stages)
+      if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;
+    const auto bytes = slot.host(pool_->plan, resource::kHostMasks);
+    const auto* words = reinterpret_cast<const uint64_t*>(bytes.data());
+    done.mask = FrameLease({frame.grid, {words, frame.grid.word_count()}}, std::move(release));
+    return done;
+  }
+
+  std::shared_ptr<SlotPool> pool_;
+  std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;  // the render loop's
+  Inbox<InFlight> in_flight_;
+  std::thread completion_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) {
+  if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};
+  auto device = Device::create({options.device, options.validation});
+  if (!device) return device.error();
+  auto tracer = make_tracer(options.tracer, *device);
+  if (!tracer) return tracer.error();
+  auto plan = FramePlan::compile(*device, options.passes, **tracer);
+  if (!plan) return plan.error();
+  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*plan));
+  for (size_t i = 0; i < options.frames_in_flight; ++i) {
+    auto slot = FrameSlot::create(*device, pool->plan);
+    if (!slot) return slot.error();
+    pool->slots.push_back(std::move(*slot));
+    pool->free.push_back(i);
+  }
+  return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool)));
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,26 @@
+// The real Renderer: one Vulkan device, several frames in flight, a completion thread.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "gpu/device.h"
+#include "gpu/renderer.h"
+
+namespace gnomon::gpu {
+
+struct RendererOptions {
+  std::string device;           // "" the best one, an index, a type (cpu, discrete, ...) or part of a name
+  std::string tracer = "auto";  // see make_tracer
+  std::vector<std::string> passes{"gbuffer", "trace", "readback"};
+  uint32_t frames_in_flight = 3;
+  ValidationOptions validation;
+};
+
+// Error: no such device, tracer or pass; out of memory. Leases may outlive the renderer: the device is closed when
+// the last one is dropped. Destroying the renderer waits for the frames in flight and delivers them.
+Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options);
+
+}  // namespace gnomon::gpu
