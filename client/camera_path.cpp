@@ -7,7 +7,7 @@
 namespace gnomon::client {
 namespace {
 
-constexpr double kOrbitSeconds = 20;
+constexpr float kOrbitShare = 0.03f;  // of the scene's size
 
 glm::vec3 to_glm(const protocol::Vec3& v) { return {v[0], v[1], v[2]}; }
 
@@ -27,38 +27,35 @@ protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& siz
   return view;
 }
 
-CameraPath CameraPath::of_scene(const scenes::Scene& scene) {
-  CameraPath path;
-  path.rest_ = scene.cameras.front().rest;
-  const auto moving = std::find_if(scene.paths.begin(), scene.paths.end(),
+CameraPath CameraPath::of_scene(const scenes::ScenePtr& scene) {
+  const auto moving = std::find_if(scene->paths.begin(), scene->paths.end(),
                                    [](const scenes::CameraPath& p) { return p.duration_seconds > 0; });
-  if (moving == scene.paths.end()) return path;
-  path.animation_ = *moving;
-  path.rest_ = scene.cameras[moving->camera].rest;
-  path.duration_seconds_ = moving->duration_seconds;
-  return path;
+  if (moving == scene->paths.end()) {
+    return {scenes::kOrbitSeconds,
+            [scene](double seconds) { return scenes::orbit_pose(*scene, static_cast<float>(seconds)); }};
+  }
+  const float fov = scene->cameras[moving->camera].rest.vertical_fov;
+  return {moving->duration_seconds, [scene, fov, path = &*moving](double seconds) {
+            return scenes::pose_at(*path, fov, static_cast<float>(seconds));
+          }};
 }
 
 CameraPath CameraPath::orbit(const protocol::SceneManifest& scene) {
-  CameraPath path;
   const protocol::CameraView& camera = scene.default_camera;
   const protocol::Quat& q = camera.orientation;
-  path.rest_ = {to_glm(camera.position), glm::quat(q[3], q[0], q[1], q[2]),
-                std::atan(camera.tan_up) + std::atan(camera.tan_down)};
-  path.circle_radii_ = 0.03f * (to_glm(scene.bounds_max) - to_glm(scene.bounds_min));
-  path.duration_seconds_ = kOrbitSeconds;
-  return path;
+  const scenes::CameraPose rest{to_glm(camera.position), glm::quat(q[3], q[0], q[1], q[2]),
+                                std::atan(camera.tan_up) + std::atan(camera.tan_down)};
+  const glm::vec3 radii = kOrbitShare * (to_glm(scene.bounds_max) - to_glm(scene.bounds_min));
+  return {scenes::kOrbitSeconds, [rest, radii](double seconds) {
+            const auto angle = static_cast<float>(2 * std::numbers::pi * seconds / scenes::kOrbitSeconds);
+            scenes::CameraPose pose = rest;
+            pose.position += radii * glm::vec3(std::cos(angle) - 1, 0.3f * std::sin(angle), std::sin(angle));
+            return pose;
+          }};
 }
 
 scenes::CameraPose CameraPath::at(double seconds) const {
-  const double time = std::fmod(std::max(seconds, 0.0), duration_seconds_);
-  if (!animation_.channels.empty()) {
-    return scenes::pose_at(animation_, rest_.vertical_fov, static_cast<float>(time));
-  }
-  const auto angle = static_cast<float>(2 * std::numbers::pi * time / duration_seconds_);
-  scenes::CameraPose pose = rest_;
-  pose.position += circle_radii_ * glm::vec3(std::cos(angle) - 1, 0.3f * std::sin(angle), std::sin(angle));
-  return pose;
+  return pose_at_(std::fmod(std::max(seconds, 0.0), duration_seconds_));
 }
 
 }  // namespace gnomon::client

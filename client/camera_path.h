@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "protocol/types.h"
 #include "scenes/scene.h"
@@ -26,20 +28,22 @@ protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& siz
 // A camera's way through a scene, repeated for ever.
 class CameraPath {
  public:
-  // The scene's first camera animation; without one, its first camera, which stands still.
-  static CameraPath of_scene(const scenes::Scene& scene);
+  // The scene's first camera animation; without one, a circle around the scene. Keeps the scene.
+  static CameraPath of_scene(const scenes::ScenePtr& scene);
 
-  // For clients without the scene's file: a slow circle around the default camera, within the scene's bounds.
+  // For clients without the scene's file: a slow circle from the default camera, small against the scene.
   static CameraPath orbit(const protocol::SceneManifest& scene);
 
   double duration_seconds() const { return duration_seconds_; }  // > 0
   scenes::CameraPose at(double seconds) const;
 
  private:
-  scenes::CameraPose rest_;
-  scenes::CameraPath animation_;  // used when it has channels
-  glm::vec3 circle_radii_{0.0f};  // metres, along the world's axes
-  double duration_seconds_ = 1;
+  using PoseAt = std::function<scenes::CameraPose(double seconds)>;  // within [0, duration)
+  CameraPath(double duration_seconds, PoseAt pose_at)
+      : duration_seconds_(duration_seconds), pose_at_(std::move(pose_at)) {}
+
+  double duration_seconds_;
+  PoseAt pose_at_;
 };
 
 }  // namespace gnomon::client

@@ -1,5 +1,5 @@
-// When the next camera is sent: at a steady rate, within a window of unanswered cameras, and again after a while
-// of silence. Time is an argument. One thread.
+// When the next camera is sent: at a steady rate, within a window of unanswered cameras, and again when an answer
+// takes so long that it must be lost. Time is an argument. One thread.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,6 @@ namespace gnomon::client {
 struct PaceOptions {
   double rate_hz = 0;        // 0: as soon as the window allows
   size_t max_in_flight = 1;  // 0: no window; then there must be a rate
-  // A full window waits this long since the last camera, then another is sent: the server may have lost them all.
-  Nanoseconds retry = std::chrono::seconds(1);
 };
 
 class Pacer {
@@ -24,11 +22,19 @@ class Pacer {
   TimePoint next_send(size_t in_flight) const;
 
   void sent(TimePoint now);
+  void answered(Nanoseconds response);
+
+  // How long a full window waits since the last camera: mean plus four mean deviations of the response time, as
+  // TCP's retransmission timer (RFC 6298), so that a slow server is not taken for a lossy one.
+  Nanoseconds answer_patience() const;
 
  private:
   PaceOptions options_;
   TimePoint next_by_rate_;
   TimePoint last_sent_;
+  bool any_answer_ = false;
+  Nanoseconds mean_response_{};
+  Nanoseconds mean_deviation_{};
 };
 
 }  // namespace gnomon::client

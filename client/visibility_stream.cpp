@@ -4,18 +4,36 @@
 #include <utility>
 
 namespace gnomon::client {
+namespace {
+
+constexpr Nanoseconds kRepeatInterval = std::chrono::milliseconds(250);
+
+}  // namespace
+
+StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
+  asked += other.asked;
+  complete += other.complete;
+  incomplete += other.incomplete;
+  superseded += other.superseded;
+  unanswered += other.unanswered;
+  lost_slices += other.lost_slices;
+  duplicate_slices += other.duplicate_slices;
+  late_slices += other.late_slices;
+  wrong_frames += other.wrong_frames;
+  return *this;
+}
 
 VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events events)
     : options_(std::move(options)),
       events_(std::move(events)),
-      expiry_timer_(loop, [this] { expire(Clock::now()); }),
+      upkeep_timer_(loop, [this] { upkeep(Clock::now()); }),
       connection_(loop, options_.connect,
                   {.opened = [this] { start(); },
                    .message = [this](const protocol::Message& message) { on_message(message); },
                    .datagram = [this](const protocol::Opened& datagram) { on_datagram(datagram); },
                    .closed =
                        [this](const Error& error) {
-                         expiry_timer_.disarm();
+                         upkeep_timer_.disarm();
                          if (events_.closed) events_.closed(error);
                        }}) {}
 
@@ -23,7 +41,9 @@ void VisibilityStream::start() {
   const auto& welcome = connection_.welcome();
   scene_ = welcome.scene;
   restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
-  expiry_timer_.arm(Clock::now() + options_.patience / 2);
+  const auto silence = std::chrono::milliseconds(welcome.silence_timeout_ms);
+  repeat_interval_ = silence.count() > 0 ? std::min<Nanoseconds>(kRepeatInterval, silence / 4) : kRepeatInterval;
+  upkeep(Clock::now());
   if (events_.opened) events_.opened();
 }
 
@@ -52,18 +72,23 @@ void VisibilityStream::on_message(const protocol::Message& message) {
 
 FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds display_deadline) {
   const TimePoint now = Clock::now();
-  protocol::CameraUpdate update;
-  update.frame = newest_asked_ = FrameId{newest_asked_.value + 1};
-  update.camera = camera;
-  update.client_time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
-  update.display_deadline_us = static_cast<uint32_t>(to_microseconds(display_deadline));
-  acks_.fill(update);
-  body_.clear();
-  protocol::append_camera_update(body_, update);
+  newest_asked_ = FrameId{newest_asked_.value + 1};
+  newest_.frame = newest_asked_;
+  newest_.camera = camera;
+  newest_.client_time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+  newest_.display_deadline_us = static_cast<uint32_t>(to_microseconds(display_deadline));
   asked_.push_back({camera, now, {}, false});
   ++counters_.asked;
+  send_newest();
+  return newest_asked_;
+}
+
+void VisibilityStream::send_newest() {
+  acks_.fill(newest_);
+  body_.clear();
+  protocol::append_camera_update(body_, newest_);
   connection_.send(protocol::DatagramKind::camera_update, body_);
-  return update.frame;
+  last_sent_ = Clock::now();
 }
 
 void VisibilityStream::on_datagram(const protocol::Opened& datagram) {
@@ -113,6 +138,13 @@ void VisibilityStream::deliver_finished() {
   }
 }
 
+void VisibilityStream::upkeep(TimePoint now) {
+  expire(now);
+  if (connection_.state() != Connection::State::open) return;
+  if (newest_asked_.value > 0 && now - last_sent_ >= repeat_interval_) send_newest();
+  upkeep_timer_.arm(now + std::min(options_.patience / 2, repeat_interval_));
+}
+
 void VisibilityStream::expire(TimePoint now) {
   for (size_t i = 0; i < asked_.size(); ++i) {
     const Asked& asked = asked_[i];
@@ -127,7 +159,6 @@ void VisibilityStream::expire(TimePoint now) {
     }
     asked_.pop_front();
   }
-  if (connection_.state() == Connection::State::open) expiry_timer_.arm(now + options_.patience / 2);
 }
 
 VisibilityStream::Asked* VisibilityStream::find(FrameId frame) {

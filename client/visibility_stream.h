@@ -2,7 +2,9 @@
 //
 //   ask(camera) -> CameraUpdate (+ acknowledgements) ... FrameSlices -> FrameAssembler -> Answer
 //
-// Any number of cameras may be in flight; the server renders the newest that it has, so some are never answered.
+// Any number of cameras may be in flight; the server renders the newest that it has, so some are never answered. The
+// newest camera is repeated a few times a second: a lost datagram costs little, and a client that pauses is not taken
+// for one that has vanished.
 // Belongs to one Loop and its thread.
 #pragma once
 
@@ -41,6 +43,8 @@ struct StreamCounters {
   uint64_t duplicate_slices = 0;
   uint64_t late_slices = 0;   // of frames already handed over
   uint64_t wrong_frames = 0;  // slices of frames never asked for, that contradict their frame or do not decode
+
+  StreamCounters& operator+=(const StreamCounters& other);
 };
 
 class VisibilityStream {
@@ -83,6 +87,8 @@ class VisibilityStream {
   void on_datagram(const protocol::Opened& datagram);
   void add_slice(const protocol::FrameSlice& slice);
   void deliver_finished();
+  void send_newest();
+  void upkeep(TimePoint now);
   void expire(TimePoint now);
   Asked* find(FrameId frame);
 
@@ -96,8 +102,11 @@ class VisibilityStream {
   FrameId newest_answered_{0};
   FrameId first_of_grid_{1};  // frames before it have another shape
   StreamCounters counters_;
+  protocol::CameraUpdate newest_;  // as last sent
+  TimePoint last_sent_{};
   std::vector<uint8_t> body_;
-  Timer expiry_timer_;
+  Nanoseconds repeat_interval_{};
+  Timer upkeep_timer_;
   Connection connection_;
 };
 

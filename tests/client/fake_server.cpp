@@ -95,6 +95,15 @@ std::optional<protocol::CameraUpdate> Peer::read_camera() {
   return protocol::decode_camera_update(opened->body);
 }
 
+std::optional<protocol::CameraUpdate> Peer::read_new_camera() {
+  while (const auto camera = read_camera()) {
+    if (camera->frame <= newest_) continue;
+    newest_ = camera->frame;
+    return camera;
+  }
+  return std::nullopt;
+}
+
 void Peer::send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload) {
   std::vector<uint8_t> body, datagram;
   protocol::append_frame_slice(body, header, payload);

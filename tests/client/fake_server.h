@@ -28,7 +28,8 @@ class Peer {
 
   // Fills in session, data port and key, says Welcome.
   void welcome(protocol::Welcome message);
-  std::optional<protocol::CameraUpdate> read_camera();
+  std::optional<protocol::CameraUpdate> read_camera();      // whatever comes
+  std::optional<protocol::CameraUpdate> read_new_camera();  // skips repetitions
   // To where the last camera came from.
   void send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload);
   void send_frame(FrameId frame, const TileMaskView& mask);
@@ -38,6 +39,7 @@ class Peer {
   int stream_ = -1;
   int datagrams_ = -1;
   std::vector<uint8_t> client_address_;
+  FrameId newest_{0};
   protocol::MessageReader reader_;
   std::unique_ptr<protocol::Seal> seal_;
 };

@@ -32,14 +32,24 @@ TEST(Pacer, DoesNotMakeUpForAPause) {
   EXPECT_EQ(pacer.next_send(0), kStart + 5s + 10ms);
 }
 
-TEST(Pacer, AFullWindowWaitsAndThenTriesAgain) {
-  Pacer pacer({.rate_hz = 0, .max_in_flight = 2, .retry = 300ms}, kStart);
+TEST(Pacer, AFullWindowWaitsForAnAnswerAndMovesOnWhenItMustBeLost) {
+  Pacer pacer({.rate_hz = 0, .max_in_flight = 2}, kStart);
   EXPECT_LE(pacer.next_send(0), kStart);
   pacer.sent(kStart + 1ms);
   EXPECT_LE(pacer.next_send(1), kStart + 1ms) << "room for another";
   pacer.sent(kStart + 2ms);
-  EXPECT_EQ(pacer.next_send(2), kStart + 302ms);
+  EXPECT_EQ(pacer.next_send(2), kStart + 2ms + pacer.answer_patience());
   EXPECT_LE(pacer.next_send(1), kStart + 2ms) << "an answer makes room at once";
+}
+
+TEST(Pacer, PatienceFollowsTheServer) {
+  Pacer pacer({.rate_hz = 0, .max_in_flight = 1}, kStart);
+  EXPECT_GE(pacer.answer_patience(), 5s) << "nothing known yet";
+  for (int i = 0; i < 50; ++i) pacer.answered(20ms);
+  EXPECT_EQ(pacer.answer_patience(), 1s) << "never hasty";
+  for (int i = 0; i < 50; ++i) pacer.answered(i % 2 == 0 ? 4s : 8s);
+  EXPECT_GE(pacer.answer_patience(), 8s) << "a slow server's usual answers are waited for";
+  EXPECT_LE(pacer.answer_patience(), 20s);
 }
 
 TEST(Mode, NamesRoundTripAndOthersAreRefusedWithWhatIsAllowed) {

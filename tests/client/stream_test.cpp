@@ -169,7 +169,7 @@ TEST(Stream, AnswersBelongToTheirCameras) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
     for (const auto& mask : masks) {
-      const auto camera = peer.read_camera();
+      const auto camera = peer.read_new_camera();
       if (camera) peer.send_frame(camera->frame, mask.view());
     }
     peer.read();
@@ -196,9 +196,9 @@ TEST(Stream, CamerasAcknowledgeWhatHasArrived) {
     FakeServer server([&](Peer& peer) {
       peer.read();
       peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
-      first = peer.read_camera();
+      first = peer.read_new_camera();
       if (first) peer.send_frame(first->frame, mask.view());
-      second = peer.read_camera();
+      second = peer.read_new_camera();
     });
     Watched watched(options_for(server.address()));
     ASSERT_TRUE(watched.stream.wait_open());
@@ -213,12 +213,36 @@ TEST(Stream, CamerasAcknowledgeWhatHasArrived) {
   EXPECT_NE(second->acks[0].slices & 1, 0u);
 }
 
+TEST(Stream, TheNewestCameraIsRepeatedUntilAnsweredAndAnsweredOnce) {
+  const auto mask = tests::noise(kGrid, 1);
+  std::vector<uint32_t> seen;
+  {
+    FakeServer server([&](Peer& peer) {
+      peer.read();
+      peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
+      for (int i = 0; i < 3; ++i) {
+        if (const auto camera = peer.read_camera()) seen.push_back(camera->frame.value);
+      }
+      peer.send_frame(FrameId{1}, mask.view());
+      peer.read();
+    });
+    Watched watched(options_for(server.address()));
+    ASSERT_TRUE(watched.stream.wait_open());
+    watched.stream.ask(camera_at(3));
+    ASSERT_TRUE(watched.until([&] { return !watched.answers.empty(); }));
+    EXPECT_EQ(watched.stream.counters().asked, 1u);
+    EXPECT_EQ(watched.stream.counters().complete, 1u);
+    watched.stream.close("");
+  }
+  EXPECT_EQ(seen, (std::vector<uint32_t>{1, 1, 1}));
+}
+
 TEST(Stream, ALostSliceIsHandedOverAsMissingTiles) {
   const auto mask = tests::noise(kGrid, 1);
   FakeServer server([&](Peer& peer) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
-    const auto camera = peer.read_camera();
+    const auto camera = peer.read_new_camera();
     if (!camera) return;
     const auto encoded = tests::sliced(camera->frame, mask.view(), 600);
     for (size_t i = 0; i + 1 < encoded.slices.size(); ++i) {
@@ -242,7 +266,7 @@ TEST(Stream, WhatWasNotAskedForIsCountedAndNotDelivered) {
   FakeServer server([&](Peer& peer) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
-    const auto camera = peer.read_camera();
+    const auto camera = peer.read_new_camera();
     if (!camera) return;
     peer.send_raw(std::vector<uint8_t>(300, 0xaa));
     peer.send_frame(FrameId{0}, mask.view());
@@ -270,7 +294,7 @@ TEST(Stream, SkippedCamerasAreCountedOnceTheyExpire) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
     std::optional<protocol::CameraUpdate> camera;
-    for (int i = 0; i < 3; ++i) camera = peer.read_camera();
+    for (int i = 0; i < 3; ++i) camera = peer.read_new_camera();
     if (camera) peer.send_frame(camera->frame, mask.view());
     peer.read();
   });
@@ -292,7 +316,7 @@ TEST(Stream, AServerThatVanishesIsReportedAndSurvived) {
   FakeServer server([](Peer& peer) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
-    peer.read_camera();
+    peer.read_new_camera();
     peer.hang_up();
   });
   Watched watched(options_for(server.address()));
@@ -309,9 +333,9 @@ TEST(Stream, ASmallerSizeMidwayLeavesOldFramesBehind) {
   FakeServer server([&](Peer& peer) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
-    peer.read_camera();
+    peer.read_new_camera();
     peer.write(protocol::Degraded{.width = kWidth / 2, .height = kHeight / 2, .rate_hz = 30, .reason = "load"});
-    const auto camera = peer.read_camera();
+    const auto camera = peer.read_new_camera();
     if (!camera) return;
     peer.send_frame(FrameId{1}, tests::noise(kGrid, 2).view());
     peer.send_frame(camera->frame, mask.view());

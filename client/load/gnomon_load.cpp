@@ -1,0 +1,94 @@
+// gnomon-load: many clients in one process, to see what a server carries and that every answer is right.
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "client/load/load_report.h"
+#include "client/load/load_run.h"
+
+namespace {
+
+using namespace gnomon;
+using namespace gnomon::client;
+
+constexpr size_t kClientsInTable = 32;
+
+struct Arguments {
+  std::string server, scene, size, scene_folder, json;
+  size_t clients = 0;
+  double rate_hz = 0;
+  double seconds = 10;
+  std::vector<std::string> tenants;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  app.add_option("--server", a.server, "the daemon's control address")->required()->type_name("HOST:PORT");
+  app.add_option("--scene", a.scene, "scene that the server knows")->required()->type_name("NAME");
+  app.add_option("--scene-dir", a.scene_folder, "folder of scene files, for their camera paths")->type_name("DIR");
+  app.add_option("--size", a.size, "of the traced buffer")->required()->type_name("WxH");
+  app.add_option("--clients", a.clients, "how many clients, if no --tenant says it")->type_name("N");
+  app.add_option("--rate", a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("HZ");
+  app.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 1e6))->type_name("S");
+  app.add_option("--tenant", a.tenants, "clients of a tenant; may be given several times, TOKENFILE may be empty")
+      ->allow_extra_args(false)
+      ->type_name("NAME:TOKENFILE:CLIENTS");
+  app.add_option("--json", a.json, "where to write the figures")->type_name("FILE");
+}
+
+// Each client has two sockets.
+void allow_many_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+Result<void> run(const Arguments& a) {
+  const auto server = parse_address(a.server);
+  if (!server) return server.error();
+  const auto size = parse_size(a.size);
+  if (!size) return size.error();
+  const auto plan = plan_load(a.tenants, a.clients);
+  if (!plan) return plan.error();
+
+  const LoadOptions options{
+      .server = *server,
+      .scene = a.scene,
+      .scene_folder = a.scene_folder,
+      .size = *size,
+      .rate_hz = a.rate_hz,
+      .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds))};
+  LoadRun load(options, *plan);
+  Progress progress;
+  if (const auto done = load.run(progress); !done) return done;
+  progress.clear();
+
+  const auto rows = load_rows(load);
+  print_table(stdout, rows, kClientsInTable);
+  if (!a.json.empty()) {
+    if (const auto written = write_report(a.json, load_report(options, load, rows)); !written) return written;
+  }
+  if (const uint64_t wrong = rows.back().counters.wrong_frames) {
+    return Error{std::to_string(wrong) + " slices answered no camera that was asked for, or did not decode"};
+  }
+  for (const LoadRow& row : rows) {
+    if (!row.error.empty()) return Error{"client " + std::to_string(row.client) + ": " + row.error};
+  }
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Many Gnomon clients in one process: checks every answer and measures.", "gnomon-load");
+  Arguments arguments;
+  declare(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  allow_many_files();
+  const auto done = run(arguments);
+  if (!done) std::fprintf(stderr, "gnomon-load: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+}

@@ -1,0 +1,47 @@
+#include "client/load/load_client.h"
+
+namespace gnomon::client {
+
+LoadClient::LoadClient(Loop& loop, const Options& options)
+    : options_(options),
+      send_timer_(loop, [this] { send_when_due(); }),
+      stream_(loop, options.stream, {.answer = [this](const Answer& answer) { on_answer(answer); }}) {}
+
+void LoadClient::fly(const CameraPath& path, TimePoint now) {
+  path_ = &path;
+  started_ = now;
+  // Clients of one rate are spread over its interval, as real ones would be.
+  const double rate = options_.pace.rate_hz;
+  const std::chrono::duration<double> offset(rate > 0 ? options_.phase / rate : 0);
+  pacer_.emplace(options_.pace, now + std::chrono::duration_cast<Nanoseconds>(offset));
+  send_when_due();
+}
+
+void LoadClient::stop() {
+  path_ = nullptr;
+  send_timer_.disarm();
+}
+
+void LoadClient::send_when_due() {
+  if (!path_ || !open()) return;
+  const TimePoint now = Clock::now();
+  if (pacer_->next_send(stream_.in_flight()) <= now) {
+    const double seconds = to_seconds(now - started_) + options_.phase * path_->duration_seconds();
+    const TileGrid& grid = stream_.grid();
+    stream_.ask(view_of(path_->at(seconds), {.width = grid.width, .height = grid.height}));
+    pacer_->sent(now);
+  }
+  send_timer_.arm(pacer_->next_send(stream_.in_flight()));
+}
+
+void LoadClient::on_answer(const Answer& answer) {
+  if (!path_) return;
+  pacer_->answered(answer.response);
+  if (answer.mask.complete()) {
+    ++frames_in_time_;
+    latencies_.add(answer.response);
+  }
+  send_when_due();
+}
+
+}  // namespace gnomon::client

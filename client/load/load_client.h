@@ -1,0 +1,52 @@
+// One of many: flies the camera path, checks what comes back, keeps its figures. Draws nothing.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/camera_path.h"
+#include "client/latency.h"
+#include "client/pacer.h"
+#include "client/visibility_stream.h"
+
+namespace gnomon::client {
+
+class LoadClient {
+ public:
+  struct Options {
+    StreamOptions stream;
+    PaceOptions pace;
+    double phase = 0;  // where on the path it starts, as a share of its duration
+  };
+
+  LoadClient(Loop& loop, const Options& options);
+
+  // Connected, refused or failed.
+  bool settled() const { return stream_.connection().state() != Connection::State::connecting; }
+  bool open() const { return stream_.connection().state() == Connection::State::open; }
+  const VisibilityStream& stream() const { return stream_; }
+
+  // Sends cameras from now until stop(). Once open. `path` stays the caller's.
+  void fly(const CameraPath& path, TimePoint now);
+  void stop();
+  void close() { stream_.close("load run over"); }
+
+  // Complete frames, and their response times, between fly() and stop().
+  uint64_t frames_in_time() const { return frames_in_time_; }
+  const Latencies& latencies() const { return latencies_; }
+
+ private:
+  void on_answer(const Answer& answer);
+  void send_when_due();
+
+  Options options_;
+  const CameraPath* path_ = nullptr;  // while flying
+  TimePoint started_{};
+  std::optional<Pacer> pacer_;
+  uint64_t frames_in_time_ = 0;
+  Latencies latencies_;
+  Timer send_timer_;
+  VisibilityStream stream_;
+};
+
+}  // namespace gnomon::client

@@ -1,0 +1,48 @@
+#include "client/load/load_plan.h"
+
+#include <charconv>
+
+#include "client/options.h"
+
+namespace gnomon::client {
+
+Result<LoadGroup> parse_group(std::string_view text) {
+  const Error malformed{std::string("'").append(text) + "' is no NAME:TOKENFILE:CLIENTS, such as arcade::4"};
+  const size_t first = text.find(':');
+  const size_t last = text.rfind(':');
+  if (first == std::string_view::npos || first == last) return malformed;
+  LoadGroup group;
+  group.tenant = text.substr(0, first);
+  const std::string_view count = text.substr(last + 1);
+  const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), group.clients);
+  if (group.tenant.empty() || error != std::errc{} || end != count.data() + count.size() || group.clients == 0) {
+    return malformed;
+  }
+  const std::string token_file(text.substr(first + 1, last - first - 1));
+  if (token_file.empty()) return group;
+  auto token = read_token(token_file);
+  if (!token) return token.error();
+  group.token = std::move(*token);
+  return group;
+}
+
+Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients) {
+  if (groups.empty()) {
+    if (clients == 0) return Error{"--clients is missing: how many clients?"};
+    return std::vector{LoadGroup{.tenant = {}, .token = {}, .clients = clients}};
+  }
+  std::vector<LoadGroup> plan;
+  size_t sum = 0;
+  for (const std::string& text : groups) {
+    auto group = parse_group(text);
+    if (!group) return group.error();
+    sum += group->clients;
+    plan.push_back(std::move(*group));
+  }
+  if (clients != 0 && clients != sum) {
+    return Error{"--clients " + std::to_string(clients) + " but the tenants have " + std::to_string(sum)};
+  }
+  return plan;
+}
+
+}  // namespace gnomon::client

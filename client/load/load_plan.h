@@ -1,0 +1,26 @@
+// Who takes part in a load run.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+
+namespace gnomon::client {
+
+// Clients of one tenant.
+struct LoadGroup {
+  std::string tenant;  // empty: the server's default
+  std::string token;   // empty: none
+  size_t clients = 0;
+};
+
+// NAME:TOKENFILE:CLIENTS, where TOKENFILE may be empty.
+Result<LoadGroup> parse_group(std::string_view text);
+
+// `clients` of the default tenant when there are no groups; otherwise the groups, whose sum `clients` must be
+// (0: whatever their sum is).
+Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients);
+
+}  // namespace gnomon::client

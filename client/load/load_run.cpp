@@ -1,0 +1,122 @@
+#include "client/load/load_run.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "client/scene_file.h"
+#include "scenes/loader.h"
+
+namespace gnomon::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Answers that are under way when the flight ends may still come in for this long.
+constexpr auto kLandingTime = 1s;
+constexpr auto kProgressInterval = 100ms;
+
+LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& group, double phase) {
+  LoadClient::Options client;
+  auto& connect = client.stream.connect;
+  connect.server = options.server;
+  connect.timeout = 15s;  // hundreds shake hands at once
+  connect.hello.client = "gnomon-load";
+  connect.hello.tenant = group.tenant;
+  connect.hello.token = group.token;
+  connect.hello.scene = options.scene;
+  connect.hello.width = options.size.width;
+  connect.hello.height = options.size.height;
+  connect.hello.rate_hz = static_cast<float>(options.rate_hz);
+  // At a rate, a camera goes out whatever has become of the last; without one, each waits for its answer.
+  client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : 1u};
+  client.phase = phase;
+  return client;
+}
+
+}  // namespace
+
+LoadRun::LoadRun(const LoadOptions& options, const std::vector<LoadGroup>& plan) : options_(options) {
+  size_t total = 0;
+  for (const auto& group : plan) total += group.clients;
+  for (const auto& group : plan) {
+    for (size_t i = 0; i < group.clients; ++i) {
+      const double phase = static_cast<double>(participants_.size()) / static_cast<double>(total);
+      participants_.push_back(
+          {group.tenant, std::make_unique<LoadClient>(loop_, client_options(options, group, phase))});
+    }
+  }
+}
+
+Result<void> LoadRun::run(Progress& progress) {
+  if (auto connected = connect(progress); !connected) return connected;
+  fly(progress);
+  land();
+  return {};
+}
+
+size_t LoadRun::open_clients() const {
+  return static_cast<size_t>(
+      std::count_if(participants_.begin(), participants_.end(), [](const auto& p) { return p.client->open(); }));
+}
+
+Result<void> LoadRun::connect(Progress& progress) {
+  const auto all_settled = [this] {
+    return std::all_of(participants_.begin(), participants_.end(),
+                       [](const auto& p) { return p.client->settled(); });
+  };
+  while (!loop_.run_until(Clock::now() + kProgressInterval, all_settled)) {
+    const TimePoint now = Clock::now();
+    if (!progress.due(now)) continue;
+    progress.show(
+        std::to_string(open_clients()) + " of " + std::to_string(participants_.size()) + " clients connected", now);
+  }
+  if (open_clients() > 0) return {};
+  return participants_.front().client->stream().connection().failure().value_or(Error{"no client connected"});
+}
+
+void LoadRun::fly(Progress& progress) {
+  const auto first_open =
+      std::find_if(participants_.begin(), participants_.end(), [](const auto& p) { return p.client->open(); });
+  CameraPath path = CameraPath::orbit(first_open->client->stream().scene());
+  if (const auto file = find_scene_file(options_.scene, options_.scene_folder)) {
+    if (const auto scene = scenes::load_scene(*file)) path = CameraPath::of_scene(*scene);
+  }
+
+  started_ = Clock::now();
+  const TimePoint end = started_ + options_.duration;
+  for (auto& p : participants_) p.client->fly(path, started_);
+  while (Clock::now() < end && open_clients() > 0) {
+    loop_.run_until(std::min(end, Clock::now() + kProgressInterval), [] { return false; });
+    const TimePoint now = Clock::now();
+    if (progress.due(now)) progress.show(progress_line(now), now);
+  }
+  for (auto& p : participants_) p.client->stop();
+  flight_seconds_ = to_seconds(Clock::now() - started_);
+}
+
+void LoadRun::land() {
+  loop_.run_until(Clock::now() + kLandingTime, [this] {
+    return std::all_of(participants_.begin(), participants_.end(),
+                       [](const auto& p) { return !p.client->open() || p.client->stream().in_flight() == 0; });
+  });
+  for (auto& p : participants_) p.client->close();
+}
+
+std::string LoadRun::progress_line(TimePoint now) const {
+  uint64_t frames = 0, lost = 0, wrong = 0;
+  for (const auto& p : participants_) {
+    const auto& counters = p.client->stream().counters();
+    frames += counters.complete;
+    lost += counters.lost_slices;
+    wrong += counters.wrong_frames;
+  }
+  const double seconds = to_seconds(now - started_);
+  char line[200];
+  std::snprintf(line, sizeof line, "%5.1f s  %zu clients  %llu frames (%.1f vbps)  %llu slices lost  %llu wrong",
+                seconds, open_clients(), static_cast<unsigned long long>(frames),
+                static_cast<double>(frames) / seconds, static_cast<unsigned long long>(lost),
+                static_cast<unsigned long long>(wrong));
+  return line;
+}
+
+}  // namespace gnomon::client

@@ -1,0 +1,54 @@
+// Connects the clients of a plan, lets them all fly for a while, and says how they fared.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/load/load_client.h"
+#include "client/load/load_plan.h"
+#include "client/options.h"
+#include "client/progress.h"
+
+namespace gnomon::client {
+
+struct LoadOptions {
+  Address server;
+  std::string scene;
+  std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
+  Size size;
+  double rate_hz = 0;  // 0: each client asks again as soon as it has been answered
+  Nanoseconds duration = std::chrono::seconds(10);
+};
+
+struct LoadParticipant {
+  std::string tenant;
+  std::unique_ptr<LoadClient> client;
+};
+
+// One thread, its loop within.
+class LoadRun {
+ public:
+  LoadRun(const LoadOptions& options, const std::vector<LoadGroup>& plan);
+
+  // Blocking. Error: no client could connect (the first one's reason).
+  Result<void> run(Progress& progress);
+
+  const std::vector<LoadParticipant>& participants() const { return participants_; }
+  double flight_seconds() const { return flight_seconds_; }
+  size_t open_clients() const;
+
+ private:
+  Result<void> connect(Progress& progress);
+  void fly(Progress& progress);
+  void land();
+  std::string progress_line(TimePoint now) const;
+
+  LoadOptions options_;
+  Loop loop_;
+  std::vector<LoadParticipant> participants_;
+  TimePoint started_{};
+  double flight_seconds_ = 0;
+};
+
+}  // namespace gnomon::client
