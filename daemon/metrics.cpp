@@ -91,6 +91,10 @@ struct Metrics::Families {
   Family<Gauge>& load_seconds =
       gauge(registry, "gnomon_scene_load_seconds", "Time that reading the scene took, when it was last loaded.");
   Family<Gauge>& scene_bytes = gauge(registry, "gnomon_scene_memory_bytes", "Host memory that the scene occupies.");
+  Family<Gauge>& build_seconds =
+      gauge(registry, "gnomon_scene_build_seconds", "Time that building what the tracer needs took.");
+  Family<Gauge>& device_bytes =
+      gauge(registry, "gnomon_scene_device_memory_bytes", "Device memory that the scene occupies.");
   Family<Gauge>& build = gauge(registry, "gnomon_build_info", "Always 1; the version is the label.");
   Family<Histogram>& stages = BuildHistogram()
                                   .Name("gnomon_stage_seconds")
@@ -167,9 +171,14 @@ void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]
 void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
 void Metrics::device_busy(Nanoseconds gpu_time) { families_->device_busy.Increment(to_seconds(gpu_time)); }
 
-void Metrics::scene_loaded(const std::string& scene, double seconds, uint64_t memory_bytes) {
-  families_->load_seconds.Add({{"scene", scene}}).Set(seconds);
-  families_->scene_bytes.Add({{"scene", scene}}).Set(static_cast<double>(memory_bytes));
+void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
+                             const gpu::SceneFootprint& on_device) {
+  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  const prometheus::Labels labels{{"scene", scene}};
+  families_->load_seconds.Add(labels).Set(loaded.load_seconds);
+  families_->build_seconds.Add(labels).Set(on_device.tracer_build_seconds);
+  families_->scene_bytes.Add(labels).Set(static_cast<double>(loaded.memory_bytes));
+  families_->device_bytes.Add(labels).Set(static_cast<double>(on_device.memory_bytes));
 }
 
 uint64_t Metrics::count_of(Fault fault) const {

@@ -12,6 +12,7 @@
 #include "common/ids.h"
 #include "daemon/faults.h"
 #include "daemon/frame.h"
+#include "scenes/registry.h"
 
 namespace gnomon::daemon {
 
@@ -35,7 +36,9 @@ class Metrics {
   void session_opened(TenantId tenant);
   void session_closed(TenantId tenant);
   void device_busy(Nanoseconds gpu_time);
-  void scene_loaded(const std::string& scene, double seconds, uint64_t memory_bytes);
+  // Of a configured scene; others have no series.
+  void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
+                      const gpu::SceneFootprint& on_device);
 
   uint64_t count_of(Fault fault) const;
 

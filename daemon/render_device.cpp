@@ -11,11 +11,10 @@ Result<std::unique_ptr<RenderDevice>> RenderDevice::open(RendererFactory factory
   return device;
 }
 
-Result<void> RenderDevice::add_scene(const scenes::LoadedScene& scene) {
-  if (scenes_.contains(scene.id)) return {};
-  if (auto made = renderer_->make_resident(scene.id, scene.scene); !made) return made;
+Result<gpu::SceneFootprint> RenderDevice::add_scene(const scenes::LoadedScene& scene) {
+  if (auto made = renderer_->make_resident(scene.id, scene.scene); !made) return made.error();
   scenes_.emplace(scene.id, scene.scene);
-  return {};
+  return renderer_->footprint(scene.id);
 }
 
 Result<void> RenderDevice::rebuild(TimePoint now) {

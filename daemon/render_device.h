@@ -27,7 +27,7 @@ class RenderDevice {
   gpu::Renderer& renderer() { return *renderer_; }
 
   // Blocking: uploads the scene and builds what the tracer needs.
-  Result<void> add_scene(const scenes::LoadedScene& scene);
+  Result<gpu::SceneFootprint> add_scene(const scenes::LoadedScene& scene);
 
   // A new renderer with the same scenes. Precondition: no lease of the old one is out.
   // Error: it failed, or the device was lost more than kMaxLosses times within kLossWindow.

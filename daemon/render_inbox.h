@@ -29,7 +29,7 @@ struct SessionClosed {
 
 struct SceneArrived {
   scenes::LoadedScene scene;
-  std::function<void(Result<void>)> resident;  // called on the render thread
+  std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
 };
 
 struct FrameFinished {

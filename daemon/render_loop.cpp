@@ -58,7 +58,8 @@ void RenderLoop::on(const SessionClosed& closed, TimePoint) {
 }
 
 void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
-  arrived.resident(lost_ ? Error{"the device is being made anew"} : device_.add_scene(arrived.scene));
+  if (lost_) return arrived.resident(Error{"the device is being made anew"});
+  arrived.resident(device_.add_scene(arrived.scene));
 }
 
 void RenderLoop::on(const FrameFinished& finished, TimePoint now) {

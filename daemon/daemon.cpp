@@ -1,0 +1,108 @@
+#include "daemon/daemon.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+template <class T>
+std::vector<std::string> names_of(const std::vector<T>& items) {
+  std::vector<std::string> names;
+  for (const T& item : items) names.push_back(item.name);
+  return names;
+}
+
+}  // namespace
+
+Daemon::Daemon(Options options, SceneCatalog catalog)
+    : options_(std::move(options)),
+      catalog_(std::move(catalog)),
+      metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version),
+      seats_(options_.config) {}
+
+Daemon::~Daemon() { stop(); }
+
+Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
+  auto catalog = SceneCatalog::read(options.config.scenes);
+  if (!catalog) return catalog.error();
+  std::unique_ptr<Daemon> made(new Daemon(std::move(options), std::move(*catalog)));
+  if (auto up = made->bring_up(); !up) return up.error();
+  return made;
+}
+
+// Ports first: they fail at once, a scene may take seconds. Clients are taken when everything is there.
+Result<void> Daemon::bring_up() {
+  scenes_ = std::make_unique<SceneHost>(catalog_, inbox_, metrics_);
+  auto server = Server::open({options_.config, tracer_, catalog_, health_, *scenes_, seats_, inbox_, metrics_});
+  if (!server) return server.error();
+  server_ = std::move(*server);
+  auto admin = Admin::start(options_.config.admin, pages());
+  if (!admin) return admin.error();
+  admin_ = std::move(*admin);
+  if (auto opened = open_device(); !opened) return opened;
+  if (auto loaded = load_scenes(); !loaded) return loaded;
+  server_->run();
+  health_.scenes_loaded = true;
+  return {};
+}
+
+Result<void> Daemon::open_device() {
+  auto device = RenderDevice::open(options_.make_renderer);
+  if (!device) return device.error();
+  device_ = std::move(*device);
+  tracer_ = device_->renderer().tracer_name();
+  device_name_.publish(device_->renderer().device_name());
+  log::info("device open", {{"device", device_->renderer().device_name()},
+                            {"driver", device_->renderer().driver_name()},
+                            {"tracer", tracer_}});
+  encode_pool_ = std::make_unique<EncodePool>(options_.config.encode.threads, metrics_,
+                                              [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
+  loop_ = std::make_unique<RenderLoop>(scheduler::make_round_robin(), *device_, inbox_, metrics_,
+                                       [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); });
+  render_thread_ = std::thread([this] { render(); });
+  return {};
+}
+
+Result<void> Daemon::load_scenes() {
+  for (const SceneFile& scene : options_.config.scenes.list) {
+    if (auto fetched = scenes_->fetch_now(scene.name); !fetched) {
+      return Error{scene.place + ": scene " + scene.name + ": " + fetched.error().message};
+    }
+  }
+  return {};
+}
+
+void Daemon::render() {
+  std::vector<RenderEvent> batch;
+  while (true) {
+    loop_->start(Clock::now());
+    health_.device_up = loop_->device_up();
+    if (loop_->finished()) break;
+    inbox_.take(batch, Clock::now() + 1s);
+    for (RenderEvent& event : batch) loop_->handle(std::move(event), Clock::now());
+  }
+  if (loop_->failure() && options_.on_failure) options_.on_failure(*loop_->failure());
+}
+
+void Daemon::drain() {
+  health_.draining = true;
+  const auto timeout = options_.config.server.drain_timeout;
+  log::info("draining", {{"sessions", seats_.taken()}, {"deadline_ms", timeout.count()}});
+  server_->announce_drain(timeout);
+  const TimePoint deadline = Clock::now() + timeout;
+  while (seats_.taken() > 0 && Clock::now() < deadline) std::this_thread::sleep_for(5ms);
+  stop();
+}
+
+// The flow's own order: no more views, then the frames on the device, in the pool, on the wire; then the rest.
+void Daemon::stop() {
+  health_.draining = true;
+  inbox_.push(StopRendering{});
+  if (render_thread_.joinable()) render_thread_.join();
+  encode_pool_.reset();
+  if (server_) server_->stop();
+  admin_.reset();
+  scenes_.reset();
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,68 @@
+// The daemon as a whole: every part made, connected and, in the end, stopped in the right order.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "daemon/admin.h"
+#include "daemon/config.h"
+#include "daemon/encode_pool.h"
+#include "daemon/render_loop.h"
+#include "daemon/server.h"
+
+namespace gnomon::daemon {
+
+class Daemon {
+ public:
+  struct Options {
+    Config config;  // scene files found, passes named
+    RendererFactory make_renderer;
+    std::string version;
+    std::function<void(const Error&)> on_failure;  // from the render thread, once: the device is beyond repair
+  };
+
+  // Returns when clients are served: device open, scenes resident, ports open. Error: which of them failed, and why.
+  static Result<std::unique_ptr<Daemon>> start(Options options);
+  ~Daemon();  // drains without waiting for clients
+
+  // Admits nobody, tells the clients, waits up to server.drain_timeout_ms for them to leave, finishes the frames in
+  // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
+  void drain();
+
+  uint16_t control_port() const { return server_->control_port(); }
+  std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
+  uint16_t admin_port() const { return admin_->port(); }
+  Metrics& metrics() { return metrics_; }
+
+ private:
+  Daemon(Options options, SceneCatalog catalog);
+
+  Result<void> bring_up();
+  Result<void> open_device();
+  Result<void> load_scenes();
+  void render();
+  void stop();
+  Admin::Pages pages();
+  std::string status_json() const;
+
+  // What stands below may use what stands above, and goes first; stop() has ended all threads before.
+  const Options options_;
+  const SceneCatalog catalog_;
+  Health health_;
+  Metrics metrics_;
+  Seats seats_;
+  RenderInbox inbox_;
+  Published<std::string> device_name_;
+  std::string tracer_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<EncodePool> encode_pool_;
+  std::unique_ptr<RenderLoop> loop_;  // outlives the device, whose last frames report to it
+  std::unique_ptr<RenderDevice> device_;
+  std::thread render_thread_;
+  std::unique_ptr<SceneHost> scenes_;
+  std::unique_ptr<Admin> admin_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,84 @@
+// What operators see over HTTP.
+#include <nlohmann/json.hpp>
+
+#include "daemon/daemon.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const std::string& name, const HostedScene& scene) {
+  return {{"name", name},
+          {"triangles", scene.loaded.scene->triangle_count},
+          {"lights", scene.loaded.scene->lights.size()},
+          {"hash", scenes::to_hex(scene.loaded.scene->content_hash)},
+          {"load_seconds", scene.loaded.load_seconds},
+          {"memory_bytes", scene.loaded.memory_bytes},
+          {"device_memory_bytes", scene.on_device.memory_bytes},
+          {"tracer_build_seconds", scene.on_device.tracer_build_seconds}};
+}
+
+// Ids are 64 bits: as text, for readers whose numbers are doubles.
+json to_json(const SessionStatus& session, const std::string& tenant) {
+  return {{"id", std::to_string(session.id.value)},
+          {"tenant", tenant},
+          {"scene", session.scene},
+          {"address", session.address},
+          {"width", session.width},
+          {"height", session.height},
+          {"frames", session.stats.frames},
+          {"coalesced", session.stats.coalesced},
+          {"queue_us", session.stats.queue_us},
+          {"gpu_us", session.stats.gpu_us},
+          {"total_us", session.stats.total_us}};
+}
+
+}  // namespace
+
+std::string Daemon::status_json() const {
+  const auto& tenants = options_.config.tenants;
+  const std::vector<SessionStatus> sessions = server_->sessions();
+  json status{{"version", options_.version},
+              {"ready", health_.ready()},
+              {"draining", health_.draining.load()},
+              {"devices", json::array({{{"name", *device_name_.get()}, {"up", health_.device_up.load()}}})},
+              {"scenes", json::array()},
+              {"tenants", json::array()},
+              {"sessions", json::array()}};
+  for (const auto& [name, scene] : scenes_->resident()) status["scenes"].push_back(to_json(name, scene));
+  for (uint32_t i = 0; i < tenants.size(); ++i) {
+    const auto open = std::count_if(sessions.begin(), sessions.end(),
+                                    [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
+    status["tenants"].push_back({{"name", tenants[i].name}, {"weight", tenants[i].weight}, {"sessions", open}});
+  }
+  for (const SessionStatus& session : sessions) {
+    status["sessions"].push_back(to_json(session, tenants[session.tenant.value].name));
+  }
+  // A scene file's name may be no UTF-8: shown with replacement characters, never an exception.
+  return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+Admin::Pages Daemon::pages() {
+  const char* text = "text/plain; charset=utf-8";
+  return {
+      {"/healthz",
+       [text] {
+         return Page{200, text, "alive\n"};
+       }},
+      {"/readyz",
+       [this, text] {
+         return health_.ready() ? Page{200, text, "ready\n"} : Page{503, text, "not ready\n"};
+       }},
+      {"/metrics",
+       [this] {
+         return Page{200, "text/plain; version=0.0.4; charset=utf-8", metrics_.text()};
+       }},
+      {"/status",
+       [this] {
+         return Page{200, "application/json", status_json()};
+       }},
+  };
+}
+
+}  // namespace gnomon::daemon

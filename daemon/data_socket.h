@@ -1,0 +1,49 @@
+// A UDP socket that takes and gives datagrams by the batch: hundreds of clients at ninety frames a second are tens
+// of thousands of datagrams, and a system call for each would cost more than everything else that we do with them.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <array>
+#include <asio/io_context.hpp>
+#include <asio/ip/udp.hpp>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/result.h"
+#include "protocol/datagram.h"
+
+namespace gnomon::daemon {
+
+// One thread: the one that runs the io_context.
+class DataSocket {
+ public:
+  static Result<std::unique_ptr<DataSocket>> open(asio::io_context& io, const asio::ip::udp::endpoint& local);
+
+  uint16_t port() const { return port_; }
+
+  // Datagrams come one by one, valid during the call. One longer than kMaxDatagramBytes comes cut to one byte more.
+  using OnDatagram = std::function<void(std::span<const uint8_t>, const asio::ip::udp::endpoint& from)>;
+  void start(OnDatagram on_datagram);
+  void close();
+
+  // How many of the datagrams the kernel took, from the first; fewer: its buffer is full, or `error` is set.
+  size_t send(std::span<const std::vector<uint8_t>> datagrams, const asio::ip::udp::endpoint& to,
+              asio::error_code& error);
+
+  static constexpr size_t kBatch = 64;
+
+ private:
+  explicit DataSocket(asio::io_context& io) : socket_(io) {}
+  void wait();
+  size_t receive_batch();
+
+  asio::ip::udp::socket socket_;
+  uint16_t port_ = 0;
+  OnDatagram on_datagram_;
+  std::array<std::array<uint8_t, protocol::kMaxDatagramBytes + 1>, kBatch> buffers_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,76 @@
+#include "daemon/handshake.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace gnomon::daemon {
+namespace {
+
+using protocol::Hello;
+using protocol::RefusalCode;
+using protocol::Refused;
+
+// What came from a stranger is shown, but not at any length.
+std::string shown(const std::string& text) {
+  std::string quoted(1, '\'');
+  return quoted.append(text, 0, 80).append(1, '\'');
+}
+
+std::optional<TenantId> find_tenant(const Hello& hello, const Config& config) {
+  const std::string& name = hello.tenant.empty() ? kDefaultTenant : hello.tenant;
+  for (uint32_t i = 0; i < config.tenants.size(); ++i) {
+    if (config.tenants[i].name == name) return TenantId{i};
+  }
+  return std::nullopt;
+}
+
+std::optional<Refused> check_size(const Hello& hello, const RenderConfig& render) {
+  const bool inside =
+      hello.width >= 1 && hello.width <= render.max_width && hello.height >= 1 && hello.height <= render.max_height;
+  const bool border_inside = hello.border_x < hello.width && hello.border_y < hello.height;
+  if (inside && border_inside) return std::nullopt;
+  Refused refused = refusal(RefusalCode::bad_size, "");
+  refused.fit_width = std::clamp<uint16_t>(hello.width, 1, render.max_width);
+  refused.fit_height = std::clamp<uint16_t>(hello.height, 1, render.max_height);
+  refused.text = inside ? "the prediction border must be smaller than the buffer"
+                        : "the buffer may be 1x1 to " + std::to_string(render.max_width) + "x" +
+                              std::to_string(render.max_height) + " pixels";
+  return refused;
+}
+
+// Which passes run is the server's choice; a client may insist on ones that are among them.
+std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& render) {
+  for (const std::string& pass : hello.passes) {
+    if (std::find(render.passes.begin(), render.passes.end(), pass) != render.passes.end()) continue;
+    std::string offered;
+    for (const std::string& name : render.passes) offered += (offered.empty() ? "" : ", ") + name;
+    return refusal(RefusalCode::unknown_pass, "no pass " + shown(pass) + " here; there are: " + offered);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Refused refusal(RefusalCode code, std::string text) {
+  Refused refused;
+  refused.code = code;
+  refused.text = std::move(text);
+  return refused;
+}
+
+std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& config, const FindScene& find_scene) {
+  if (protocol::kVersion < hello.version_min || protocol::kVersion > hello.version_max) {
+    return refusal(RefusalCode::version, "this server speaks version " + std::to_string(protocol::kVersion));
+  }
+  const auto tenant = find_tenant(hello, config);
+  if (!tenant) return refusal(RefusalCode::unknown_tenant, "no tenant " + shown(hello.tenant) + " here");
+  if (auto refused = check_size(hello, config.render)) return *refused;
+  if (auto refused = check_passes(hello, config.render)) return *refused;
+  std::string scene = find_scene(hello.scene);
+  if (scene.empty()) return refusal(RefusalCode::unknown_scene, "no scene " + shown(hello.scene) + " here");
+  return Accepted{*tenant,       std::move(scene),
+                  hello.width,   hello.height,
+                  hello.rate_hz, hello.codecs.empty() ? config.encode.codec : hello.codecs.front()};
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,142 @@
+// gnomond: reads the configuration, starts the daemon, stops it on a signal.
+#include <CLI/CLI.hpp>
+#include <asio/io_context.hpp>
+#include <asio/post.hpp>
+#include <asio/signal_set.hpp>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include "daemon/daemon.h"
+#include "gpu/vulkan_renderer.h"
+#include "scenes/loader.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kStopTime = 1500ms;  // beyond server.drain_timeout_ms, for frames in flight and last words
+
+struct Arguments {
+  std::filesystem::path config;
+  std::vector<std::string> overrides;
+  std::filesystem::path check_scene;
+  bool check_config = false;
+};
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "gnomond: %s\n", error.message.c_str());
+  return EXIT_FAILURE;
+}
+
+// Built and installed trees look alike: bin/gnomond beside share/gnomon/scenes.
+std::filesystem::path share_folder() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return program.parent_path().parent_path() / "share" / "gnomon" / "scenes";
+}
+
+int check_scene(const std::filesystem::path& file) {
+  const auto scene = scenes::load_scene(file);
+  if (!scene) return fail(scene.error());
+  std::printf("triangles %llu\ninstances %zu\nlights %zu\nhash %s\n",
+              static_cast<unsigned long long>((*scene)->triangle_count), (*scene)->instances.size(),
+              (*scene)->lights.size(), scenes::to_hex((*scene)->content_hash).c_str());
+  return EXIT_SUCCESS;
+}
+
+Result<Config> load_config(const Arguments& arguments) {
+  auto config = read_config(arguments.config, arguments.overrides);
+  if (!config) return config;
+  const auto folder = std::filesystem::absolute(arguments.config).parent_path();
+  if (auto found = find_scene_files(*config, folder, share_folder()); !found) return found.error();
+  if (config->render.passes.empty()) config->render.passes = gpu::RendererOptions{}.passes;
+  return config;
+}
+
+RendererFactory vulkan_renderers(const RenderConfig& render) {
+  gpu::RendererOptions options;
+  if (render.device != "auto") options.device = render.device;
+  options.tracer = render.tracer;
+  options.passes = render.passes;
+  options.frames_in_flight = render.frames_in_flight;
+  return [options] { return gpu::make_renderer(options); };
+}
+
+void print_ready_line(const Daemon& daemon, const Config& config) {
+  std::string data;
+  for (const uint16_t port : daemon.data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
+  std::printf("gnomond ready control=%s:%u data=%s admin=http://%s:%u\n", config.server.listen.c_str(),
+              daemon.control_port(), data.c_str(), config.admin.listen.c_str(), daemon.admin_port());
+  std::fflush(stdout);
+}
+
+// Whatever hangs, device or disk: the process is gone when it was promised to be.
+void leave_at(TimePoint deadline) {
+  std::thread([deadline] {
+    std::this_thread::sleep_until(deadline);
+    log::warning("not stopped in time: leaving frames behind");
+    std::_Exit(EXIT_SUCCESS);
+  }).detach();
+}
+
+int serve(const Config& config) {
+  asio::io_context events;
+  asio::signal_set signals(events, SIGTERM, SIGINT);
+  std::optional<Error> failure;
+  const auto failed = [&](const Error& error) {
+    asio::post(events, [&, error] {
+      failure = error;
+      signals.cancel();
+    });
+  };
+  auto daemon = Daemon::start({config, vulkan_renderers(config.render), GNOMON_VERSION, failed});
+  if (!daemon) return fail(daemon.error());
+  print_ready_line(**daemon, config);
+
+  signals.async_wait([](asio::error_code, int) {});
+  events.run();  // until the first signal or a failure
+  std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
+  std::signal(SIGINT, [](int) { std::_Exit(EXIT_FAILURE); });
+  if (failure) return fail(*failure);
+  leave_at(Clock::now() + config.server.drain_timeout + kStopTime);
+  (*daemon)->drain();
+  daemon->reset();
+  log::info("stopped");
+  return EXIT_SUCCESS;
+}
+
+int run(const Arguments& arguments) {
+  if (!arguments.check_scene.empty()) return check_scene(arguments.check_scene);
+  const auto config = load_config(arguments);
+  if (!config) return fail(config.error());
+  if (arguments.check_config) {
+    std::printf("%s: ok\n", arguments.config.c_str());
+    return EXIT_SUCCESS;
+  }
+  log::configure(config->log.level, config->log.format);
+  return serve(*config);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
+
+int main(int argc, char** argv) {
+  gnomon::daemon::Arguments arguments;
+  CLI::App app{"Traces light visibility for many thin clients on one GPU."};
+  auto* config = app.add_option("--config", arguments.config, "The configuration, see config/gnomond.yaml");
+  app.add_option("--set", arguments.overrides, "key.path=value: overrides the file; may be repeated")
+      ->allow_extra_args(false)
+      ->needs(config);
+  app.add_flag("--check-config", arguments.check_config, "Check the configuration and leave")->needs(config);
+  auto* scene =
+      app.add_option("--check-scene", arguments.check_scene, "Check a glTF file and leave")->excludes(config);
+  app.set_version_flag("--version", "gnomond " GNOMON_VERSION);
+  CLI11_PARSE(app, argc, argv);
+  if (config->count() + scene->count() == 0) {
+    std::fprintf(stderr, "gnomond: --config FILE is needed; config/gnomond.yaml shows every key\n");
+    return EXIT_FAILURE;
+  }
+  return gnomon::daemon::run(arguments);
+}

@@ -1,0 +1,134 @@
+#include "daemon/net_thread.h"
+
+#include <asio/post.hpp>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kTick = 50ms;
+constexpr auto kStatsInterval = 1s;
+constexpr auto kFarewellTime = 200ms;        // for our last words to leave when the server stops
+constexpr uint32_t kMaxFramesWaiting = 256;  // encoded, but this thread has not come to send them
+
+}  // namespace
+
+NetThread::NetThread(const NetShared& shared, uint32_t index)
+    : shared_(shared),
+      index_(index),
+      lobby_(std::max(1u, shared.config.server.max_half_open / shared.config.server.net_threads)) {}
+
+Result<std::unique_ptr<NetThread>> NetThread::open(const NetShared& shared, uint32_t index) {
+  std::unique_ptr<NetThread> made(new NetThread(shared, index));
+  const ServerConfig& server = shared.config.server;
+  const auto port = static_cast<uint16_t>(server.data_port == 0 ? 0 : server.data_port + index);
+  auto socket = DataSocket::open(made->io_, {asio::ip::make_address(server.listen), port});
+  if (!socket) return socket.error();
+  made->data_ = std::move(*socket);
+  return made;
+}
+
+NetThread::~NetThread() { stop(); }
+
+void NetThread::run() {
+  data_->start([this](auto datagram, const auto& from) { receive(datagram, from); });
+  tick();
+  thread_ = std::thread([this] { io_.run(); });
+}
+
+void NetThread::stop() {
+  if (!thread_.joinable()) return;
+  asio::post(io_, [this] {
+    while (sessions_.size() > 0) close_session(sessions_.begin()->first, "the server is stopping");
+    data_->close();
+    stop_when_all_left(Clock::now() + kFarewellTime);
+  });
+  thread_.join();
+}
+
+void NetThread::stop_when_all_left(TimePoint deadline) {
+  const TimePoint now = Clock::now();
+  lobby_.expire(now);
+  if (lobby_.size() == 0 || now >= deadline) return io_.stop();
+  timer_.expires_after(1ms);  // in the place of the tick
+  timer_.async_wait([this, deadline](asio::error_code) { stop_when_all_left(deadline); });
+}
+
+void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from) {
+  Metrics& metrics = shared_.metrics;
+  if (datagram.size() > protocol::kMaxDatagramBytes) return metrics.report(Fault::datagram_too_long);
+  const auto header = protocol::decode_header(datagram);
+  if (!header) return metrics.report(Fault::datagram_header);
+  Session* session = sessions_.find(header->session);
+  if (!session) return metrics.report(Fault::datagram_session);
+  const Received received = session->receive(datagram, from, Clock::now());
+  if (received.fault) return metrics.report(*received.fault, {{"session", session->id().value}});
+  if (received.view && !shared_.inbox.push_view(*received.view)) metrics.report(Fault::view_queue_full);
+}
+
+void NetThread::deliver(EncodedFrame frame) {
+  if (frames_waiting_.fetch_add(1) >= kMaxFramesWaiting) {
+    frames_waiting_.fetch_sub(1);
+    return shared_.metrics.report(Fault::send_queue_full);
+  }
+  asio::post(io_, [this, frame = std::move(frame)]() mutable {
+    frames_waiting_.fetch_sub(1);
+    send(frame);
+  });
+}
+
+void NetThread::send(EncodedFrame& frame) {
+  Session* session = sessions_.find(frame.meta.session);
+  if (!session || !session->address()) return shared_.metrics.report(Fault::session_gone);
+  const Sent sent = sender_.send(frame, *session, *data_);
+  const TimePoint now = Clock::now();
+  if (sent.fault) shared_.metrics.report(*sent.fault, {{"session", session->id().value}});
+  session->frame_sent(frame.meta, now);
+  shared_.metrics.frame_sent(session->accepted().tenant, session->accepted().scene, frame.meta, now, sent.bytes);
+}
+
+void NetThread::announce_drain(std::chrono::milliseconds deadline) {
+  asio::post(io_, [this, deadline] {
+    for (const auto& [id, stream] : streams_) {
+      stream->send(protocol::Draining{static_cast<uint32_t>(deadline.count())});
+    }
+  });
+}
+
+void NetThread::tick() {
+  const TimePoint now = Clock::now();
+  for (const SessionId id : sessions_.silent_since(now - shared_.config.server.silence_timeout)) {
+    close_session(id, "silent");
+  }
+  for (const Visitor& visitor : lobby_.expire(now)) {
+    if (!visitor.leaving) shared_.metrics.report(Fault::handshake_timeout);
+    visitor.stream->close();
+  }
+  if (now >= next_stats_) {
+    next_stats_ = now + kStatsInterval;
+    report_stats();
+  }
+  timer_.expires_after(kTick);
+  timer_.async_wait([this](asio::error_code error) {
+    if (!error) tick();
+  });
+}
+
+void NetThread::report_stats() {
+  std::vector<SessionStatus> all;
+  for (const auto& [id, session] : sessions_) {
+    const protocol::Stats stats = session->take_stats();
+    streams_.at(id)->send(stats);
+    std::string address;
+    if (session->address()) {
+      address = session->address()->address().to_string() + ":" + std::to_string(session->address()->port());
+    }
+    const Accepted& accepted = session->accepted();
+    all.push_back(
+        {id, accepted.tenant, accepted.scene, std::move(address), accepted.width, accepted.height, stats});
+  }
+  published_.publish(std::move(all));
+}
+
+}  // namespace gnomon::daemon

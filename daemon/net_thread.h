@@ -1,0 +1,98 @@
+// One thread that owns a data socket and the sessions behind it, their control connections included.
+//
+// A session stays with the net thread that accepted it: its clients send to that thread's own UDP port, so that no
+// datagram ever changes threads and nothing here needs a lock.
+#pragma once
+
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <unordered_map>
+
+#include "daemon/config.h"
+#include "daemon/control_stream.h"
+#include "daemon/data_socket.h"
+#include "daemon/frame_sender.h"
+#include "daemon/health.h"
+#include "daemon/lobby.h"
+#include "daemon/metrics.h"
+#include "daemon/render_inbox.h"
+#include "daemon/scene_host.h"
+#include "daemon/seats.h"
+#include "daemon/session_table.h"
+#include "daemon/status.h"
+
+namespace gnomon::daemon {
+
+// What the net threads share with the rest of the daemon. All of it outlives them.
+struct NetShared {
+  const Config& config;
+  const std::string& tracer;  // its name, for clients
+  const SceneCatalog& catalog;
+  const Health& health;
+  SceneHost& scenes;
+  Seats& seats;
+  RenderInbox& inbox;
+  Metrics& metrics;
+};
+
+class NetThread {
+ public:
+  static Result<std::unique_ptr<NetThread>> open(const NetShared& shared, uint32_t index);
+  ~NetThread();  // closes whatever is open
+
+  asio::io_context& io() { return io_; }
+  uint16_t data_port() const { return data_->port(); }
+  void run();  // starts the thread
+
+  // Any thread.
+  void adopt(asio::ip::tcp::socket socket);  // its executor is io()'s
+  void deliver(EncodedFrame frame);
+  void announce_drain(std::chrono::milliseconds deadline);
+  void stop();  // says Bye to everybody, then ends the thread; returns when it has
+  std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return published_.get(); }
+
+ private:
+  NetThread(const NetShared& shared, uint32_t index);
+
+  void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
+  void send(EncodedFrame& frame);
+
+  using OnVisitorMessage = std::function<void(const std::shared_ptr<ControlStream>&, Result<protocol::Message>)>;
+  void welcome_visitor(asio::ip::tcp::socket socket);
+  void watch_visitor(const std::shared_ptr<ControlStream>& stream, OnVisitorMessage on_message);
+  void hear_visitor(const std::shared_ptr<ControlStream>& stream, Result<protocol::Message> message);
+  void admit(const std::shared_ptr<ControlStream>& stream, const protocol::Hello& hello);
+  void open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,
+                    const scenes::LoadedScene& scene);
+  void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused);
+  void hear_client(SessionId id, Result<protocol::Message> message);
+  void close_session(SessionId id, const std::string& why);
+  void show_out(const std::shared_ptr<ControlStream>& stream);
+
+  void stop_when_all_left(TimePoint deadline);
+  void tick();
+  void report_stats();
+
+  const NetShared shared_;
+  const uint32_t index_;
+  asio::io_context io_{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work_{io_.get_executor()};
+  asio::steady_timer timer_{io_};
+  std::unique_ptr<DataSocket> data_;
+  FrameSender sender_;
+  Lobby lobby_;
+  SessionTable sessions_;
+  std::unordered_map<SessionId, std::shared_ptr<ControlStream>> streams_;
+  TimePoint next_stats_{};
+  std::atomic<uint32_t> frames_waiting_{0};
+  Published<std::vector<SessionStatus>> published_;
+  std::thread thread_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,159 @@
+// How a connection becomes a session and how a session ends.
+#include <asio/post.hpp>
+
+#include "daemon/net_thread.h"
+#include "daemon/random_bytes.h"
+#include "daemon/translate.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using protocol::RefusalCode;
+using namespace std::chrono_literals;
+
+constexpr auto kShowOutTime = 1s;  // for a client to read our last words and close
+
+}  // namespace
+
+void NetThread::adopt(asio::ip::tcp::socket socket) {
+  asio::post(io_, [this, socket = std::move(socket)]() mutable { welcome_visitor(std::move(socket)); });
+}
+
+void NetThread::welcome_visitor(asio::ip::tcp::socket socket) {
+  auto stream = std::make_shared<ControlStream>(std::move(socket), kMaxClientMessageBytes);
+  for (const Visitor& pushed_out : lobby_.enter({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
+    if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
+    pushed_out.stream->close();
+  }
+  watch_visitor(stream, [this](const auto& visitor, Result<protocol::Message> message) {
+    hear_visitor(visitor, std::move(message));
+  });
+  stream->start();
+}
+
+void NetThread::watch_visitor(const std::shared_ptr<ControlStream>& stream, OnVisitorMessage on_message) {
+  const std::weak_ptr<ControlStream> weak = stream;
+  stream->listen(
+      [weak, on_message = std::move(on_message)](Result<protocol::Message> message) {
+        if (const auto visitor = weak.lock()) on_message(visitor, std::move(message));
+      },
+      [this, weak](const std::string& why) {
+        const auto visitor = weak.lock();
+        if (visitor && lobby_.remove(visitor.get())) {
+          shared_.metrics.report(Fault::handshake_abandoned, {{"why", why}});
+        }
+      });
+}
+
+void NetThread::hear_visitor(const std::shared_ptr<ControlStream>& stream, Result<protocol::Message> message) {
+  if (!message) return refuse(stream, refusal(RefusalCode::malformed, message.error().message));
+  const auto* hello = std::get_if<protocol::Hello>(&*message);
+  if (!hello) return refuse(stream, refusal(RefusalCode::malformed, "the first message must be a Hello"));
+  admit(stream, *hello);
+}
+
+void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protocol::Hello& hello) {
+  if (shared_.health.draining) return refuse(stream, refusal(RefusalCode::draining, "the server is going away"));
+  auto verdict = check_hello(hello, shared_.config, [&](const auto& asked) { return shared_.catalog.find(asked); });
+  if (const auto* refused = std::get_if<protocol::Refused>(&verdict)) return refuse(stream, *refused);
+  const Accepted& accepted = std::get<Accepted>(verdict);
+  auto seat = shared_.seats.take(accepted.tenant, stream->peer());
+  if (const auto* refused = std::get_if<protocol::Refused>(&seat)) return refuse(stream, *refused);
+
+  // While the scene is brought the connection holds its seat; should it end, nobody waits for the answer.
+  lobby_.remove(stream.get());
+  lobby_.enter({stream, TimePoint::max()});
+  watch_visitor(stream, [this](const auto& visitor, Result<protocol::Message>) {
+    refuse(visitor, refusal(RefusalCode::malformed, "a message before the Hello was answered"));
+  });
+  auto kept_seat = std::make_shared<Seat>(std::move(std::get<Seat>(seat)));
+  const std::weak_ptr<ControlStream> weak = stream;
+  shared_.scenes.fetch(accepted.scene, [this, weak, accepted, kept_seat](Result<scenes::LoadedScene> scene) {
+    asio::post(io_, [this, weak, accepted, kept_seat, scene = std::move(scene)] {
+      const auto waiting = weak.lock();
+      if (!waiting || !lobby_.hosts(waiting.get())) return;
+      if (!scene) return refuse(waiting, refusal(RefusalCode::scene_unavailable, scene.error().message));
+      if (scene->scene->lights.empty()) {
+        return refuse(waiting, refusal(RefusalCode::scene_unavailable, "the scene has no lights"));
+      }
+      open_session(waiting, accepted, std::move(*kept_seat), *scene);
+    });
+  });
+}
+
+void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,
+                             const scenes::LoadedScene& scene) {
+  const SessionId id = random_session_id();
+  const protocol::Bytes16 key = random_key();
+  sessions_.add(std::make_unique<Session>(id, key, accepted, std::move(seat), Clock::now()));
+  lobby_.remove(stream.get());
+  streams_.emplace(id, stream);
+  stream->listen([this, id](Result<protocol::Message> message) { hear_client(id, std::move(message)); },
+                 [this, id](const std::string& why) { close_session(id, why); });
+  const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
+  shared_.inbox.push(SessionOpened{id, accepted.tenant, scene.id, accepted.width, accepted.height, lights,
+                                   accepted.codec, index_});
+  shared_.metrics.session_opened(accepted.tenant);
+
+  protocol::Welcome welcome;
+  welcome.session = id;
+  welcome.data_port = data_->port();
+  welcome.data_key = key;
+  welcome.width = accepted.width;
+  welcome.height = accepted.height;
+  welcome.rate_hz = accepted.rate_hz;
+  welcome.codec = accepted.codec;
+  welcome.passes = shared_.config.render.passes;
+  welcome.tracer = shared_.tracer;
+  welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
+  welcome.scene = manifest_of(*scene.scene, accepted.scene, float(accepted.width) / float(accepted.height));
+  stream->send(welcome);
+  log::info("session opened", {{"session", id.value},
+                               {"tenant", shared_.config.tenants[accepted.tenant.value].name},
+                               {"scene", accepted.scene},
+                               {"size", std::to_string(accepted.width) + "x" + std::to_string(accepted.height)},
+                               {"address", stream->peer().to_string()}});
+}
+
+void NetThread::refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused) {
+  shared_.metrics.report(fault_of(refused.code), {{"reason", protocol::to_string(refused.code)},
+                                                  {"text", refused.text},
+                                                  {"address", stream->peer().to_string()}});
+  lobby_.remove(stream.get());
+  stream->send(refused);
+  show_out(stream);
+}
+
+void NetThread::hear_client(SessionId id, Result<protocol::Message> message) {
+  if (!message) return close_session(id, message.error().message);
+  if (std::holds_alternative<protocol::Bye>(*message)) return close_session(id, "the client said Bye");
+  close_session(id, "the client sent a message that only servers send");
+}
+
+void NetThread::close_session(SessionId id, const std::string& why) {
+  const auto found = streams_.find(id);
+  if (found == streams_.end()) return;
+  const std::shared_ptr<ControlStream> stream = found->second;
+  const Session& session = *sessions_.find(id);
+  const protocol::Stats totals = sessions_.find(id)->take_stats();
+  log::info("session closed", {{"session", id.value},
+                               {"tenant", shared_.config.tenants[session.accepted().tenant.value].name},
+                               {"why", why},
+                               {"frames", totals.frames},
+                               {"coalesced", totals.coalesced}});
+  shared_.metrics.session_closed(session.accepted().tenant);
+  shared_.inbox.push(SessionClosed{id});
+  sessions_.remove(id);
+  streams_.erase(found);
+  stream->send(protocol::Bye{why});
+  show_out(stream);
+}
+
+void NetThread::show_out(const std::shared_ptr<ControlStream>& stream) {
+  stream->finish();
+  for (const Visitor& pushed_out : lobby_.enter({stream, Clock::now() + kShowOutTime, true})) {
+    pushed_out.stream->close();
+  }
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,55 @@
+#include "daemon/session.h"
+
+#include <utility>
+
+#include "daemon/translate.h"
+
+namespace gnomon::daemon {
+namespace {
+
+// Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
+bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
+
+uint32_t mean_us(Nanoseconds sum, uint32_t count) {
+  return count == 0 ? 0 : static_cast<uint32_t>(to_microseconds(sum) / count);
+}
+
+}  // namespace
+
+Session::Session(SessionId id, const protocol::Bytes16& key, Accepted accepted, Seat seat, TimePoint now)
+    : id_(id),
+      accepted_(std::move(accepted)),
+      seat_(std::move(seat)),
+      seal_(protocol::make_clear_seal(id, key, protocol::Side::server)),
+      last_heard_(now) {}
+
+Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
+  const auto opened = seal_->open(datagram);
+  if (!opened) return {std::nullopt, Fault::datagram_seal};
+  if (opened->header.kind != protocol::DatagramKind::camera_update) return {std::nullopt, Fault::datagram_kind};
+  const auto update = protocol::decode_camera_update(opened->body);
+  if (!update) return {std::nullopt, Fault::datagram_body};
+  address_ = from;
+  last_heard_ = now;
+  if (newest_ == update->frame) return {};
+  if (newest_ && !is_newer(update->frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
+  newest_ = update->frame;
+  return {ViewRequest{id_, update->frame, to_gpu(update->camera), now}, std::nullopt};
+}
+
+void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
+  ++frames_;
+  coalesced_ += meta.coalesced;
+  ++recent_.frames;
+  recent_.queue += meta.submitted - meta.arrival;
+  recent_.gpu += meta.gpu;
+  recent_.total += sent - meta.arrival;
+}
+
+protocol::Stats Session::take_stats() {
+  const Sums sums = std::exchange(recent_, {});
+  return {frames_, coalesced_, mean_us(sums.queue, sums.frames), mean_us(sums.gpu, sums.frames),
+          mean_us(sums.total, sums.frames)};
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,17 @@
+// From the scene's and the GPU's terms to the wire's and back. Only the daemon knows both.
+#pragma once
+
+#include <string>
+
+#include "gpu/renderer.h"
+#include "protocol/types.h"
+#include "scenes/scene.h"
+
+namespace gnomon::daemon {
+
+gpu::CameraView to_gpu(const protocol::CameraView& camera);
+
+// `aspect`: width over height of the client's buffer, for the default camera's frustum.
+protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::string& name, float aspect);
+
+}  // namespace gnomon::daemon
