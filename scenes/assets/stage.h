@@ -1,0 +1,92 @@
+// A scene while a generator builds it: materials, models placed by nodes, lights and one camera's flight.
+//
+// Plain data with indices, in the order in which it is written to the file.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <string>
+#include <vector>
+
+#include "scenes/assets/mesh.h"
+
+namespace gnomon::scenes::assets {
+
+inline constexpr uint32_t kNoImage = 0xffffffff;
+
+struct Material {
+  std::string name;
+  glm::vec3 base_color{0.8f};  // linear
+  float roughness = 0.8f;
+  float metallic = 0.0f;
+  glm::vec3 emissive{0.0f};
+  uint32_t cutout = kNoImage;  // image whose alpha cuts holes (alphaMode MASK), seen from both sides
+};
+
+// What a model is made of: one mesh a material.
+struct Part {
+  uint32_t material = 0;
+  Mesh mesh;
+};
+
+struct Model {
+  std::string name;
+  std::deque<Part> parts;  // a deque: what in() returned stays valid
+
+  // The mesh of `material` in this model, made if there is none yet.
+  Mesh& in(uint32_t material);
+};
+
+struct Node {
+  uint32_t model = 0;
+  glm::mat4 placement{1.0f};
+};
+
+enum class LightKind { point, spot, directional };
+
+struct Light {
+  std::string name;
+  LightKind kind = LightKind::point;
+  glm::vec3 position{0.0f};
+  glm::vec3 direction{0.0f, -1.0f, 0.0f};  // unit; the way it shines
+  glm::vec3 color{1.0f};
+  float intensity = 1.0f;                      // candela, directional: lux
+  float inner_cone = 0.0f, outer_cone = 0.7f;  // radians from the axis
+};
+
+struct CameraKey {
+  float seconds = 0;
+  glm::vec3 position{0.0f};
+  glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f};
+};
+
+struct Stage {
+  std::string name;
+  std::vector<std::vector<uint8_t>> images;  // PNG files
+  std::vector<Material> materials;
+  std::vector<Model> models;
+  std::vector<Node> nodes;
+  std::vector<Light> lights;
+  float vertical_fov = 0.9f;  // radians
+  std::vector<CameraKey> flight;
+
+  uint32_t add(Material material);
+  uint32_t add(Model model);
+  uint32_t matte(const std::string& name, glm::vec3 srgb);  // a plain material by its colour on a screen
+  void place(uint32_t model, const glm::mat4& placement = glm::mat4(1.0f));
+  void place(Model model, const glm::mat4& placement = glm::mat4(1.0f));
+
+  uint64_t triangle_count() const;  // in the world: a model placed twice counts twice
+};
+
+glm::vec3 linear(glm::vec3 srgb);
+glm::vec3 linear(uint32_t rgb);  // 0xrrggbb
+
+// A closed flight in which the eye moves at an even pace along a smooth loop through `eyes` and looks at the loop
+// through `targets`, one for each eye. Thirty keys a second; the last equals the first.
+std::vector<CameraKey> fly(const std::vector<glm::vec3>& eyes, const std::vector<glm::vec3>& targets,
+                           float seconds);
+
+}  // namespace gnomon::scenes::assets
