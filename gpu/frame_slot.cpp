@@ -33,24 +33,23 @@ Result<FrameSlot> FrameSlot::create(const DevicePtr& device, const FramePlan& pl
   return slot;
 }
 
-Result<void> FrameSlot::ensure(const FramePlan& plan, const Capacity& capacity) {
-  if (resources_ && resources_->capacity.holds(capacity)) return {};
+Result<void> FrameSlot::reserve(const FramePlan& plan, const TileGrid& grid) {
+  device_->collect();
+  const Capacity needed{grid.width, grid.height, grid.lights};
+  if (resources_ && resources_->capacity.holds(needed)) return {};
   const Capacity old = resources_ ? resources_->capacity : Capacity{};
   resources_.reset();
-  auto grown = plan.allocate({std::max(old.width, capacity.width), std::max(old.height, capacity.height),
-                              std::max(old.lights, capacity.lights)});
+  auto grown = plan.allocate({std::max(old.width, needed.width), std::max(old.height, needed.height),
+                              std::max(old.lights, needed.lights)});
   if (!grown) return grown.error();
   resources_ = std::move(*grown);
   return {};
 }
 
 Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
-                                   uint32_t width, uint32_t height) {
-  device_->collect();
-  const TileGrid grid{width, height, scene.light_count()};
-  if (auto ready = ensure(plan, {width, height, grid.lights}); !ready) return ready.error();
+                                   const TileGrid& grid) {
   FrameUniforms uniforms{};
-  set_view(uniforms, camera, width, height);
+  set_view(uniforms, camera, grid.width, grid.height);
   scene.describe(uniforms);
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
 
@@ -83,10 +82,17 @@ Result<FrameTiming> FrameSlot::timing(const FramePlan& plan) const {
   return timing;
 }
 
-std::span<const std::byte> FrameSlot::host(const FramePlan& plan, std::string_view resource) const {
+std::span<std::byte> FrameSlot::host(const FramePlan& plan, std::string_view resource) const {
   const Buffer* buffer = plan.buffer(*resources_, resource);
   if (!buffer) return {};
   return {buffer->mapped(), buffer->bytes()};
+}
+
+Result<void> check_size(const Device& device, uint32_t width, uint32_t height) {
+  const uint32_t most = device.features().max_image_side;
+  if (width >= 1 && height >= 1 && width <= most && height <= most) return {};
+  return Error{"a frame of " + std::to_string(width) + "x" + std::to_string(height) +
+               " pixels: the device renders from 1x1 to " + std::to_string(most) + "x" + std::to_string(most)};
 }
 
 }  // namespace gnomon::gpu

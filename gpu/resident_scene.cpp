@@ -28,7 +28,7 @@ exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds
 }
 
 Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& device, const scenes::ScenePtr& scene,
-                                                             const Tracer& tracer) {
+                                                             const Tracer* tracer) {
   if (scene->lights.size() > kMaxLights)
     return Error{"scene '" + scene->name + "' has " + std::to_string(scene->lights.size()) + " lights; at most " +
                  std::to_string(kMaxLights) + " are supported"};
@@ -38,7 +38,8 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   const scenes::WorldMesh mesh = scenes::build_world_mesh(*scene);
   if (auto done = resident->upload_mesh(device, mesh); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
-  auto traced = tracer.build({*scene, mesh, resident->positions_, resident->triangles_});
+  if (!tracer) return resident;
+  auto traced = tracer->build({*scene, mesh, resident->positions_, resident->triangles_});
   if (!traced) return traced.error();
   resident->traced_ = std::move(*traced);
   return resident;
@@ -91,7 +92,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
 }
 
 uint64_t ResidentScene::memory_bytes() const {
-  uint64_t bytes = traced_->memory_bytes();
+  uint64_t bytes = traced_ ? traced_->memory_bytes() : 0;
   for (const Buffer* b : {&positions_, &normals_, &uvs_, &triangles_, &triangle_materials_, &materials_})
     bytes += b->bytes();
   for (const Buffer& texture : textures_) bytes += texture.bytes();

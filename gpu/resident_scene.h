@@ -11,9 +11,10 @@ namespace gnomon::gpu {
 
 class ResidentScene {
  public:
-  // Blocking. Error: out of memory, device lost, or more lights than kMaxLights.
+  // Blocking. `tracer` is null for a scene that is only looked at. Error: out of memory, device lost, or more lights
+  // than kMaxLights.
   static Result<std::unique_ptr<ResidentScene>> create(const DevicePtr& device, const scenes::ScenePtr& scene,
-                                                       const Tracer& tracer);
+                                                       const Tracer* tracer);
 
   const scenes::Scene& scene() const { return *scene_; }
   uint32_t triangle_count() const { return triangle_count_; }
@@ -22,8 +23,8 @@ class ResidentScene {
   const Buffer& positions() const { return positions_; }
   const Buffer& uvs() const { return uvs_; }
   const Buffer& triangles() const { return triangles_; }
-  const TracedScene& traced() const { return *traced_; }
-  uint64_t memory_bytes() const;  // on the device, the tracer's included
+  const TracedScene& traced() const { return *traced_; }  // precondition: made with a tracer
+  uint64_t memory_bytes() const;                          // on the device, the tracer's included
 
   // Fills the scene's part: addresses and lights.
   void describe(FrameUniforms& frame) const;

@@ -64,7 +64,7 @@ class VulkanRenderer : public Renderer {
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
     if (scenes_.contains(id)) return {};
-    auto resident = ResidentScene::create(pool_->device, scene, *pool_->tracer);
+    auto resident = ResidentScene::create(pool_->device, scene, pool_->tracer.get());
     if (!resident) return resident.error();
     scenes_[id] = std::move(*resident);
     return {};
@@ -83,23 +83,26 @@ class VulkanRenderer : public Renderer {
   Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) override {
     const auto scene = scenes_.find(job.scene);
     if (scene == scenes_.end()) return Error{"scene " + std::to_string(job.scene.value) + " is not resident"};
-    const uint32_t most = pool_->device->features().max_image_side;
-    if (job.width < 1 || job.height < 1 || job.width > most || job.height > most)
-      return Error{"a frame of " + std::to_string(job.width) + "x" + std::to_string(job.height) +
-                   " pixels: the device renders from 1x1 to " + std::to_string(most) + "x" + std::to_string(most)};
+    if (auto fits = check_size(*pool_->device, job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
+    const TileGrid grid{job.width, job.height, scene->second->light_count()};
     const size_t slot = pool_->take();
-    const auto timeline = pool_->slots[slot].submit(pool_->plan, *scene->second, job.camera, job.width, job.height);
+    const auto timeline = start(pool_->slots[slot], *scene->second, job.camera, grid);
     if (!timeline) {
       pool_->give_back(slot);
       return timeline.error();
     }
-    in_flight_.push(
-        {job.id, slot, *timeline, {job.width, job.height, scene->second->light_count()}, std::move(on_done)});
+    in_flight_.push({job.id, slot, *timeline, grid, std::move(on_done)});
     return {};
   }
 
  private:
+  Result<uint64_t> start(FrameSlot& slot, const ResidentScene& scene, const CameraView& camera,
+                         const TileGrid& grid) const {
+    if (auto room = slot.reserve(pool_->plan, grid); !room) return room.error();
+    return slot.submit(pool_->plan, scene, camera, grid);
+  }
+
   void complete() {
     std::vector<InFlight> batch;
     for (in_flight_.take(batch); !batch.empty(); in_flight_.take(batch))
@@ -142,8 +145,10 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (!device) return device.error();
   auto tracer = make_tracer(options.tracer, *device);
   if (!tracer) return tracer.error();
-  auto plan = FramePlan::compile(*device, options.passes, **tracer);
+  auto plan = FramePlan::compile(*device, options.passes, tracer->get());
   if (!plan) return plan.error();
+  if (std::find(options.passes.begin(), options.passes.end(), "readback") == options.passes.end())
+    return Error{"the pass list has no 'readback': no mask would reach the host"};
   auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*plan));
   for (size_t i = 0; i < options.frames_in_flight; ++i) {
     auto slot = FrameSlot::create(*device, pool->plan);

@@ -68,7 +68,7 @@ bool is_image(const ResourceSpec& spec) { return spec.format != VK_FORMAT_UNDEFI
 }  // namespace
 
 Result<FramePlan> FramePlan::compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                     const Tracer& tracer) {
+                                     const Tracer* tracer) {
   FramePlan plan;
   plan.device_ = device;
   for (const std::string& name : passes) {
@@ -90,7 +90,7 @@ Result<void> FramePlan::wire() {
       auto found = std::find_if(resources_.begin(), resources_.end(),
                                 [&](const Resource& r) { return r.name == port.resource; });
       if (found == resources_.end()) {
-        if (!writes(port.use))
+        if (!writes(port.use) && port.spec.memory != MemoryUse::upload)
           return Error{"pass '" + std::string(passes_[pass]->name()) + "' reads '" + std::string(port.resource) +
                        "', which no pass before it writes"};
         resources_.push_back({port.resource, port.spec});

@@ -24,9 +24,9 @@ struct FrameResources {
 
 class FramePlan {
  public:
-  // Error: no such pass, or a pass reads what none before it writes.
+  // `tracer` may be null where no pass traces. Error: see make_pass, or a pass reads what none before it writes.
   static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                   const Tracer& tracer);
+                                   const Tracer* tracer);
 
   size_t pass_count() const { return passes_.size(); }
   std::string_view pass_name(size_t i) const { return passes_[i]->name(); }

@@ -33,7 +33,8 @@ struct Capacity {
   TileGrid grid() const { return {width, height, lights}; }
 };
 
-// What to allocate for a resource: an image where `format` is set, else a buffer. Said by its first writer.
+// What to allocate for a resource: an image where `format` is set, else a buffer. Said by the first pass that
+// touches it: one that writes it, or one that reads what the host has written (MemoryUse::upload).
 struct ResourceSpec {
   VkFormat format = VK_FORMAT_UNDEFINED;
   std::function<uint64_t(const Capacity&)> bytes;
@@ -72,7 +73,8 @@ class Pass {
 
 class Tracer;
 
-// Makes the pass of that name. `tracer` outlives it. Error: no such pass, with the names there are.
-Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer& tracer);
+// Makes the pass of that name. `tracer` may be null where nothing is traced. Error: no such pass, with the names
+// there are; or a pass that traces without a tracer.
+Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer* tracer);
 
 }  // namespace gnomon::gpu

@@ -2,15 +2,19 @@
 
 namespace gnomon::gpu {
 
-Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer& tracer) {
+Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer* tracer) {
   if (name == "gbuffer") return make_gbuffer_pass(device);
-  if (name == "trace") return make_trace_pass(device, tracer);
+  if (name == "trace" && tracer) return make_trace_pass(device, *tracer);
+  if (name == "trace") return Error{"pass 'trace' needs a tracer"};
+  if (name == "shade") return make_shade_pass(device);
   if (name == "surface") return make_surface_pass(device);
   if (name == "readback") return make_readback_pass("readback", resource::kMasks, resource::kHostMasks);
   if (name == "readback_surface")
     return make_readback_pass("readback_surface", resource::kSurface, resource::kHostSurface);
+  if (name == "readback_color") return make_readback_pass("readback_color", resource::kColor, resource::kHostColor);
   return Error{"no pass is called '" + std::string(name) +
-               "'; there are gbuffer, trace, readback, surface, readback_surface"};
+               "'; there are gbuffer, trace, readback, surface, readback_surface, shade, "
+               "readback_color"};
 }
 
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,

@@ -3,7 +3,9 @@
 //   gbuffer   -> triangle_id (uint32: 0 none, else 1 + index into WorldMesh::triangles), depth
 //   trace     triangle_id -> masks (tile words, see common/tile_mask.h)
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
+//   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
 //   readback  masks -> host_masks        readback_surface  surface -> host_surface
+//   readback_color  color -> host_color
 #pragma once
 
 #include "gpu/passes/pass.h"
@@ -17,6 +19,10 @@ inline constexpr std::string_view kMasks = "masks";
 inline constexpr std::string_view kHostMasks = "host_masks";
 inline constexpr std::string_view kSurface = "surface";
 inline constexpr std::string_view kHostSurface = "host_surface";
+inline constexpr std::string_view kGivenMasks = "given_masks";
+inline constexpr std::string_view kShading = "shading";
+inline constexpr std::string_view kColor = "color";
+inline constexpr std::string_view kHostColor = "host_color";
 }  // namespace resource
 
 // One pixel's surface as the tracers see it. triangle: as in triangle_id.
@@ -31,6 +37,7 @@ static_assert(sizeof(SurfaceSample) == 32);
 Result<std::unique_ptr<Pass>> make_gbuffer_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
 
 // Copies as much of a buffer as this frame has written into cached host memory.
 Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::string_view source,

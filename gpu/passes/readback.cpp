@@ -7,7 +7,8 @@ namespace {
 
 uint64_t bytes_of(std::string_view source, const TileGrid& grid) {
   if (source == resource::kMasks) return grid.word_count() * sizeof(uint64_t);
-  return uint64_t{grid.width} * grid.height * sizeof(SurfaceSample);
+  const uint64_t pixels = uint64_t{grid.width} * grid.height;
+  return pixels * (source == resource::kSurface ? sizeof(SurfaceSample) : sizeof(uint32_t));
 }
 
 class ReadbackPass : public Pass {

@@ -1,0 +1,39 @@
+#include "gpu/surface_probe.h"
+
+#include <cstring>
+
+namespace gnomon::gpu {
+namespace {
+
+template <class T>
+std::vector<T> copied(std::span<const std::byte> bytes, size_t count) {
+  std::vector<T> out(count);
+  if (count) std::memcpy(out.data(), bytes.data(), count * sizeof(T));
+  return out;
+}
+
+}  // namespace
+
+Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const scenes::ScenePtr& scene) {
+  auto frame =
+      BlockingFrame::create(options, {"gbuffer", "trace", "surface", "readback", "readback_surface"}, scene);
+  if (!frame) return frame.error();
+  SurfaceProbe probe;
+  probe.frame_ = std::move(*frame);
+  return probe;
+}
+
+Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t width, uint32_t height) {
+  const auto grid = frame_->reserve(width, height);
+  if (!grid) return grid.error();
+  auto timing = frame_->render(camera, *grid);
+  if (!timing) return timing.error();
+  ProbedFrame probed;
+  probed.grid = *grid;
+  probed.samples = copied<SurfaceSample>(frame_->host(resource::kHostSurface), size_t{width} * height);
+  probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
+  probed.timing = std::move(*timing);
+  return probed;
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,35 @@
+// Looks into a frame, for tests and benchmarks: the very surface points that the trace pass starts from, and the
+// masks that it makes of them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "gpu/blocking_frame.h"
+#include "gpu/passes/passes.h"
+
+namespace gnomon::gpu {
+
+struct ProbedFrame {
+  TileGrid grid;
+  std::vector<SurfaceSample> samples;  // row by row
+  std::vector<uint64_t> words;         // as common/tile_mask.h
+  FrameTiming timing;
+
+  TileMaskView mask() const { return {grid, words}; }
+};
+
+// One thread. Blocking.
+class SurfaceProbe {
+ public:
+  static Result<SurfaceProbe> create(const RendererOptions& options, const scenes::ScenePtr& scene);
+
+  const Device& device() const { return frame_->device(); }
+  const ResidentScene& scene() const { return frame_->scene(); }
+  Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height);
+
+ private:
+  std::unique_ptr<BlockingFrame> frame_;
+};
+
+}  // namespace gnomon::gpu
