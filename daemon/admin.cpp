@@ -1,70 +1,61 @@
 #include "daemon/admin.h"
 
-#include <civetweb.h>
-
-#include <cstring>
+#include <httplib.h>
 
 namespace gnomon::daemon {
 namespace {
 
-std::string listening_ports(const AdminConfig& config) {
-  const bool is_v6 = config.listen.find(':') != std::string::npos;
-  return (is_v6 ? "[" + config.listen + "]" : config.listen) + ":" + std::to_string(config.port);
-}
+using namespace std::chrono_literals;
 
-const char* reason_of(int status) {
-  switch (status) {
-    case 200: return "OK";
-    case 405: return "Method Not Allowed";
-    case 503: return "Service Unavailable";
-    default: return "Error";
-  }
-}
+constexpr size_t kThreads = 4;
+constexpr size_t kMaxRequestBody = 0;  // nothing here takes one
+constexpr auto kRequestTime = 1s;      // for a client to say what it wants
 
-void write(mg_connection* connection, const Page& page, bool with_body) {
-  mg_printf(connection,
-            "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nContent-Length: %zu\r\nCache-Control: no-store\r\n"
-            "Connection: close\r\n\r\n",
-            page.status, reason_of(page.status), page.content_type, page.body.size());
-  if (with_body) mg_write(connection, page.body.data(), page.body.size());
-}
-
-// civetweb's, a C function: `data` is the page's maker.
-int answer(mg_connection* connection, void* data) {
-  const std::string method = mg_get_request_info(connection)->request_method;
-  Page page{405, "text/plain; charset=utf-8", "only GET and HEAD\n"};
-  if (method == "GET" || method == "HEAD") page = (*static_cast<std::function<Page()>*>(data))();
-  write(connection, page, method != "HEAD");
-  return page.status;
+void limit(httplib::Server& server) {
+  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+  server.set_payload_max_length(kMaxRequestBody);
+  server.set_read_timeout(kRequestTime);
+  server.set_write_timeout(kRequestTime);
+  server.set_keep_alive_max_count(1);
+  // The library would share the port with whoever else listens on it.
+  server.set_socket_options([](int socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Admin>> Admin::start(const AdminConfig& config, Pages pages) {
-  std::unique_ptr<Admin> made(new Admin(std::move(pages)));
-  const std::string ports = listening_ports(config);
-  const char* options[] = {"listening_ports",   ports.c_str(), "num_threads", "4", "request_timeout_ms", "2000",
-                           "enable_keep_alive", "no",          nullptr};
-  mg_callbacks callbacks{};
-  callbacks.log_message = [](const mg_connection* connection, const char* message) {
-    if (auto* admin = static_cast<Admin*>(mg_get_user_data(mg_get_context(connection))))
-      admin->last_error_ = message;
-    return 1;
-  };
-  mg_init_library(0);
-  made->server_ = mg_start(&callbacks, made.get(), options);
-  if (!made->server_) return Error{"admin.listen, admin.port: cannot serve HTTP on " + ports};
-  mg_server_port bound{};
-  if (mg_get_server_ports(made->server_, 1, &bound) == 1) made->port_ = static_cast<uint16_t>(bound.port);
-  for (auto& [path, make_page] : made->pages_) {
-    mg_set_request_handler(made->server_, (path + "$").c_str(), answer, &make_page);
+Admin::Admin() : server_(std::make_unique<httplib::Server>()) {}
+
+Result<std::unique_ptr<Admin>> Admin::start(const AdminConfig& config, const Pages& pages) {
+  std::unique_ptr<Admin> made(new Admin);
+  limit(*made->server_);
+  for (const auto& [path, make_page] : pages) {
+    made->server_->Get(path, [make = make_page](const httplib::Request&, httplib::Response& response) {
+      Page page = make();
+      response.status = page.status;
+      response.set_header("Cache-Control", "no-store");
+      response.set_content(std::move(page.body), page.content_type);
+    });
   }
+  const bool any = config.port == 0;
+  const int port = any ? made->server_->bind_to_any_port(config.listen)
+                       : (made->server_->bind_to_port(config.listen, config.port) ? config.port : -1);
+  if (port <= 0) {
+    return Error{"admin.port: TCP " + config.listen + " port " + std::to_string(config.port) +
+                 " cannot be listened on: " + std::strerror(errno)};
+  }
+  made->port_ = static_cast<uint16_t>(port);
+  made->thread_ = std::thread([&server = *made->server_] { server.listen_after_bind(); });
+  while (!made->server_->is_running()) std::this_thread::sleep_for(1ms);  // before that, stop() is not heard
   return made;
 }
 
 Admin::~Admin() {
-  if (server_) mg_stop(server_);
-  mg_exit_library();
+  if (!thread_.joinable()) return;
+  server_->stop();
+  thread_.join();
 }
 
 }  // namespace gnomon::daemon

@@ -5,11 +5,14 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "common/result.h"
 #include "daemon/config.h"
 
-struct mg_context;
+namespace httplib {
+class Server;
+}
 
 namespace gnomon::daemon {
 
@@ -21,21 +24,20 @@ struct Page {
 
 class Admin {
  public:
-  // Path ("/metrics") -> what makes the page. Called from threads of the HTTP library, several at a time.
+  // Path ("/metrics") -> what makes the page. Called from the HTTP library's threads, several at a time.
   using Pages = std::map<std::string, std::function<Page()>>;
 
-  static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, Pages pages);
+  static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, const Pages& pages);
   ~Admin();  // waits for requests in progress
 
   uint16_t port() const { return port_; }
 
  private:
-  explicit Admin(Pages pages) : pages_(std::move(pages)) {}
+  Admin();
 
-  Pages pages_;
-  std::string last_error_;  // while starting
-  mg_context* server_ = nullptr;
+  std::unique_ptr<httplib::Server> server_;
   uint16_t port_ = 0;
+  std::thread thread_;
 };
 
 }  // namespace gnomon::daemon

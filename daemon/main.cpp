@@ -83,19 +83,18 @@ void leave_at(TimePoint deadline) {
 
 int serve(const Config& config) {
   asio::io_context events;
-  asio::signal_set signals(events, SIGTERM, SIGINT);
   std::optional<Error> failure;
   const auto failed = [&](const Error& error) {
     asio::post(events, [&, error] {
       failure = error;
-      signals.cancel();
+      events.stop();
     });
   };
   auto daemon = Daemon::start({config, vulkan_renderers(config.render), GNOMON_VERSION, failed});
   if (!daemon) return fail(daemon.error());
-  print_ready_line(**daemon, config);
-
+  asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
   signals.async_wait([](asio::error_code, int) {});
+  print_ready_line(**daemon, config);
   events.run();  // until the first signal or a failure
   std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
   std::signal(SIGINT, [](int) { std::_Exit(EXIT_FAILURE); });
