@@ -86,9 +86,11 @@ class Writer {
 
   void add_materials() {
     for (const std::vector<uint8_t>& png : stage_.images) {
-      document_["images"].push_back(
-          {{"bufferView", add_view(std::span<const uint8_t>(png), 0)}, {"mimeType", "image/png"}});
-      document_["textures"].push_back({{"sampler", 0}, {"source", document_["images"].size() - 1}});
+      // First: a new member of the document moves those before it.
+      const auto view = add_view(std::span<const uint8_t>(png), 0);
+      document_["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
+      const size_t image = document_["images"].size() - 1;
+      document_["textures"].push_back({{"sampler", 0}, {"source", image}});
     }
     if (!stage_.images.empty()) {
       document_["samplers"] = Json::array(
