@@ -21,8 +21,8 @@ namespace gnomon::client {
 
 struct ConnectOptions {
   Address server;
-  protocol::Hello hello;                          // what to ask for
-  Nanoseconds timeout = std::chrono::seconds(5);  // until the Welcome
+  protocol::Hello hello;                           // what to ask for
+  Nanoseconds timeout = std::chrono::seconds(15);  // until the Welcome; the server may load the scene first
 };
 
 // One line for a person: code, text and what would fit.

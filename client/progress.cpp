@@ -10,7 +10,9 @@ constexpr auto kPlainInterval = std::chrono::seconds(3);
 
 }  // namespace
 
-Progress::Progress(std::FILE* out) : out_(out), terminal_(isatty(fileno(out)) == 1) {}
+Progress::Progress(std::FILE* out) : out_(out), terminal_(isatty(fileno(out)) == 1) {
+  if (!terminal_) next_ = Clock::now() + kPlainInterval;  // short work needs no lines
+}
 
 Progress::~Progress() { clear(); }
 

@@ -1,0 +1,50 @@
+#include "client/view/gallery.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace gnomon::client {
+namespace fs = std::filesystem;
+namespace {
+
+std::string numbered(const char* kind, uint32_t index) {
+  char name[40];
+  std::snprintf(name, sizeof name, "%s_%04u.png", kind, index);
+  return name;
+}
+
+}  // namespace
+
+Result<Gallery> Gallery::open(const fs::path& folder, const ViewSize& size, uint32_t frames, uint32_t pictures) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return Error{"cannot make folder " + folder.string() + ": " + error.message()};
+  Gallery gallery;
+  gallery.folder_ = folder;
+  gallery.size_ = size;
+  gallery.frames_ = frames;
+  gallery.pictures_ = std::min(pictures, frames);
+  return gallery;
+}
+
+bool Gallery::wants(uint32_t index) const {
+  // The steps lie in the middle of equal parts of the path.
+  return taken_ < pictures_ && index >= (2 * uint64_t{taken_} + 1) * frames_ / (2 * pictures_);
+}
+
+Result<void> Gallery::add(const FlownFrame& frame, const Picture& shaded, const Picture& material) {
+  ++taken_;
+  const Picture shown = crop_centre(shaded, size_.width, size_.height);
+  std::vector<Picture> panels;
+  for (uint32_t light = 0; light < frame.mask.grid.lights; ++light) {
+    panels.push_back(crop_centre(seen_by_light(material, frame.mask.mask(), light), size_.width, size_.height));
+  }
+  const fs::path frame_file = folder_ / numbered("frame", frame.index);
+  const fs::path lights_file = folder_ / numbered("lights", frame.index);
+  if (auto written = write_png(frame_file, shown); !written) return written;
+  if (auto written = write_png(lights_file, montage(panels, shown)); !written) return written;
+  files_.insert(files_.end(), {frame_file, lights_file});
+  return {};
+}
+
+}  // namespace gnomon::client

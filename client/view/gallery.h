@@ -1,0 +1,36 @@
+// The pictures that a flight leaves behind: a few frames spread over the path, shaded, and what each light sees.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "client/montage.h"
+#include "client/view/flight.h"
+
+namespace gnomon::client {
+
+class Gallery {
+ public:
+  // Makes the folder. At most `pictures` of `frames` are kept.
+  static Result<Gallery> open(const std::filesystem::path& folder, const ViewSize& size, uint32_t frames,
+                              uint32_t pictures);
+
+  // Whether this frame is to be kept; the first at or after each of the chosen steps is, as some are never answered.
+  bool wants(uint32_t index) const;
+
+  // Writes frame_NNNN.png (shaded) and lights_NNNN.png (a panel for each light beside it). `shaded` and `material`
+  // are of the traced size and lose their border here.
+  Result<void> add(const FlownFrame& frame, const Picture& shaded, const Picture& material);
+
+  const std::vector<std::filesystem::path>& files() const { return files_; }
+
+ private:
+  std::filesystem::path folder_;
+  ViewSize size_;
+  uint32_t frames_ = 0;
+  uint32_t pictures_ = 0;
+  uint32_t taken_ = 0;
+  std::vector<std::filesystem::path> files_;
+};
+
+}  // namespace gnomon::client
