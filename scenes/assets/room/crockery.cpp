@@ -123,7 +123,7 @@ Model carafe(const Palette& palette) {
                                                        {0.026f, 0.155f},
                                                        {0.050f, 0.10f},
                                                        {0, 0.09f}},
-                                                      48, 4));
+                                                      32, 2));
   return model;
 }
 
@@ -175,7 +175,7 @@ Model teapot(const Palette& palette) {
                               {0.014f, 0.155f},
                               {0.008f, 0.163f},
                               {0, 0.164f}},
-                             48, 4));
+                             32, 2));
   append(clay, tube(
                    curve(
                        std::vector<glm::vec3>{
@@ -194,8 +194,7 @@ Model cup(const Palette& palette) {
   return model;
 }
 
-Model vase(const Palette& palette, int shape, uint32_t material) {
-  static_cast<void>(palette);
+Model vase(int shape, uint32_t material) {
   const std::vector<glm::vec2> shapes[] = {{{0, 0.001f},
                                             {0.045f, 0.001f},
                                             {0.075f, 0.05f},
@@ -234,7 +233,7 @@ Model vase(const Palette& palette, int shape, uint32_t material) {
 
 Model flower_vase(const Palette& palette) {
   Random random(61);
-  Model model = vase(palette, 1, palette.porcelain);
+  Model model = vase(1, palette.porcelain);
   model.name = "flower vase";
   for (int i = 0; i < 7; ++i) {
     const float a = 2.4f * static_cast<float>(i), lean = random.range(0.04f, 0.16f),

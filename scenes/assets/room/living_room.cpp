@@ -119,8 +119,8 @@ void furnish_walls(Stage& stage, const Palette& p) {
   stage.place(room::picture(p, 0.80f, 0.60f, 9), at(3.6f, 1.60f, room::kDepth) * turned(180));
   stage.place(room::sideboard(p), at(3.35f, 0, 5.34f) * turned(180));
   stage.place(room::record_player(p), at(3.75f, room::kSideboardTop, 5.36f) * turned(180));
-  stage.place(room::vase(p, 1, p.terracotta), at(2.70f, room::kSideboardTop, 5.38f));
-  stage.place(room::vase(p, 2, p.porcelain), at(2.98f, room::kSideboardTop, 5.36f));
+  stage.place(room::vase(1, p.terracotta), at(2.70f, room::kSideboardTop, 5.38f));
+  stage.place(room::vase(2, p.porcelain), at(2.98f, room::kSideboardTop, 5.36f));
   stage.place(room::book_pile(p, 8), at(3.22f, room::kSideboardTop, 5.37f) * turned(100));
 }
 
@@ -160,12 +160,12 @@ Stage make_living_room() {
   add_plants(stage, palette);
   add_lights(stage);
   stage.vertical_fov = 0.92f;
-  stage.flight = fly({{4.95f, 1.58f, 4.10f},
+  stage.flight = fly({{5.00f, 1.58f, 3.85f},
                       {4.80f, 1.55f, 3.10f},
                       {4.55f, 1.50f, 2.00f},
                       {3.75f, 1.48f, 2.05f},
                       {3.55f, 1.50f, 3.10f},
-                      {4.00f, 1.55f, 4.20f}},
+                      {4.05f, 1.55f, 4.00f}},
                      {{2.10f, 0.85f, 1.30f},
                       {2.00f, 0.90f, 0.80f},
                       {0.40f, 1.00f, 2.40f},

@@ -49,7 +49,7 @@ Model carafe(const Palette& palette);
 Model fruit_bowl(const Palette& palette);
 Model teapot(const Palette& palette);
 Model cup(const Palette& palette);
-Model vase(const Palette& palette, int shape, uint32_t material);
+Model vase(int shape, uint32_t material);
 Model flower_vase(const Palette& palette);
 
 Model pendant(const Palette& palette);   // hangs from the origin; its bulb kPendantDrop below

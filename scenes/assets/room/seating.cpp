@@ -23,11 +23,11 @@ glm::mat4 leaning(glm::vec3 position, float back, float turn) {
 Model sofa(const Palette& palette) {
   Model model{"sofa", {}};
   Mesh& cloth = model.in(palette.sofa);
-  append(cloth, rounded_box({2.70f, 0.22f, 0.94f}, 0.05f, 4), at(0, 0.25f, 0));
-  append(cloth, rounded_box({0.93f, 0.218f, 0.80f}, 0.05f, 4), at(-0.884f, 0.25f, 0.78f));
-  append(cloth, rounded_box({2.69f, 0.62f, 0.20f}, 0.08f, 5), at(0, 0.45f, -0.37f));
-  append(cloth, rounded_box({0.19f, 0.42f, 0.93f}, 0.075f, 5), at(-1.25f, 0.39f, 0.006f));
-  append(cloth, rounded_box({0.19f, 0.42f, 0.93f}, 0.075f, 5), at(1.25f, 0.39f, 0.006f));
+  append(cloth, rounded_box({2.70f, 0.22f, 0.94f}, 0.05f, 3), at(0, 0.25f, 0));
+  append(cloth, rounded_box({0.93f, 0.218f, 0.80f}, 0.05f, 3), at(-0.884f, 0.25f, 0.78f));
+  append(cloth, rounded_box({2.69f, 0.62f, 0.20f}, 0.08f, 4), at(0, 0.45f, -0.37f));
+  append(cloth, rounded_box({0.19f, 0.42f, 0.93f}, 0.075f, 4), at(-1.25f, 0.39f, 0.006f));
+  append(cloth, rounded_box({0.19f, 0.42f, 0.93f}, 0.075f, 4), at(1.25f, 0.39f, 0.006f));
   append(cloth, cushion({0.76f, 0.16f, 1.40f}, 0.025f, kDetail, 1), at(-0.775f, 0.435f, 0.43f));
   append(cloth, cushion({0.77f, 0.16f, 0.70f}, 0.030f, kDetail, 2), at(0.0f, 0.435f, 0.08f));
   append(cloth, cushion({0.77f, 0.16f, 0.70f}, 0.030f, kDetail, 3), at(0.77f, 0.435f, 0.08f));

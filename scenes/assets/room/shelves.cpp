@@ -85,14 +85,14 @@ Model bookcase(const Palette& palette) {
     const glm::mat4 placement = at(shelf_origin(bay, shelf) + glm::vec3(share * pitch, 0, 0.02f)) * scaled(scale);
     for (const Part& part : thing.parts) append(model.in(part.material), part.mesh, placement);
   };
-  ornament(vase(palette, 0, palette.terracotta), 1, 0, 0.78f, 1.1f);
-  ornament(vase(palette, 2, palette.porcelain), 0, 1, 0.68f, 1.2f);
+  ornament(vase(0, palette.terracotta), 1, 0, 0.78f, 1.1f);
+  ornament(vase(2, palette.porcelain), 0, 1, 0.68f, 1.2f);
   ornament(book_pile(palette, 77), 1, 2, 0.68f, 0.8f);
   ornament(teapot(palette), 2, 2, 0.80f, 1.0f);
-  ornament(vase(palette, 1, palette.stoneware), 2, 3, 0.2f, 1.0f);
-  ornament(vase(palette, 0, palette.glass_green), 2, 3, 0.5f, 1.15f);
-  ornament(vase(palette, 2, palette.mustard), 2, 3, 0.8f, 1.1f);
-  ornament(vase(palette, 2, palette.brass), 0, 3, 0.82f, 1.0f);
+  ornament(vase(1, palette.stoneware), 2, 3, 0.2f, 1.0f);
+  ornament(vase(0, palette.glass_green), 2, 3, 0.5f, 1.15f);
+  ornament(vase(2, palette.mustard), 2, 3, 0.8f, 1.1f);
+  ornament(vase(2, palette.brass), 0, 3, 0.82f, 1.0f);
   ornament(fruit_bowl(palette), 1, 4, 0.77f, 0.9f);
   return model;
 }

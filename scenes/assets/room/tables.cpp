@@ -23,17 +23,19 @@ void add_square_frame(Mesh& mesh, float width, float height, float bar, float ba
 
 Model coffee_table(const Palette& palette) {
   Model model{"coffee table", {}};
-  append(model.in(palette.walnut), lathe(curve(std::vector<glm::vec2>{{0, 0.375f},
-                                                                      {0.30f, 0.376f},
-                                                                      {0.52f, 0.395f},
-                                                                      {0.555f, 0.408f},
-                                                                      {0.552f, 0.418f},
-                                                                      {0.53f, 0.42f},
-                                                                      {0, 0.42f}},
-                                               3),
+  append(model.in(palette.walnut), lathe({{0, 0.375f},
+                                          {0.30f, 0.376f},
+                                          {0.44f, 0.382f},
+                                          {0.52f, 0.392f},
+                                          {0.548f, 0.402f},
+                                          {0.556f, 0.410f},
+                                          {0.554f, 0.416f},
+                                          {0.546f, kCoffeeTop},
+                                          {0.546f, kCoffeeTop},
+                                          {0, kCoffeeTop}},
                                          64));
   append(model.in(palette.walnut),
-         turned_vessel({{0, 0.10f}, {0.13f, 0.10f}, {0.15f, 0.115f}, {0.13f, 0.13f}, {0, 0.13f}}, 40, 4));
+         turned_vessel({{0, 0.10f}, {0.13f, 0.10f}, {0.15f, 0.115f}, {0.13f, 0.13f}, {0, 0.13f}}, 32, 2));
   for (int i = 0; i < 3; ++i) {
     const glm::mat4 turn = turned(120.0f * static_cast<float>(i) + 20.0f);
     append(model.in(palette.walnut),

@@ -26,7 +26,7 @@ Model rug(const Palette& palette) {
   Model model{"rug", {}};
   append(model.in(palette.rug_field), rounded_box({kRugX, 0.016f, kRugZ}, 0.006f, 2), at(0, 0.006f, 0));
   // The pile: one knot a cell, its height uneven, its colour by the pattern.
-  constexpr int kKnotsX = 118, kKnotsZ = 82;
+  constexpr int kKnotsX = 104, kKnotsZ = 72;
   const Mesh pile = surface(kKnotsX, kKnotsZ, [&](float u, float v) {
     const bool rim = u == 0.0f || u == 1.0f || v == 0.0f || v == 1.0f;
     const float y = rim ? 0.010f : random.range(0.0165f, 0.0215f);

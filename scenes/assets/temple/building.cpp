@@ -88,18 +88,18 @@ Model paving(const Palette& palette, float left, float right, float far_z, float
   return model;
 }
 
-// A square coffer seen from below: three steps up to a panel with a gilded rosette.
+// A square coffer seen from below: two steps up to a panel with a gilded rosette.
 Model coffer(const Palette& palette, float size) {
   Model model{"coffer", {}};
   Mesh& stone = model.in(palette.sandstone);
   float half = 0.5f * size, low = 0.0f;
-  const float width[] = {0.16f, 0.12f, 0.10f}, rise[] = {0.16f, 0.11f, 0.10f};
-  for (int i = 0; i < 3; ++i) {
+  const float width[] = {0.18f, 0.16f}, rise[] = {0.18f, 0.16f};
+  for (int i = 0; i < 2; ++i) {
     const float inner = half - width[i], top = 0.5f;
-    add_box(stone, {-half, low, -half}, {half, top, -inner});
-    add_box(stone, {-half, low, inner}, {half, top, half});
-    add_box(stone, {-half, low + 0.002f, -inner - 0.01f}, {-inner, top - 0.002f, inner + 0.01f});
-    add_box(stone, {inner, low + 0.002f, -inner - 0.01f}, {half, top - 0.002f, inner + 0.01f});
+    add_box(stone, {-half, low, -half}, {half, top, -inner}, 0);
+    add_box(stone, {-half, low, inner}, {half, top, half}, 0);
+    add_box(stone, {-half, low + 0.002f, -inner - 0.01f}, {-inner, top - 0.002f, inner + 0.01f}, 0);
+    add_box(stone, {inner, low + 0.002f, -inner - 0.01f}, {half, top - 0.002f, inner + 0.01f}, 0);
     half = inner + 0.01f, low += rise[i];
   }
   add_box(model.in(palette.blue_band), {-half, low, -half}, {half, 0.49f, half}, 0);
@@ -139,7 +139,7 @@ void add_ground(Stage& stage, const Palette& palette) {
   for (const float side : {-1.0f, 1.0f}) {  // cheeks of the stairs and the platform's front, with a red band
     const float a = side * 3.3f, b = side * 4.1f;
     add_box(dais.in(palette.limestone), {std::min(a, b), -0.1f, kDaisFront - 0.2f},
-            {std::max(a, b), kDais + 0.12f, kDaisFront + 1.7f}, 0.03f);
+            {std::max(a, b), kDais + 0.12f, kDaisFront + 1.95f}, 0.03f);
     const float c = side * 4.1f, d = side * (kHalfWidth + 0.1f);
     add_box(dais.in(palette.red_band), {std::min(c, d), 0.30f, kDaisFront - 0.1f},
             {std::max(c, d), 0.60f, kDaisFront - 0.01f});
@@ -212,7 +212,7 @@ void add_roof(Stage& stage, const Palette& palette) {
       const bool broken =
           std::abs(x) < size * 2.2f && ((row >= 5 && row <= 8) || (row == 9 && k < 0) || (row == 4 && k == 1) ||
                                         (row >= 13 && row <= 14 && std::abs(x) < size));
-      if (!broken) stage.place(model, at(x, top - random.range(0.012f, 0.020f), z));
+      if (!broken) stage.place(model, at(x, top - random.range(0.030f, 0.040f), z));
     }
   }
 }

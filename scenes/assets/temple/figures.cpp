@@ -9,7 +9,7 @@ namespace {
 
 using glm::vec3;
 
-constexpr float kFigureCell = 0.030f;
+constexpr float kFigureCell = 0.037f, kHeadCell = 0.017f;
 
 // A long robe: an oval skirt whose folds deepen towards the hem, drawn in at the waist (y = 1.30).
 float robe(vec3 p, float hem, float waist) {
@@ -70,11 +70,9 @@ float arm(vec3 p, vec3 shoulder, vec3 elbow, vec3 wrist) {
   const vec3 palm = wrist + 0.065f * glm::normalize(wrist - elbow);
   d = blend(d, ellipsoid(p, palm, {0.045f, 0.055f, 0.045f}), 0.03f);
   // Sleeve to the elbow, and a bracelet.
-  const vec3 along = glm::normalize(elbow - shoulder);
   d = blend(d, capsule(p, shoulder, shoulder + 0.75f * (elbow - shoulder), 0.080f, 0.092f), 0.03f);
   const vec3 ring = elbow + 0.8f * (wrist - elbow), axis = glm::normalize(wrist - elbow);
   const float off = glm::dot(p - ring, axis), out = glm::length(p - ring - off * axis);
-  static_cast<void>(along);
   return blend(d, glm::length(glm::vec2(out - 0.040f, off)) - 0.014f, 0.006f);
 }
 
@@ -93,8 +91,13 @@ float belt(vec3 p) {
 float body(vec3 p) {
   float d = blend(robe(p, 0.43f, 0.205f), torso(p), 0.05f);
   d = blend(d, belt(p), 0.015f);
-  d = blend(d, feet(p), 0.02f);
-  return std::min(blend(d, head(p), 0.03f), headdress(p));
+  return blend(d, feet(p), 0.02f);
+}
+
+// Faces need a finer grid than robes: the head is a piece of its own, its neck and cloth sunk into the body.
+Mesh head_piece() {
+  return sculpt([](vec3 p) { return std::min(head(p), headdress(p)); }, {-0.25f, 1.62f, -0.25f},
+                {0.25f, 2.28f, 0.24f}, kHeadCell);
 }
 
 }  // namespace
@@ -111,7 +114,8 @@ Model guardian(const Palette& palette) {
                d = blend(d, arm(p, {-0.235f, 1.735f, 0}, {-0.36f, 1.46f, 0.03f}, {-0.10f, 1.52f, 0.21f}), 0.04f);
                return d;
              },
-             {-0.56f, -0.03f, -0.48f}, {0.62f, 2.28f, 0.56f}, kFigureCell));
+             {-0.56f, -0.03f, -0.48f}, {0.62f, 2.00f, 0.56f}, kFigureCell));
+  append(model.in(palette.marble), head_piece());
   // A bronze staff with the sun on its top.
   append(model.in(palette.bronze), tube({{grip.x, -0.01f, grip.z}, {grip.x, 2.42f, grip.z}}, 0.021f, 14));
   append(model.in(palette.gold), sphere(0.045f, 18), at(grip.x, 2.40f, grip.z));
@@ -141,6 +145,7 @@ Model bearer(const Palette& palette) {
                return d;
              },
              {-0.60f, -0.03f, -0.48f}, {0.60f, 2.42f, 0.56f}, kFigureCell));
+  append(model.in(palette.marble), head_piece());
   append(model.in(palette.gold),
          turned_vessel({{0, 2.29f},
                         {0.14f, 2.295f},
@@ -184,15 +189,11 @@ Model sphinx(const Palette& palette) {
                  };
                  d = blend(d, capsule(p, on_tail(a), on_tail(b), 0.045f, 0.042f), 0.03f);
                }
-               // The head of the figures, larger, with a collar on the chest.
-               const float scale = 1.55f;
-               const vec3 q = (p - vec3(0, -1.98f, 0.47f)) / scale;
                d = blend(d, capsule(p, {0, 0.70f, 0.42f}, {0, 1.08f, 0.46f}, 0.20f, 0.13f), 0.10f);
-               d = blend(d, scale * head(q), 0.03f);
-               d = std::min(d, scale * headdress(q));
                return std::max(d, -p.y);
              },
-             {-0.66f, -0.04f, -1.28f}, {0.66f, 1.50f, 1.30f}, 0.036f));
+             {-0.66f, -0.04f, -1.28f}, {0.66f, 1.30f, 1.30f}, 0.044f));
+  append(model.in(palette.sandstone), head_piece(), at(0, -1.98f, 0.47f) * scaled(1.55f));
   return model;
 }
 

@@ -41,27 +41,11 @@ Model brazier(const Palette& palette) {
   append(bronze, lathe({{0.19f, 0.40f}, {0.205f, 0.385f}, {0.22f, 0.40f}, {0.205f, 0.415f}, {0.19f, 0.40f}}, 40));
   Random random(7);
   for (int i = 0; i < 26; ++i) {  // coals
-    const float a = 2.4f * static_cast<float>(i), r = 0.063f * std::sqrt(static_cast<float>(i));
-    Mesh coal =
-        rounded_box({random.range(0.08f, 0.13f), random.range(0.06f, 0.09f), random.range(0.08f, 0.12f)}, 0.02f, 1);
-    append(model.in(palette.coal), coal,
-           at(r * std::cos(a), 1.27f - 0.25f * r * r + random.range(-0.01f, 0.02f), r * std::sin(a)) *
+    const float a = 2.4f * static_cast<float>(i), r = 0.065f * std::sqrt(static_cast<float>(i));
+    const glm::vec3 half(random.range(0.04f, 0.065f), random.range(0.03f, 0.045f), random.range(0.04f, 0.06f));
+    append(model.in(palette.coal), bevel_box(-half, half, 0.015f),
+           at(r * std::cos(a), 1.33f - 0.9f * r * r + random.range(-0.01f, 0.02f), r * std::sin(a)) *
                turned(random.range(0, 360), {0.5f, 0.7f, 0.5f}));
-  }
-  // Tongues of flame stand under the light, which hangs free over their tips.
-  for (int i = 0; i < 7; ++i) {
-    const float a = 2.4f * static_cast<float>(i), r = i == 0 ? 0.0f : 0.17f,
-                tall = i == 0 ? 0.50f : random.range(0.24f, 0.38f);
-    append(model.in(i == 0 ? palette.flame : palette.coal),
-           barrel(10, 12,
-                  [=](float u, float v) {
-                    const float turn = 6.2831853f * u,
-                                w = 0.10f * std::sin(3.14159f * (0.16f + 0.83f * std::pow(v, 0.8f)));
-                    const float sway = 0.05f * std::sin(4.0f * v + a) * v;
-                    return glm::vec3(w * std::cos(turn) + sway, 1.27f + tall * v,
-                                     -w * std::sin(turn) + 0.5f * sway);
-                  }),
-           at(r * std::cos(a), 0, r * std::sin(a)));
   }
   return model;
 }

@@ -24,12 +24,13 @@ struct Palette {
   explicit Palette(Stage& stage);
 
   uint32_t limestone, sandstone, paving[3], joint, red_band, blue_band, marble, granite, bronze, gold;
-  uint32_t terracotta, coal, flame, wood, ivy_leaf, ivy_stem, earth, block[3], cloth;
+  uint32_t terracotta, coal, ivy_leaf, ivy_stem, earth, cypress, block[3], cloth;
 };
 
-void add_ground(Stage& stage, const Palette& palette);  // paving, steps, dais
-void add_walls(Stage& stage, const Palette& palette);   // courses of blocks, windows, gate, apse
-void add_roof(Stage& stage, const Palette& palette);    // beams, coffers, the broken bay
+void add_ground(Stage& stage, const Palette& palette);   // paving, steps, dais
+void add_walls(Stage& stage, const Palette& palette);    // courses of blocks, windows, gate, apse
+void add_country(Stage& stage, const Palette& palette);  // what is seen through gate and windows
+void add_roof(Stage& stage, const Palette& palette);     // beams, coffers, the broken bay
 
 Model column(const Palette& palette);  // base, fluted shaft, leafed capital; kColumnHeight high
 Model broken_column(const Palette& palette);
@@ -47,6 +48,6 @@ Model altar(const Palette& palette);
 Model rubble(const Palette& palette, uint32_t seed, float spread, int stones);
 Model ivy_wall(const Palette& palette, glm::vec2 size, bool hanging, uint32_t seed);
 Model banner(const Palette& palette, uint32_t seed);
-inline constexpr float kFireHeight = 1.92f, kLampDrop = 2.6f;
+inline constexpr float kFireHeight = 1.85f, kLampDrop = 2.6f;
 
 }  // namespace gnomon::scenes::assets::temple

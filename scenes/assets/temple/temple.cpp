@@ -19,13 +19,12 @@ Palette::Palette(Stage& stage) {
   limestone = colour("limestone", 0xe9dcc2), sandstone = colour("sandstone", 0xd9bd8f);
   const uint32_t slabs[] = {0xcdb891, 0xbfa67d, 0xd8c6a3}, blocks[] = {0xdcc199, 0xd0b288, 0xe4cda8};
   for (int i = 0; i < 3; ++i) paving[i] = colour("paving", slabs[i]), block[i] = colour("block", blocks[i]);
-  joint = colour("joint", 0x7d6a4f), earth = colour("earth", 0x9c8c58);
+  joint = colour("joint", 0x7d6a4f), earth = colour("earth", 0xa8925c), cypress = colour("cypress", 0x4c6a38);
   red_band = colour("red paint", 0xb1492f), blue_band = colour("blue paint", 0x2f5f8c);
   marble = colour("marble", 0xf3eee4, 0.5f), granite = colour("granite", 0x8d7b74, 0.6f);
   bronze = colour("bronze", 0x8a6a3c, 0.4f), gold = colour("gold", 0xe3b04b, 0.3f);
-  terracotta = colour("terracotta", 0xbf6a42), coal = colour("embers", 0xe0642a), wood = colour("wood", 0x6b4a30);
-  flame = colour("flame", 0xffc860);
-  stage.materials[coal].emissive = {1.0f, 0.35f, 0.08f}, stage.materials[flame].emissive = {1.0f, 0.75f, 0.25f};
+  terracotta = colour("terracotta", 0xbf6a42), coal = colour("embers", 0xf0813a);
+  stage.materials[coal].emissive = {1.0f, 0.35f, 0.08f};
   ivy_stem = colour("ivy stem", 0x6a563c), cloth = colour("red cloth", 0xa83a32);
   Material leaves;
   leaves.name = "ivy", leaves.base_color = linear(0x5f9440),
@@ -71,7 +70,7 @@ void add_figures(Stage& stage, const Palette& palette) {
   for (const float side : {-1.0f, 1.0f}) {
     stage.place(low, at(side * 1.95f, kDais, -28.4f));
     stage.place(holder, at(side * 1.95f, kDais + 0.495f, -28.4f) * scaled(1.12f));
-    stage.place(lion, at(side * 3.7f, kDais + 0.118f, kDaisFront + 0.62f) * scaled(0.70f));
+    stage.place(lion, at(side * 3.7f, kDais + 0.118f, kDaisFront + 0.98f) * scaled(0.70f));
   }
 }
 
@@ -110,18 +109,6 @@ void add_decay(Stage& stage, const Palette& palette) {
   stage.place(ivy_wall(palette, {2.2f, 2.6f}, true, 12), at(1.7f, kColumnHeight + kBeam + 0.05f, -16.15f));
 }
 
-void add_outside(Stage& stage, const Palette& palette) {
-  // Open country about the temple, for what is seen through the gate and the windows.
-  Model land{"land", {}};
-  append(land.in(palette.earth), sheet(40, 40, 0.5f, [](float u, float v) {
-           const float x = (u - 0.5f) * 160, z = (0.5f - v) * 160 - 15;
-           const float away = std::max(glm::length(glm::vec2(x, z + 15)) - 26.0f, 0.0f);
-           return glm::vec3(x, -0.42f + 0.0016f * away * away * (1.1f + std::sin(0.11f * x) * std::cos(0.09f * z)),
-                            z);
-         }));
-  stage.place(std::move(land));
-}
-
 void add_lights(Stage& stage) {
   const auto fire = [&stage](const char* name, glm::vec3 place, float candela) {
     Light light;
@@ -132,15 +119,15 @@ void add_lights(Stage& stage) {
   sun.name = "sun", sun.kind = LightKind::directional, sun.color = {1.0f, 0.93f, 0.80f}, sun.intensity = 5.0f;
   sun.direction = glm::normalize(glm::vec3(-0.46f, -0.85f, -0.22f));
   stage.lights.push_back(sun);
-  fire("brazier west", {-2.35f, kFireHeight, -7.8f}, 27), fire("brazier east", {2.35f, kFireHeight, -7.8f}, 27);
-  fire("brazier stairs west", {-5.0f, kFireHeight, -21.9f}, 27),
-      fire("brazier stairs east", {5.0f, kFireHeight, -21.9f}, 27);
+  fire("brazier west", {-2.35f, kFireHeight, -7.8f}, 24), fire("brazier east", {2.35f, kFireHeight, -7.8f}, 24);
+  fire("brazier stairs west", {-5.0f, kFireHeight, -21.9f}, 26),
+      fire("brazier stairs east", {5.0f, kFireHeight, -21.9f}, 26);
   const float flame = kColumnHeight + kBeam - kLampDrop;
   fire("lamp west", {-5.2f, flame, -14.6f}, 55), fire("lamp east", {5.2f, flame, -7.6f}, 55);
   Light beam;
   beam.name = "light over the altar", beam.kind = LightKind::spot, beam.position = {0.0f, 7.6f, -24.6f};
   beam.direction = glm::normalize(glm::vec3(0.0f, 1.9f, -28.4f) - beam.position);
-  beam.color = {0.86f, 0.93f, 1.0f}, beam.intensity = 170, beam.inner_cone = 0.45f, beam.outer_cone = 0.62f;
+  beam.color = {0.86f, 0.93f, 1.0f}, beam.intensity = 110, beam.inner_cone = 0.45f, beam.outer_cone = 0.62f;
   stage.lights.push_back(beam);
 }
 
@@ -157,7 +144,7 @@ Stage make_temple() {
   add_figures(stage, palette);
   add_furnishing(stage, palette);
   add_decay(stage, palette);
-  add_outside(stage, palette);
+  add_country(stage, palette);
   add_lights(stage);
   stage.vertical_fov = 0.96f;
   stage.flight = fly({{0.0f, 1.75f, -2.0f},
@@ -165,9 +152,10 @@ Stage make_temple() {
                       {-0.5f, 1.70f, -12.0f},
                       {0.0f, 1.70f, -17.0f},
                       {0.0f, 1.85f, -20.6f},
-                      {0.0f, 2.65f, -23.8f},
-                      {1.3f, 2.65f, -24.6f},
-                      {1.9f, 1.95f, -21.4f},
+                      {0.0f, 2.62f, -23.9f},
+                      {1.0f, 2.65f, -25.3f},
+                      {2.2f, 2.62f, -24.3f},
+                      {2.1f, 1.95f, -21.4f},
                       {2.6f, 1.70f, -19.0f},
                       {4.6f, 1.70f, -17.6f},
                       {5.0f, 1.70f, -12.5f},
@@ -179,13 +167,14 @@ Stage make_temple() {
                       {1.2f, 2.4f, -22.0f},
                       {0.0f, 3.0f, -29.0f},
                       {0.0f, 3.2f, -30.0f},
-                      {-1.0f, 2.6f, -30.0f},
-                      {-3.0f, 2.0f, -22.0f},
+                      {-0.8f, 2.8f, -30.0f},
+                      {-4.0f, 2.6f, -28.5f},
+                      {-4.5f, 2.2f, -22.5f},
                       {-3.0f, 1.8f, -15.0f},
                       {3.0f, 1.9f, -12.0f},
-                      {5.4f, 1.9f, -8.0f},
-                      {5.6f, 1.9f, -4.0f},
-                      {3.5f, 2.1f, -1.0f},
+                      {4.6f, 1.9f, -8.0f},
+                      {4.0f, 1.9f, -3.0f},
+                      {1.5f, 2.1f, -1.5f},
                       {-3.0f, 2.2f, -3.0f},
                       {-3.0f, 2.2f, -9.0f}},
                      50.0f);
