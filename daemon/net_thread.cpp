@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kTick = 50ms;
 constexpr auto kStatsInterval = 1s;
-constexpr auto kFarewellTime = 200ms;        // for our last words to leave when the server stops
+constexpr auto kFarewellTime = 100ms;        // for our last words to leave when the server stops
 constexpr uint32_t kMaxFramesWaiting = 256;  // encoded, but this thread has not come to send them
 
 }  // namespace

@@ -28,7 +28,7 @@ class RenderLoopTest : public testing::Test {
     loop_ = std::make_unique<RenderLoop>(scheduler::make_round_robin(), *device_, inbox_, metrics_,
                                          [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); });
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
-                               [](Result<void> made) { EXPECT_TRUE(made); }},
+                               [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
                   now_);
     for (const SessionId session : {kA, kB, kSilent}) open(session);
   }

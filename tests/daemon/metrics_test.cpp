@@ -1,0 +1,132 @@
+#include "daemon/metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "tests/daemon/served.h"
+
+// After served.h: this header and Asio's both bring in the system's socket names.
+#include <httplib.h>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::map<std::string, std::string> types_in(const std::string& text) {
+  std::map<std::string, std::string> types;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, std::regex("# TYPE (\\S+) (\\S+)"))) types[match[1]] = match[2];
+  }
+  return types;
+}
+
+TEST(Metrics, FollowPrometheusNamingRules) {
+  const Metrics metrics({"default"}, {"room"}, "1.2.3");
+  const auto types = types_in(metrics.text());
+  EXPECT_GE(types.size(), 10u);
+  for (const auto& [name, type] : types) {
+    EXPECT_TRUE(name.starts_with("gnomon_")) << name;
+    EXPECT_EQ(name.ends_with("_total"), type == "counter") << name;
+    for (const char* unit : {"_ms", "_us", "_ns", "_milliseconds", "_kb", "_percent"}) {
+      EXPECT_EQ(name.find(unit), std::string::npos) << name << " is not in base units";
+    }
+    EXPECT_NE(metrics.text().find("# HELP " + name + " "), std::string::npos) << name;
+  }
+}
+
+TEST(Metrics, EveryFaultHasItsOwnSeries) {
+  Metrics metrics({"default"}, {}, "test");
+  std::set<std::pair<FaultKind, std::string>> labels;
+  for (const FaultRow& row : fault_table()) {
+    EXPECT_TRUE(labels.insert({row.kind, row.label}).second) << row.label << " twice";
+    metrics.report(row.fault);
+    EXPECT_EQ(metrics.count_of(row.fault), 1u) << row.label;
+    EXPECT_NE(metrics.text().find(std::string("{reason=\"") + row.label + "\"} 1"), std::string::npos) << row.label;
+  }
+}
+
+TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
+  Metrics metrics({"lab", "hall"}, {"room"}, "test");
+  FrameMeta meta;
+  meta.grid = {100, 50, 3};
+  meta.arrival = TimePoint(1h);
+  meta.submitted = meta.arrival + 1ms;
+  meta.gpu = 5ms;
+  meta.readback = 2ms;
+  meta.encode_began = meta.arrival + 7ms;
+  meta.encoded = meta.arrival + 9ms;
+  metrics.frame_sent(TenantId{1}, "room", meta, meta.arrival + 10ms, 1234);
+  metrics.frame_sent(TenantId{1}, "some/file.glb", meta, meta.arrival + 10ms, 1);
+  const std::string text = metrics.text();
+  const auto value_of = [&](const std::string& pattern) {
+    std::smatch match;
+    return std::regex_search(text, match, std::regex(pattern + " (\\S+)")) ? std::stod(match[1]) : -1.0;
+  };
+  EXPECT_EQ(value_of("gnomon_visibility_bits_total\\{(?=.*room)(?=.*hall).*\\}"), 15000);
+  EXPECT_EQ(value_of("gnomon_visibility_buffers_total\\{(?=.*other)(?=.*hall).*\\}"), 1);
+  EXPECT_EQ(value_of("gnomon_visibility_buffers_total\\{(?=.*room)(?=.*lab).*\\}"), 0);
+  EXPECT_EQ(value_of("gnomon_bytes_sent_total\\{tenant=\"hall\"\\}"), 1235);
+  const std::map<std::string, double> seconds{{"queue", 0.001},  {"gpu", 0.003},  {"readback", 0.002},
+                                              {"encode", 0.002}, {"send", 0.001}, {"total", 0.01}};
+  for (const auto& [stage, each] : seconds) {
+    const std::string labels = "\\{(?=.*hall)(?=.*\"" + stage + "\").*\\}";
+    EXPECT_EQ(value_of("gnomon_stage_seconds_count" + labels), 2) << stage;
+    EXPECT_NEAR(value_of("gnomon_stage_seconds_sum" + labels), 2 * each, 1e-9) << stage;
+  }
+}
+
+using AdminPages = Served;
+
+TEST_F(AdminPages, AnswerWhatOperatorsAskAndClientsAreToldTheirShareOfIt) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  c.send_view(1, 1);
+  ASSERT_FALSE(c.receive_frame(1).empty());
+
+  httplib::Client http("127.0.0.1", daemon_->admin_port());
+  EXPECT_EQ(http.Get("/healthz")->status, 200);
+  EXPECT_EQ(http.Get("/readyz")->status, 200);
+  EXPECT_EQ(http.Get("/nothing")->status, 404);
+  EXPECT_NE(http.Get("/metrics")->body.find("gnomon_build_info{version=\"test\"} 1"), std::string::npos);
+  protocol::Stats stats;
+  while (stats.frames < 1) {
+    const auto next = c.receive_a<protocol::Stats>();
+    ASSERT_TRUE(next);
+    stats = *next;
+  }
+  EXPECT_EQ(stats, (protocol::Stats{1, 0, stats.queue_us, stats.gpu_us, stats.total_us}));
+  std::string status;
+  ASSERT_TRUE(eventually([&] {
+    status = http.Get("/status")->body;
+    return status.find("\"frames\": 1") != std::string::npos;
+  })) << status;
+  for (const char* part : {"\"ready\": true", "\"name\": \"triangle\"", "\"name\": \"fake\"",
+                           "\"tenant\": \"default\"", "\"width\": 32", "\"total_us\""}) {
+    EXPECT_NE(status.find(part), std::string::npos) << part << " is not in\n" << status;
+  }
+}
+
+TEST_F(AdminPages, SayNotReadyWhileDraining) {
+  config_.server.drain_timeout = 30s;
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  std::thread draining([&] { daemon_->drain(); });
+  ASSERT_TRUE(c.receive_a<protocol::Draining>());
+  httplib::Client http("127.0.0.1", daemon_->admin_port());
+  EXPECT_EQ(http.Get("/readyz")->status, 503);
+  EXPECT_EQ(http.Get("/healthz")->status, 200);
+  c.send(protocol::Bye{});
+  draining.join();
+}
+
+}  // namespace
+}  // namespace gnomon::daemon

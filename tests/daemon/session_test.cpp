@@ -1,0 +1,133 @@
+// A session's policy, with a clock that the test ticks.
+#include "daemon/session.h"
+
+#include <gtest/gtest.h>
+
+#include "daemon/session_table.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+using asio::ip::udp;
+
+class SessionTest : public testing::Test {
+ protected:
+  static constexpr TimePoint kStart = TimePoint(1h);
+
+  Session& add(uint64_t id, TimePoint now) {
+    auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    return table_.add(std::make_unique<Session>(SessionId{id}, protocol::Bytes16{}, Accepted{},
+                                                std::get<Seat>(std::move(seat)), now));
+  }
+
+  // What the client of that session sends next.
+  std::vector<uint8_t> view(uint64_t id, uint32_t frame) {
+    auto& seal = client_seals_[id];
+    if (!seal) seal = protocol::make_clear_seal(SessionId{id}, {}, protocol::Side::client);
+    protocol::CameraUpdate update;
+    update.frame = FrameId{frame};
+    std::vector<uint8_t> body, datagram;
+    protocol::append_camera_update(body, update);
+    seal->seal(protocol::DatagramKind::camera_update, body, datagram);
+    return datagram;
+  }
+
+  udp::endpoint here_{asio::ip::address_v4::loopback(), 1000};
+  udp::endpoint there_{asio::ip::address_v4::loopback(), 2000};
+  Seats seats_{Config{}};
+  SessionTable table_;
+  std::map<uint64_t, std::unique_ptr<protocol::Seal>> client_seals_;
+};
+
+TEST_F(SessionTest, SilentOnesAreFoundBySilenceAlone) {
+  add(1, kStart);
+  Session& talking = add(2, kStart);
+  EXPECT_TRUE(table_.silent_since(kStart + 5s - 5s).empty());
+  talking.receive(view(2, 1), here_, kStart + 3s);
+  EXPECT_EQ(table_.silent_since(kStart + 5001ms - 5s), std::vector<SessionId>{SessionId{1}});
+  EXPECT_EQ(table_.silent_since(kStart + 8001ms - 5s).size(), 2u);
+}
+
+TEST_F(SessionTest, OnlyWhatIsAuthenticCountsAsLifeAndMovesTheAddress) {
+  Session& session = add(1, kStart);
+  EXPECT_FALSE(session.address());
+  auto damaged = view(1, 1);
+  damaged.back() ^= 1;
+  EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_seal);
+  EXPECT_FALSE(session.address());
+  EXPECT_EQ(session.last_heard(), kStart);
+  EXPECT_TRUE(session.receive(view(1, 2), here_, kStart + 4s).view);
+  EXPECT_EQ(session.address(), here_);
+  EXPECT_TRUE(session.receive(view(1, 3), there_, kStart + 5s).view);
+  EXPECT_EQ(session.address(), there_);
+  EXPECT_EQ(session.last_heard(), kStart + 5s);
+}
+
+TEST_F(SessionTest, RepeatedFramesAreLifeButNoNewsAndOldOnesAreDropped) {
+  Session& session = add(1, kStart);
+  EXPECT_TRUE(session.receive(view(1, 5), here_, kStart).view);
+  const Received repeated = session.receive(view(1, 5), here_, kStart + 1s);
+  EXPECT_FALSE(repeated.view);
+  EXPECT_FALSE(repeated.fault);
+  EXPECT_EQ(session.last_heard(), kStart + 1s);
+  EXPECT_EQ(session.receive(view(1, 4), here_, kStart).fault, Fault::view_out_of_order);
+}
+
+TEST_F(SessionTest, FrameNumbersMayWrap) {
+  Session& session = add(1, kStart);
+  EXPECT_TRUE(session.receive(view(1, 0xfffffffe), here_, kStart).view);
+  EXPECT_TRUE(session.receive(view(1, 2), here_, kStart).view);
+  EXPECT_EQ(session.receive(view(1, 0xffffffff), here_, kStart).fault, Fault::view_out_of_order);
+}
+
+TEST_F(SessionTest, AServersOwnKindOfDatagramIsRefused) {
+  Session& session = add(1, kStart);
+  auto seal = protocol::make_clear_seal(SessionId{1}, {}, protocol::Side::client);
+  std::vector<uint8_t> datagram;
+  seal->seal(protocol::DatagramKind::frame_slice, {}, datagram);
+  EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_kind);
+  seal->seal(protocol::DatagramKind::camera_update, {}, datagram);
+  EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_body);
+  EXPECT_FALSE(session.address());
+}
+
+TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
+  Session& session = add(1, kStart);
+  FrameMeta meta;
+  meta.arrival = kStart;
+  meta.submitted = kStart + 2ms;
+  meta.gpu = 3ms;
+  meta.coalesced = 4;
+  session.frame_sent(meta, kStart + 10ms);
+  meta.submitted = kStart + 4ms;
+  meta.coalesced = 0;
+  session.frame_sent(meta, kStart + 20ms);
+  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));
+  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
+}
+
+TEST_F(SessionTest, ClosingASessionGivesItsSeatBack) {
+  add(1, kStart);
+  add(2, kStart);
+  EXPECT_EQ(seats_.taken(), 2u);
+  table_.remove(SessionId{1});
+  EXPECT_EQ(seats_.taken(), 1u);
+}
+
+TEST(Seats, LimitPerAddress) {
+  Config config;
+  config.server.max_sessions_per_address = 1;
+  Seats seats(config);
+  const auto near = asio::ip::make_address("127.0.0.1"), far = asio::ip::make_address("192.0.2.1");
+  {
+    const auto first = seats.take(TenantId{0}, near);
+    EXPECT_TRUE(std::holds_alternative<Seat>(first));
+    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(seats.take(TenantId{0}, near)));
+    EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, far)));
+  }
+  EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, near)));
+}
+
+}  // namespace
+}  // namespace gnomon::daemon

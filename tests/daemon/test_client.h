@@ -1,0 +1,162 @@
+// A client of the smallest kind: blocking, one frame at a time, every wait bounded.
+#pragma once
+
+#include <asio/connect.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/ip/udp.hpp>
+#include <asio/write.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "protocol/codec.h"
+#include "protocol/messages.h"
+#include "protocol/seal.h"
+
+namespace gnomon::daemon {
+
+// Far beyond what anything here takes: a test that runs into it has failed already.
+inline constexpr std::chrono::seconds kPatience{20};
+
+class TestClient {
+ public:
+  explicit TestClient(uint16_t control_port) : control_(io_), data_(io_) {
+    control_.connect({asio::ip::address_v4::loopback(), control_port});
+    data_.open(asio::ip::udp::v4());
+    data_.bind({asio::ip::address_v4::loopback(), 0});
+  }
+
+  static protocol::Hello hello(const std::string& scene, uint16_t width = 32, uint16_t height = 24) {
+    protocol::Hello hello;
+    hello.client = "test";
+    hello.scene = scene;
+    hello.width = width;
+    hello.height = height;
+    return hello;
+  }
+
+  // False: the server has closed.
+  bool send_bytes(const std::vector<uint8_t>& bytes) {
+    asio::error_code error;
+    asio::write(control_, asio::buffer(bytes), error);
+    return !error;
+  }
+  bool send(const protocol::Message& message) { return send_bytes(protocol::encode(message)); }
+
+  // The next message; empty: the server has closed, or patience is over.
+  std::optional<protocol::Message> receive() {
+    while (true) {
+      auto message = reader_.next();
+      if (!message) return std::nullopt;
+      if (message->has_value()) return std::move(**message);
+      size_t got = 0;
+      asio::error_code failed = asio::error::timed_out;
+      control_.async_read_some(asio::buffer(incoming_), [&](asio::error_code error, size_t bytes) {
+        failed = error;
+        got = bytes;
+      });
+      wait(control_);
+      if (failed) return std::nullopt;
+      reader_.feed(std::span(incoming_).first(got));
+    }
+  }
+
+  // The next message of type M; others are passed over.
+  template <class M>
+  std::optional<M> receive_a() {
+    while (auto message = receive()) {
+      if (const M* wanted = std::get_if<M>(&*message)) return *wanted;
+    }
+    return std::nullopt;
+  }
+
+  // Says Hello and takes the Welcome.
+  bool join(const protocol::Hello& hello) {
+    send(hello);
+    const auto welcome = receive_a<protocol::Welcome>();
+    if (!welcome) return false;
+    welcome_ = *welcome;
+    seal_ = protocol::make_clear_seal(welcome_.session, welcome_.data_key, protocol::Side::client);
+    return true;
+  }
+  const protocol::Welcome& welcome() const { return welcome_; }
+
+  std::vector<uint8_t> sealed_view(uint32_t frame, float x) {
+    protocol::CameraUpdate update;
+    update.frame = FrameId{frame};
+    update.camera.position[0] = x;
+    std::vector<uint8_t> body, datagram;
+    protocol::append_camera_update(body, update);
+    seal_->seal(protocol::DatagramKind::camera_update, body, datagram);
+    return datagram;
+  }
+  void send_datagram(const std::vector<uint8_t>& datagram) {
+    data_.send_to(asio::buffer(datagram), {asio::ip::address_v4::loopback(), welcome_.data_port});
+  }
+  void send_view(uint32_t frame, float x) { send_datagram(sealed_view(frame, x)); }
+
+  // All tiles of `frame`, put together from its slices; empty: it did not come, or did not decode.
+  std::vector<uint64_t> receive_frame(uint32_t frame) {
+    const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};
+    std::vector<uint64_t> words(grid.word_count());
+    for (size_t slices = 0, wanted = 1; slices < wanted;) {
+      const auto datagram = receive_datagram();
+      if (!datagram) return {};
+      const auto opened = seal_->open(*datagram);
+      if (!opened) return {};
+      const auto slice = protocol::decode_frame_slice(opened->body);
+      if (!slice) return {};
+      if (slice->header.frame != FrameId{frame}) continue;
+      if (!protocol::decode_slice(slice->header, slice->payload, grid, words)) return {};
+      wanted = slice->header.slice_count;
+      ++slices;
+    }
+    return words;
+  }
+
+  std::optional<std::vector<uint8_t>> receive_datagram(std::chrono::milliseconds patience = kPatience) {
+    std::vector<uint8_t> datagram(2048);
+    asio::error_code failed = asio::error::timed_out;
+    data_.async_receive(asio::buffer(datagram), [&](asio::error_code error, size_t bytes) {
+      failed = error;
+      datagram.resize(error ? 0 : bytes);
+    });
+    wait(data_, patience);
+    if (failed) return std::nullopt;
+    return datagram;
+  }
+
+  // The client's network changes under it.
+  void change_data_port() {
+    data_.close();
+    data_.open(asio::ip::udp::v4());
+    data_.bind({asio::ip::address_v4::loopback(), 0});
+  }
+
+  void vanish() {
+    control_.close();
+    data_.close();
+  }
+
+ private:
+  template <class Socket>
+  void wait(Socket& socket, std::chrono::milliseconds patience = kPatience) {
+    io_.restart();
+    io_.run_for(patience);
+    if (io_.stopped()) return;
+    socket.cancel();
+    io_.run();
+  }
+
+  asio::io_context io_;
+  asio::ip::tcp::socket control_;
+  asio::ip::udp::socket data_;
+  std::array<uint8_t, 4096> incoming_;
+  protocol::MessageReader reader_;
+  protocol::Welcome welcome_;
+  std::unique_ptr<protocol::Seal> seal_;
+};
+
+}  // namespace gnomon::daemon
