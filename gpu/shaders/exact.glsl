@@ -112,5 +112,16 @@ EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 
   EXACT float across = exact_dot(n, direction);
   EXACT float height = exact_dot(n, a);
   // 0 < height / across < 1, without the division.
-  return across > 0.0f ? (height > 0.0f && height < across) : (height < 0.0f && height > across);
+  if (across > 0.0f ? !(height > 0.0f && height < across) : !(height < 0.0f && height > across)) return false;
+  // A triangle thinner than rounding, as seen along the segment, passes all that by chance anywhere in its plane.
+  // Only a point at the triangle counts: tracers that sort triangles by place then agree with those that do not.
+  vec3 lo = min(a, min(b, c));
+  vec3 hi = max(a, max(b, c));
+  vec3 far = max(abs(lo), abs(hi));
+  EXACT float margin = max(far.x, max(far.y, far.z)) * (1.0f / 4096.0f);
+  EXACT vec3 met = direction * (height / across);
+  EXACT vec3 before = lo - met;
+  EXACT vec3 after = met - hi;
+  vec3 outside = max(before, after);
+  return max(outside.x, max(outside.y, outside.z)) <= margin;
 }

@@ -34,11 +34,11 @@ const Footprint* find_cover(std::span<const Footprint* const> met, const Rect& r
 }
 
 bool hidden(const Footprint& f, const Footprint& cover, const Rect& rect) {
-  return f.regular && &f != &cover && excess(f, rect, cover.cover) <= 0.0;
+  return f.bounded && &f != &cover && excess(f, rect, cover.cover) <= 0.0;
 }
 
 double nearest_in(const Footprint& f, const Rect& rect) {
-  return f.regular ? excess(f, rect, Linear(0.0)) : kInfinity;
+  return f.bounded ? excess(f, rect, Linear(0.0)) : kInfinity;
 }
 
 bool fit_near_plane(std::span<const Footprint* const> met, const Rect& rect, Linear& plane) {
@@ -47,7 +47,7 @@ bool fit_near_plane(std::span<const Footprint* const> met, const Rect& rect, Lin
   std::array<double, kCandidates> nearness;
   nearness.fill(-kInfinity);
   for (const Footprint* f : met) {
-    if (!f->regular) return false;
+    if (!f->bounded) return false;
     double n = excess(*f, rect, Linear(0.0));
     for (size_t k = 0; k < kCandidates && f != nullptr; ++k) {
       if (n > nearness[k]) {

@@ -15,11 +15,11 @@ const Footprint* find_cover(std::span<const Footprint* const> met, const Rect& r
 // Is all that the rectangle shows of `f` behind `cover`? Then whatever `f` darkens is dark by the cover.
 bool hidden(const Footprint& f, const Footprint& cover, const Rect& rect);
 
-// A plane in front of all footprints, as tight as one plane can be made cheaply. False: an irregular footprint is
-// among them, which no plane bounds.
+// A plane in front of all footprints, as tight as one plane can be made cheaply. False: an unbounded footprint is
+// among them.
 bool fit_near_plane(std::span<const Footprint* const> met, const Rect& rect, Linear& plane);
 
-// Nearness of the nearest part of `f` that the rectangle shows; infinite for an irregular one.
+// Nearness of the nearest part of `f` that the rectangle shows; infinite for an unbounded one.
 double nearest_in(const Footprint& f, const Rect& rect);
 
 }  // namespace gnomon::gpu::light_buffer

@@ -1,17 +1,19 @@
 // The picture of one triangle on one face of a light, made conservative against the rounding of the triangle test.
 //
 // segment_meets_triangle computes with floats, so it may say "yes" for segments that pass a triangle by a hair. With
-// e = 2^-24, D the scene's diameter, L the triangle's longest edge, n its normal of length 2 * area, and t the unit
-// direction of the segment, forward error analysis of the test as written gives:
-//   - each of its three edge numbers is off by at most 2 e D |d| (9 |edge| + 2 W), where W bounds the distance of
-//     the segment's line from the edge's corners. Here every edge is moved outwards by that (`slack`).
-//   - The three slacks stretch the triangle by a factor of 1 + 3 eta about its centre, where
-//     eta = e D (9 (sum of edges) + 12 L) / |dot(n, t)|, if W <= 2 L; that is so while eta <= 1. Beyond, the
-//     triangle is thinner than rounding: `regular` is false, W is the distance to the light, both orientations
-//     count, and nothing may be concluded from its plane.
-//   - For regular triangles the side of the plane that a point lies on is right unless the point is nearer to
-//     the plane, along t, than 2 e (3 s^2 + 9 s) L^3 / |dot(n, t)|, s = 1 + eta. `nearest` is the plane moved
-//     towards the light by that, `cover` away from it.
+// e = 2^-24, D the scene's diameter, L the triangle's longest edge, h = 2 * area / L its height, H that height as the
+// segment sees it (h times the sine of the angle between segment and plane):
+//   - Corners relative to the segment's origin are rounded by e D, but all three edge numbers use the same ones:
+//     the test runs on a triangle moved by that. What follows rounds each edge number by 7.5 e D |edge| |d|.
+//   - So a segment that is said to hit passes through the moved triangle stretched about its centre by 1 + s,
+//     s = 3 * 7.5 e D (sum of edges) / (L H): for H >= 40 e D, s is below 2, and the triangle is `regular`.
+//     Each edge is moved outwards by `slack` = e D |d| (8.5 |edge| + 2 (1 + s) L), which bounds all that.
+//   - A regular triangle's plane is on the right side of a point unless that is nearer to it, along the segment,
+//     than e (4.5 L / h + 4 + 2 s) (1 + s) L / sine. `nearest` is the plane moved towards the light by that,
+//     `cover` away from it. The light itself is on the right side if H >= 8 e D and it is 24 e D off the plane.
+//   - Other triangles (edge-on to the light, slivers, touching it) may pass the edges and the plane by chance, with
+//     either orientation. But the test also asks for a point within D / 4096 of the triangle's box: that box gives
+//     them their place and a constant `nearest`, and they never cover.
 // tests/light_buffer holds this against brute force over soups made to break it.
 #pragma once
 
@@ -27,11 +29,12 @@ namespace gnomon::gpu::light_buffer {
 struct Footprint {
   std::array<Linear, 3> edges;  // inside: all >= 0
   std::array<double, 3> slack;  // can be hit where all >= -slack; is surely hit where all >= slack
-  Linear nearest{0.0};          // the triangle's plane as nearness, moved towards the light
-  Linear cover{0.0};            // moved away from the light
-  Rect box{};                   // of the stretched triangle
+  Linear nearest{0.0};          // no point before this nearness is hidden by the triangle
+  Linear cover{0.0};            // every point behind this nearness is, where `covers` says so
+  Rect box{};                   // nothing is hit outside
   uint32_t triangle = 0;
   bool regular = true;
+  bool bounded = true;  // false: it reaches the light's plane, `nearest` means nothing
   bool can_cover = true;
 };
 
@@ -44,7 +47,7 @@ bool meets(const Footprint& f, const Rect& rect);
 // Is every segment through the rectangle, to a point behind `cover`, found to hit the triangle?
 bool covers(const Footprint& f, const Rect& rect);
 
-// Upper bound of f.nearest - plane over what the rectangle shows of a regular triangle.
+// Upper bound of f.nearest - plane over what the rectangle shows of a bounded triangle.
 double excess(const Footprint& f, const Rect& rect, const Linear& plane);
 
 }  // namespace gnomon::gpu::light_buffer
