@@ -35,6 +35,7 @@ class FrameEncoder {
 
   // No payload is longer than `max_payload_bytes` (at least kMinPayloadBytes). `out`'s memory is reused.
   // An error, and `out` empty, when the frame would take more than the 65,535 slices that a header can number.
+  // A frame without lights has no slices at all.
   Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
 
  private:

@@ -43,7 +43,7 @@ inline constexpr size_t kMaxAcks = 16;
 struct CameraUpdate {
   FrameId frame;
   CameraView camera;
-  uint64_t client_time_us = 0;       // of the client's clock; echoed by the frame's slices
+  uint64_t client_time_us = 0;       // when the camera was sampled, by the client's clock of any origin
   uint32_t display_deadline_us = 0;  // after client_time_us; 0: none
   uint8_t ack_count = 0;
   std::array<SliceAck, kMaxAcks> acks{};

@@ -27,7 +27,7 @@ class ReplayWindow {
     if (sequence - newest_ >= kSize) {
       seen_.reset();
     } else {
-      for (uint64_t s = newest_ + 1; s <= sequence; ++s) seen_.reset(s % kSize);
+      while (newest_ != sequence) seen_.reset(++newest_ % kSize);
     }
     newest_ = sequence;
   }
