@@ -72,6 +72,26 @@ void append(Mesh& to, const Mesh& part, const glm::mat4& placement) {
   }
 }
 
+void add_quad(Mesh& mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  mesh.triangles.emplace_back(a, b, c);
+  mesh.triangles.emplace_back(a, c, d);
+}
+
+void add_cap(Mesh& mesh, uint32_t first, uint32_t count, bool reversed) {
+  const auto base = static_cast<uint32_t>(mesh.positions.size());
+  glm::vec3 centre(0.0f);
+  for (uint32_t i = 0; i < count; ++i) {
+    const glm::vec3 p = mesh.positions[first + i];
+    centre += p / static_cast<float>(count);
+    mesh.positions.push_back(p);
+  }
+  mesh.positions.push_back(centre);
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t a = base + i, b = base + (i + 1) % count;
+    mesh.triangles.push_back(reversed ? glm::uvec3(base + count, b, a) : glm::uvec3(base + count, a, b));
+  }
+}
+
 Mesh placed(const Mesh& mesh, const glm::mat4& placement) {
   Mesh result;
   append(result, mesh, placement);

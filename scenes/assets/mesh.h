@@ -18,6 +18,12 @@ struct Mesh {
 // Adds `part`, placed, to `to`. A mirroring placement keeps the surface facing outwards.
 void append(Mesh& to, const Mesh& part, const glm::mat4& placement = glm::mat4(1.0f));
 
+void add_quad(Mesh& mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
+
+// A flat lid over the ring of vertices first, first + 1, ... with vertices of its own, so that its rim is sharp. It
+// faces where the ring runs counter-clockwise, or away from there if `reversed`.
+void add_cap(Mesh& mesh, uint32_t first, uint32_t count, bool reversed);
+
 Mesh placed(const Mesh& mesh, const glm::mat4& placement);
 
 // Moves every position through `move` and makes the normals anew with smooth_normals.

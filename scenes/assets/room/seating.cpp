@@ -51,9 +51,9 @@ Model sofa(const Palette& palette) {
                  const float x = std::copysign(
                      std::min(std::abs(across), inner) + std::min(over, 0.02f) + 0.02f * (over > 0), across);
                  const float ripple = 0.006f * std::sin(19 * v + 3 * u) + 0.004f * std::sin(31 * u);
-                 return glm::vec3(x,
-                                  0.56f - 0.9f * std::max(over - 0.01f, 0.0f) + ripple - 0.03f * std::abs(u - 0.5f),
-                                  0.42f - 0.45f * v);
+                 return glm::vec3(
+                     x, 0.572f - 0.9f * std::max(over - 0.01f, 0.0f) + ripple - 0.03f * std::abs(u - 0.5f),
+                     0.42f - 0.45f * v);
                }),
          at(-0.775f, 0, 0.60f));
   for (const float x : {-1.22f, -0.05f, 1.22f}) {

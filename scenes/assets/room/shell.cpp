@@ -99,8 +99,8 @@ void add_door(Stage& stage, const Palette& palette) {
   add_box(mesh, {kDoorWest + 0.001f, 0.006f, z + 0.03f}, {kDoorEast - 0.001f, kDoorHigh - 0.002f, z + 0.07f});
   const float middle = 0.5f * (kDoorWest + kDoorEast);
   for (const float x : {middle - 0.21f, middle + 0.21f}) {
-    add_box(mesh, {x - 0.15f, 0.2f, z + 0.02f}, {x + 0.15f, 0.9f, z + 0.035f}, 0.012f);
-    add_box(mesh, {x - 0.15f, 1.05f, z + 0.02f}, {x + 0.15f, 1.95f, z + 0.035f}, 0.012f);
+    add_box(mesh, {x - 0.15f, 0.2f, z + 0.02f}, {x + 0.15f, 0.9f, z + 0.06f}, 0.012f);
+    add_box(mesh, {x - 0.15f, 1.05f, z + 0.02f}, {x + 0.15f, 1.95f, z + 0.06f}, 0.012f);
   }
   const glm::vec3 knob(kDoorWest + 0.07f, 1.0f, z);
   append(door.in(palette.brass), sphere(0.028f, 20), at(knob + glm::vec3(0, 0, -0.025f)));

@@ -35,8 +35,8 @@ void add_book(Model& model, uint32_t cover, uint32_t pages, glm::vec3 size, cons
 void add_row(Model& model, const Palette& palette, Random& random, float left, float right, float y, float tall) {
   float x = left;
   while (true) {
-    const glm::vec3 size(random.range(0.018f, 0.050f), random.range(0.62f, 0.96f) * tall,
-                         random.range(0.15f, 0.22f));
+    const glm::vec3 size{random.range(0.018f, 0.050f), random.range(0.62f, 0.96f) * tall,
+                         random.range(0.15f, 0.22f)};
     if (x + size.x + 0.002f > right) return;
     const float front = 0.5f * kCaseDepth - random.range(0.03f, 0.06f);
     add_book(model, palette.book[random.below(8)], palette.paper, size, at(x, y, front));
@@ -102,7 +102,7 @@ Model book_pile(const Palette& palette, uint32_t seed) {
   Model model{"book pile", {}};
   float y = 0.0005f;
   for (int i = 0; i < 4; ++i) {
-    const glm::vec3 size(random.range(0.02f, 0.04f), random.range(0.24f, 0.30f), random.range(0.17f, 0.21f));
+    const glm::vec3 size{random.range(0.02f, 0.04f), random.range(0.24f, 0.30f), random.range(0.17f, 0.21f)};
     const glm::mat4 lying =
         turned(random.range(-14.0f, 14.0f)) * at(0.5f * size.y, y, 0.5f * size.z) * turned(90, {0, 0, 1});
     add_book(model, palette.book[random.below(8)], palette.paper, size, lying);

@@ -20,10 +20,10 @@ float flute_depth(float a) {
   return 0.034f * std::sqrt(std::max(std::sin(3.14159f * within), 0.0f));
 }
 
-Mesh shaft(float low, float high, int rows, const std::function<float(float, float)>& top) {
+Mesh shaft(float low, float high, int rows) {
   return barrel(kFlutes * 4, rows, [=](float u, float v) {
     const float a = kTwoPi * u;
-    const float y = glm::mix(low, top(a, high), v);
+    const float y = glm::mix(low, high, v);
     const float t = (y - kBase) / (kColumnHeight - kBase - kCapital);
     const float ends = glm::clamp(std::min(t, 1 - t) / 0.02f, 0.0f, 1.0f);
     const float r = shaft_radius(t) - flute_depth(a) * ends;
@@ -105,7 +105,7 @@ Model column(const Palette& palette) {
   Model model{"column", {}};
   Mesh& stone = model.in(palette.limestone);
   append(stone, base());
-  append(stone, shaft(kBase, kColumnHeight - kCapital + 0.01f, 16, [](float, float high) { return high; }));
+  append(stone, shaft(kBase, kColumnHeight - kCapital + 0.01f, 16));
   append(stone, capital(), at(0, kColumnHeight - kCapital, 0));
   append(model.in(palette.gold),
          lathe({{0.38f, -0.02f}, {0.405f, -0.02f}, {0.415f, 0.0f}, {0.405f, 0.02f}, {0.38f, 0.02f}}, 32),
@@ -116,9 +116,16 @@ Model column(const Palette& palette) {
 Model broken_column(const Palette& palette) {
   Model model{"broken column", {}};
   append(model.in(palette.limestone), base());
-  append(model.in(palette.limestone), shaft(kBase, 2.1f, 10, [](float a, float high) {
-           return high + 0.30f * std::sin(a + 0.7f) + 0.09f * std::sin(3 * a) + 0.05f * std::sin(8 * a + 1.0f) +
-                  0.03f * std::sin(17 * a);
+  // The shaft up to a ragged rim, then inwards over the break.
+  append(model.in(palette.limestone), barrel(kFlutes * 4, 18, [](float u, float v) {
+           const float a = kTwoPi * u, inwards = std::max(v - 0.7f, 0.0f) / 0.3f;
+           const float rim =
+               2.1f + 0.26f * std::sin(a + 0.7f) + 0.08f * std::sin(3 * a) + 0.03f * std::sin(8 * a + 1.0f);
+           const float rough = 0.045f * std::sin(9 * inwards + 3 * a) * std::sin(14 * inwards) * (1 - inwards);
+           const float y = v < 0.7f ? glm::mix(kBase, rim, v / 0.7f) : glm::mix(rim, 2.02f, inwards) + rough;
+           const float t = (y - kBase) / (kColumnHeight - kBase - kCapital);
+           const float r = (shaft_radius(t) - flute_depth(a) * (1 - inwards)) * (1 - 0.97f * inwards);
+           return glm::vec3(r * std::cos(a), y, -r * std::sin(a));
          }));
   return model;
 }

@@ -42,7 +42,7 @@ Model brazier(const Palette& palette) {
   Random random(7);
   for (int i = 0; i < 26; ++i) {  // coals
     const float a = 2.4f * static_cast<float>(i), r = 0.065f * std::sqrt(static_cast<float>(i));
-    const glm::vec3 half(random.range(0.04f, 0.065f), random.range(0.03f, 0.045f), random.range(0.04f, 0.06f));
+    const glm::vec3 half{random.range(0.04f, 0.065f), random.range(0.03f, 0.045f), random.range(0.04f, 0.06f)};
     append(model.in(palette.coal), bevel_box(-half, half, 0.015f),
            at(r * std::cos(a), 1.33f - 0.9f * r * r + random.range(-0.01f, 0.02f), r * std::sin(a)) *
                turned(random.range(0, 360), {0.5f, 0.7f, 0.5f}));
@@ -189,7 +189,7 @@ Model rubble(const Palette& palette, uint32_t seed, float spread, int stones) {
     Mesh stone =
         rounded_box(size * glm::vec3(random.range(0.8f, 1.5f), random.range(0.5f, 0.9f), random.range(0.7f, 1.2f)),
                     0.10f * size, 1, 3);
-    const glm::vec3 phase(random.range(0, 6.0f), random.range(0, 6.0f), random.range(0, 6.0f));
+    const glm::vec3 phase{random.range(0, 6.0f), random.range(0, 6.0f), random.range(0, 6.0f)};
     deform(stone, [&](glm::vec3 p) {
       const glm::vec3 q = p * (7.0f / size) * 0.5f + phase;
       return p * (1.0f + 0.10f * std::sin(q.x + q.y) * std::sin(q.z - q.y) + 0.06f * std::sin(2.1f * q.x + q.z));
