@@ -43,6 +43,18 @@ Result<YAML::Node> override_tree(const std::string& text, const Source& source) 
   }
 }
 
+// What no key can see alone.
+Result<void> check_together(const Config& config) {
+  const ServerConfig& server = config.server;
+  if (config.tenants.empty()) return Error{"tenants: an empty list; allowed: at least one tenant"};
+  if (server.data_port != 0 && server.data_port + server.net_threads - 1 > 65535) {
+    return Error{"server.data_port: " + std::to_string(server.data_port) + " leaves no ports for " +
+                 std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
+                 std::to_string(65536 - server.net_threads)};
+  }
+  return {};
+}
+
 Result<std::string> read_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
@@ -69,7 +81,7 @@ Result<Config> parse_config(const std::string& text, const std::string& name,
     if (!tree) return tree.error();
     if (auto read = read_into(config, *tree, source); !read) return read.error();
   }
-  if (config.tenants.empty()) return Error{name + ": tenants: an empty list; allowed: at least one tenant"};
+  if (auto fits = check_together(config); !fits) return Error{name + ": " + fits.error().message};
   return config;
 }
 
