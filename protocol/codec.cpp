@@ -18,7 +18,6 @@ namespace {
 enum class Form : uint8_t { plain = 0, lz4 = 1 };
 
 constexpr size_t kMaxSlices = std::numeric_limits<uint16_t>::max();
-
 constexpr size_t kTooLong = std::numeric_limits<size_t>::max();
 
 // A slice is good enough when it fills this much of its payload; after so many trials, whatever fits will do.
@@ -143,6 +142,36 @@ struct FrameEncoder::Workspace {
   }
 };
 
+namespace {
+
+void clear(EncodedFrame& frame) {
+  frame.slices.clear();
+  frame.bytes.clear();
+  frame.offsets.assign(1, 0);
+}
+
+bool is_inside(const SliceRange& range, const TileGrid& grid) {
+  return range.tile_count > 0 && range.first_tile < grid.tile_count() &&
+         range.tile_count <= grid.tile_count() - range.first_tile && range.light_count > 0 &&
+         range.first_light + range.light_count <= grid.lights;
+}
+
+using PlainBuffer = std::array<uint8_t, kMaxPlainBytes>;
+
+// The payload's plain bytes, in the payload itself or in `buffer`; empty when it has none.
+std::span<const uint8_t> plain_bytes(std::span<const uint8_t> payload, PlainBuffer& buffer) {
+  if (payload.empty() || payload.size() > 1 + buffer.size()) return {};
+  const auto rest = payload.subspan(1);
+  if (payload[0] == static_cast<uint8_t>(Form::plain)) return rest;
+  if (payload[0] != static_cast<uint8_t>(Form::lz4)) return {};
+  const int size =
+      LZ4_decompress_safe(reinterpret_cast<const char*>(rest.data()), reinterpret_cast<char*>(buffer.data()),
+                          static_cast<int>(rest.size()), static_cast<int>(buffer.size()));
+  return std::span(buffer).first(static_cast<size_t>(std::max(size, 0)));
+}
+
+}  // namespace
+
 FrameEncoder::FrameEncoder() : workspace_(std::make_unique<Workspace>()) {}
 FrameEncoder::~FrameEncoder() = default;
 FrameEncoder::FrameEncoder(FrameEncoder&&) noexcept = default;
@@ -150,10 +179,8 @@ FrameEncoder::FrameEncoder(FrameEncoder&&) noexcept = default;
 Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes,
                                   EncodedFrame& out) {
   assert(max_payload_bytes >= kMinPayloadBytes && frame.words.size() == frame.grid.word_count());
+  clear(out);
   out.codec = codec;
-  out.slices.clear();
-  out.bytes.clear();
-  out.offsets.assign(1, 0);
   Workspace& work = *workspace_;
   work.frame = frame;
   work.codec = codec;
@@ -162,9 +189,7 @@ Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size
   const bool all_cut = work.cut_frame(out);
   work.frame = {};
   if (!all_cut) {
-    out.slices.clear();
-    out.bytes.clear();
-    out.offsets.assign(1, 0);
+    clear(out);
     return Error{"the frame takes more than " + std::to_string(kMaxSlices) + " slices"};
   }
   for (SliceHeader& header : out.slices) header.slice_count = static_cast<uint16_t>(out.slices.size());
@@ -175,23 +200,10 @@ Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> pa
                           std::span<uint64_t> words) {
   assert(words.size() == grid.word_count());
   const SliceRange range{header.first_tile, header.tile_count, header.first_light, header.light_count};
-  if (range.tile_count == 0 || range.first_tile >= grid.tile_count() ||
-      range.tile_count > grid.tile_count() - range.first_tile || range.light_count == 0 ||
-      range.first_light + range.light_count > grid.lights) {
-    return Error{"a slice's tiles or lights are not of this frame"};
-  }
-  if (payload.empty() || payload.size() > 1 + kMaxPlainBytes) return Error{"a slice of impossible length"};
-  std::span<const uint8_t> plain = payload.subspan(1);
-  std::array<uint8_t, kMaxPlainBytes> unpacked;
-  if (payload[0] == static_cast<uint8_t>(Form::lz4)) {
-    const int size =
-        LZ4_decompress_safe(reinterpret_cast<const char*>(plain.data()), reinterpret_cast<char*>(unpacked.data()),
-                            static_cast<int>(plain.size()), static_cast<int>(unpacked.size()));
-    if (size < 0) return Error{"a slice's LZ4 block is damaged"};
-    plain = std::span(unpacked).first(static_cast<size_t>(size));
-  } else if (payload[0] != static_cast<uint8_t>(Form::plain)) {
-    return Error{"a slice of unknown form"};
-  }
+  if (!is_inside(range, grid)) return Error{"a slice's tiles or lights are not of this frame"};
+  PlainBuffer buffer;  // not initialised: only what has been unpacked is read
+  const auto plain = plain_bytes(payload, buffer);
+  if (plain.empty()) return Error{"a slice's payload is of unknown form or damaged"};
   bool exact = false;
   switch (header.codec) {
     case CodecId::raw32_lz4: exact = unpack_raw32(plain, range, grid, words); break;

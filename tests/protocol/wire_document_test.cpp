@@ -162,6 +162,24 @@ TEST(WireDocument, NamesEveryRefusalCode) {
   for (const auto& [code, name] : rows) EXPECT_EQ(name, to_string(static_cast<RefusalCode>(code)));
 }
 
+TEST(WireDocument, TellsTheSizesOfStructures) {
+  LightInfo light;
+  const size_t with_one = encode(LightsChanged{{light}}).size();
+  const size_t light_bytes = encode(LightsChanged{{light, light}}).size() - with_one;
+  EXPECT_NE(document().find(std::to_string(light_bytes) + " bytes, after KHR_lights"), std::string::npos);
+
+  CameraUpdate update;
+  Bytes body;
+  append_camera_update(body, update);
+  const std::string acks = "| " + std::to_string(body.size()) + " | ";
+  const size_t without = body.size();
+  update.ack_count = 1;
+  body.clear();
+  append_camera_update(body, update);
+  EXPECT_NE(document().find(acks + std::to_string(body.size() - without) + " bytes each | acks"),
+            std::string::npos);
+}
+
 TEST(WireDocument, NumbersEveryMessageType) {
   const auto rows = numbered_rows("### Message types");
   ASSERT_EQ(rows.size(), std::variant_size_v<Message>);
