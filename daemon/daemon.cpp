@@ -50,11 +50,11 @@ Result<void> Daemon::open_device() {
   auto device = RenderDevice::open(options_.make_renderer);
   if (!device) return device.error();
   device_ = std::move(*device);
-  tracer_ = device_->renderer().tracer_name();
-  device_name_.publish(device_->renderer().device_name());
-  log::info("device open", {{"device", device_->renderer().device_name()},
-                            {"driver", device_->renderer().driver_name()},
-                            {"tracer", tracer_}});
+  const gpu::Renderer& renderer = device_->renderer();
+  tracer_ = renderer.tracer_name();
+  log::info("device open",
+            {{"device", renderer.device_name()}, {"driver", renderer.driver_name()}, {"tracer", tracer_}});
+  device_status_.publish({renderer.device_name(), renderer.driver_name(), tracer_});
   encode_pool_ = std::make_unique<EncodePool>(options_.config.encode.threads, metrics_,
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
   loop_ = std::make_unique<RenderLoop>(scheduler::make_round_robin(), *device_, inbox_, metrics_,

@@ -54,7 +54,7 @@ class Daemon {
   Metrics metrics_;
   Seats seats_;
   RenderInbox inbox_;
-  Published<std::string> device_name_;
+  Published<DeviceStatus> device_status_;
   std::string tracer_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;

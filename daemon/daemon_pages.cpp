@@ -19,6 +19,10 @@ json to_json(const std::string& name, const HostedScene& scene) {
           {"tracer_build_seconds", scene.on_device.tracer_build_seconds}};
 }
 
+json to_json(const DeviceStatus& device, bool up) {
+  return {{"name", device.name}, {"driver", device.driver}, {"tracer", device.tracer}, {"up", up}};
+}
+
 // Ids are 64 bits: as text, for readers whose numbers are doubles.
 json to_json(const SessionStatus& session, const std::string& tenant) {
   return {{"id", std::to_string(session.id.value)},
@@ -42,7 +46,7 @@ std::string Daemon::status_json() const {
   json status{{"version", options_.version},
               {"ready", health_.ready()},
               {"draining", health_.draining.load()},
-              {"devices", json::array({{{"name", *device_name_.get()}, {"up", health_.device_up.load()}}})},
+              {"devices", json::array({to_json(*device_status_.get(), health_.device_up)})},
               {"scenes", json::array()},
               {"tenants", json::array()},
               {"sessions", json::array()}};

@@ -10,7 +10,7 @@ constexpr FaultKind kDatagram = FaultKind::datagram_rejected;
 constexpr FaultKind kFrame = FaultKind::frame_dropped;
 constexpr FaultKind kRefusal = FaultKind::refusal;
 
-// What strangers can cause at will stays at debug: nobody fills our log from outside.
+// What a stranger can cause with one datagram stays at debug: nobody fills our log from outside for nothing.
 constexpr std::array kTable{
     FaultRow{Fault::datagram_too_long, kDatagram, "too_long", Level::debug, "datagram too long"},
     FaultRow{Fault::datagram_header, kDatagram, "header", Level::debug, "datagram of another protocol"},

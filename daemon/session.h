@@ -35,7 +35,6 @@ class Session {
 
   Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
-  void heard(TimePoint now) { last_heard_ = now; }
   TimePoint last_heard() const { return last_heard_; }
 
   void frame_sent(const FrameMeta& meta, TimePoint sent);

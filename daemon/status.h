@@ -13,6 +13,12 @@
 
 namespace gnomon::daemon {
 
+struct DeviceStatus {
+  std::string name;
+  std::string driver;
+  std::string tracer;
+};
+
 struct SessionStatus {
   SessionId id;
   TenantId tenant;
