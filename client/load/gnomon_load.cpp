@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 
 #include "client/load/load_report.h"
@@ -13,6 +14,9 @@ using namespace gnomon;
 using namespace gnomon::client;
 
 constexpr size_t kClientsInTable = 32;
+
+// Ctrl-C ends the flight; clients still say Bye and the table is still printed.
+volatile std::sig_atomic_t interrupted = 0;
 
 struct Arguments {
   std::string server, scene, size, scene_folder, json;
@@ -60,7 +64,8 @@ Result<void> run(const Arguments& a) {
       .scene_folder = a.scene_folder,
       .size = *size,
       .rate_hz = a.rate_hz,
-      .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds))};
+      .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds)),
+      .interrupted = [] { return interrupted != 0; }};
   LoadRun load(options, *plan);
   Progress progress;
   if (const auto done = load.run(progress); !done) return done;
@@ -88,6 +93,7 @@ int main(int argc, char** argv) {
   declare(app, arguments);
   CLI11_PARSE(app, argc, argv);
   allow_many_files();
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupted = 1; });
   const auto done = run(arguments);
   if (!done) std::fprintf(stderr, "gnomon-load: %s\n", done.error().message.c_str());
   return done ? 0 : 1;

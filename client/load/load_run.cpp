@@ -65,6 +65,7 @@ Result<void> LoadRun::connect(Progress& progress) {
                        [](const auto& p) { return p.client->settled(); });
   };
   while (!loop_.run_until(Clock::now() + kProgressInterval, all_settled)) {
+    if (options_.interrupted()) return Error{"interrupted"};
     const TimePoint now = Clock::now();
     if (!progress.due(now)) continue;
     progress.show(
@@ -85,7 +86,7 @@ void LoadRun::fly(Progress& progress) {
   started_ = Clock::now();
   const TimePoint end = started_ + options_.duration;
   for (auto& p : participants_) p.client->fly(path, started_);
-  while (Clock::now() < end && open_clients() > 0) {
+  while (Clock::now() < end && open_clients() > 0 && !options_.interrupted()) {
     loop_.run_until(std::min(end, Clock::now() + kProgressInterval), [] { return false; });
     const TimePoint now = Clock::now();
     if (progress.due(now)) progress.show(progress_line(now), now);

@@ -19,6 +19,7 @@ struct LoadOptions {
   Size size;
   double rate_hz = 0;  // 0: each client asks again as soon as it has been answered
   Nanoseconds duration = std::chrono::seconds(10);
+  std::function<bool()> interrupted = [] { return false; };  // asked a few times a second: end the flight now
 };
 
 struct LoadParticipant {
