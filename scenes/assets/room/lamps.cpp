@@ -23,7 +23,7 @@ Model pendant(const Palette& palette) {
       const glm::vec2 p = outline(static_cast<float>(k) / 14);
       rib.emplace_back(p.x, p.y, 0);
     }
-    append(model.in(palette.rattan), tube(rib, 0.0022f, 6),
+    append(model.in(palette.rattan), tube(rib, 0.0015f, 5),
            at(0, -kPendantDrop, 0) * turned(22.5f * static_cast<float>(i)));
   }
   for (const float t : {0.0f, 1.0f}) {

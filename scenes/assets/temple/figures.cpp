@@ -14,8 +14,7 @@ constexpr float kFigureCell = 0.037f, kHeadCell = 0.017f;
 // A long robe: an oval skirt whose folds deepen towards the hem, drawn in at the waist (y = 1.30).
 float robe(vec3 p, float hem, float waist) {
   const float t = glm::clamp(p.y / 1.30f, 0.0f, 1.0f), a = std::atan2(p.z, p.x);
-  const float folds =
-      0.026f * (1 - 0.7f * t) * std::sin(13 * a + 1.4f * std::sin(3 * a) + 0.8f * p.y) + 0.010f * std::sin(29 * a);
+  const float folds = 0.032f * (1 - 0.7f * t) * std::sin(11 * a + 1.4f * std::sin(3 * a) + 0.8f * p.y);
   const float radius = glm::mix(hem, waist, std::pow(t, 0.8f)) + folds;
   const float side = glm::length(glm::vec2(p.x, p.z * 1.22f)) - radius;
   return std::max({0.8f * side, -p.y, p.y - 1.32f});
@@ -27,8 +26,7 @@ float torso(vec3 p) {
   d = blend(d, ellipsoid(p, {-0.085f, 1.62f, 0.085f}, {0.105f, 0.10f, 0.075f}), 0.07f);
   d = blend(d, ellipsoid(p, {0.085f, 1.62f, 0.085f}, {0.105f, 0.10f, 0.075f}), 0.07f);
   // A mantle from one shoulder to the other hip: a slanting band that stands out a little.
-  const float band =
-      std::abs(p.x * 0.8f + (p.y - 1.50f) * 0.62f) - 0.085f + 0.012f * std::sin(40 * (p.x * 0.8f + p.y * 0.62f));
+  const float band = std::abs(p.x * 0.8f + (p.y - 1.50f) * 0.62f) - 0.085f;
   return std::min(d, std::max(d - 0.026f, band));
 }
 
@@ -84,7 +82,7 @@ float feet(vec3 p) {
 float belt(vec3 p) {
   const float ring = std::abs(glm::length(glm::vec2(p.x, p.z * 1.30f)) - 0.205f) - 0.022f;
   const float band = std::max(ring, std::abs(p.y - 1.30f) - 0.045f);
-  const float apron = brick(p, {0, 0.98f, 0.235f}, {0.075f, 0.32f, 0.03f}, 0.02f) + 0.004f * std::sin(60 * p.y);
+  const float apron = brick(p, {0, 0.98f, 0.235f}, {0.075f, 0.32f, 0.03f}, 0.02f);
   return std::min(band, apron);
 }
 
