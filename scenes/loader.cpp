@@ -132,8 +132,10 @@ Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, con
   }
 }
 
-// Messages quote names of the file, which may hold anything; they stay one line.
+// Messages quote names of the file, which may hold anything; they stay one line, and not a long one.
 Error about(const std::filesystem::path& file, std::string message) {
+  constexpr size_t kLongest = 400;
+  if (message.size() > kLongest) message.replace(kLongest, std::string::npos, "...");
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   return Error{file.string() + ": " + message};

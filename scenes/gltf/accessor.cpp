@@ -133,6 +133,8 @@ Result<void> Elements::add_sparse(const Document& document, const tinygltf::Acce
   const auto values = range(document, sparse.values.bufferView, static_cast<uint64_t>(sparse.values.byteOffset),
                             count, element_bytes_, element_bytes_);
   if (!values) return Error{"sparse values: " + values.error().message};
+  if (count > document.sparse_left) return Error{"is sparse and used too often"};
+  document.sparse_left -= count;
   sparse_values_ = *values;
   sparse_at_.resize(count);
   for (size_t i = 0; i < count; ++i) {

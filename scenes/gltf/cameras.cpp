@@ -1,10 +1,12 @@
 #include "scenes/gltf/cameras.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <optional>
 #include <string>
+#include <unordered_map>
 
 #include "scenes/gltf/accessor.h"
 #include "scenes/pose.h"
@@ -82,41 +84,61 @@ Result<Channel> read_channel(const Document& document, const tinygltf::Animation
   return channel;
 }
 
-bool has_channel(const CameraPath& path, uint32_t node, Channel::Path property) {
-  return std::any_of(path.channels.begin(), path.channels.end(),
-                     [&](const Channel& c) { return c.node == node && c.path == property; });
-}
+// What a file may ask for: paths copy the nodes and keys of ancestors that they share.
+constexpr size_t kMaxCameras = 1024;
+constexpr size_t kMaxValues = size_t{1} << 23;
 
-// Adds what an animation does to the nodes of the path's chain.
-Result<void> add_channels(const Document& document, const tinygltf::Animation& animation,
-                          const std::vector<int>& chain, CameraPath& path) {
-  for (const tinygltf::AnimationChannel& source : animation.channels) {
-    const auto link = std::find(chain.begin(), chain.end(), source.target_node);
-    const auto property = path_of(source.target_path);
-    if (source.target_node < 0 || link == chain.end() || !property) continue;
-    const auto node = static_cast<uint32_t>(link - chain.begin());
-    if (path.chain[node].has_matrix || has_channel(path, node, *property)) continue;
-    Result<Channel> channel = read_channel(document, animation, source.sampler, *property);
-    if (!channel) return Error{"animation '" + animation.name + "' " + channel.error().message};
-    channel->node = node;
-    path.duration_seconds = std::max(path.duration_seconds, channel->times.back());
-    path.channels.push_back(std::move(*channel));
+// Builds the paths of cameras, looking each node's animations up where searching would take cameras x channels.
+class PathReader {
+ public:
+  PathReader(const Document& document, const std::vector<PlacedNode>& nodes) : document_(document), nodes_(nodes) {
+    for (const tinygltf::Animation& animation : document.model.animations) {
+      for (const tinygltf::AnimationChannel& channel : animation.channels) {
+        moving_[channel.target_node].push_back({&animation, &channel});
+      }
+    }
   }
-  return {};
-}
 
-Result<CameraPath> read_path(const Document& document, const std::vector<PlacedNode>& nodes, uint32_t node) {
-  CameraPath path;
-  std::vector<int> chain;  // indices in the file
-  for (const uint32_t link : chain_to(nodes, node)) {
-    chain.push_back(nodes[link].node);
-    path.chain.push_back(nodes[link].local);
+  Result<CameraPath> read(uint32_t camera_node) {
+    CameraPath path;
+    for (const uint32_t link : chain_to(nodes_, camera_node)) {
+      path.chain.push_back(nodes_[link].local);
+      const auto moved = moving_.find(nodes_[link].node);
+      if (moved == moving_.end() || nodes_[link].local.has_matrix) continue;
+      if (const auto ok = add_channels(moved->second, path); !ok) return ok.error();
+    }
+    return path;
   }
-  for (const tinygltf::Animation& animation : document.model.animations) {
-    if (const auto ok = add_channels(document, animation, chain, path); !ok) return ok.error();
+
+ private:
+  struct Source {
+    const tinygltf::Animation* animation;
+    const tinygltf::AnimationChannel* channel;
+  };
+
+  // What animations do to the last node of the path's chain: the first that moves a property counts.
+  Result<void> add_channels(const std::vector<Source>& sources, CameraPath& path) {
+    std::array<bool, 3> taken{};
+    for (const Source& source : sources) {
+      const auto property = path_of(source.channel->target_path);
+      if (!property || taken[static_cast<size_t>(*property)]) continue;
+      taken[static_cast<size_t>(*property)] = true;
+      Result<Channel> channel = read_channel(document_, *source.animation, source.channel->sampler, *property);
+      if (!channel) return Error{"animation '" + source.animation->name + "' " + channel.error().message};
+      if (channel->values.size() > values_left_) return Error{"its camera animations have too many keys"};
+      values_left_ -= channel->values.size();
+      channel->node = static_cast<uint32_t>(path.chain.size()) - 1;
+      path.duration_seconds = std::max(path.duration_seconds, channel->times.back());
+      path.channels.push_back(std::move(*channel));
+    }
+    return {};
   }
-  return path;
-}
+
+  const Document& document_;
+  const std::vector<PlacedNode>& nodes_;
+  std::unordered_map<int, std::vector<Source>> moving_;  // by node of the file
+  size_t values_left_ = kMaxValues;
+};
 
 Result<float> field_of_view(const tinygltf::Camera& camera) {
   const double yfov = camera.perspective.yfov;
@@ -130,6 +152,7 @@ Result<float> field_of_view(const tinygltf::Camera& camera) {
 
 Result<Cameras> read_cameras(const Document& document, const std::vector<PlacedNode>& nodes) {
   Cameras out;
+  PathReader paths(document, nodes);
   for (uint32_t i = 0; i < nodes.size(); ++i) {
     const tinygltf::Node& node = document.model.nodes[static_cast<size_t>(nodes[i].node)];
     if (node.camera == -1) continue;
@@ -138,8 +161,10 @@ Result<Cameras> read_cameras(const Document& document, const std::vector<PlacedN
     if ((*source)->type != "perspective") continue;
     const Result<float> fov = field_of_view(**source);
     if (!fov) return fov.error();
-    Result<CameraPath> path = read_path(document, nodes, i);
+    Result<CameraPath> path = paths.read(i);
     if (!path) return path.error();
+    if (out.cameras.size() == kMaxCameras)
+      return Error{"it has more than " + std::to_string(kMaxCameras) + " cameras"};
     path->camera = static_cast<uint32_t>(out.cameras.size());
     const std::string name = (*source)->name.empty() ? node.name : (*source)->name;
     out.cameras.push_back({name, pose_from_transform(nodes[i].to_world, *fov)});

@@ -84,7 +84,6 @@ Result<View> buffer_content(const json& buffer, bool first, const Parts& parts, 
   } else if (first && parts.binary) {
     return Error{"is missing: the .glb has no BIN chunk"};
   } else {
-    log::warning("glTF buffer without bytes", {{"bytes", declared}});
     return View{};
   }
   if (content.size() < declared) {
@@ -103,6 +102,9 @@ Result<void> read_buffers(const json& root, const Parts& parts, Document& docume
     if (!content) return Error{"buffer " + std::to_string(index) + ": " + content.error().message};
     document.buffers.push_back(*content);
   }
+  const auto lacking = std::count_if(document.buffers.begin(), document.buffers.end(),
+                                     [](View buffer) { return buffer.data() == nullptr; });
+  if (lacking > 0) log::warning("glTF leaves buffers without bytes", {{"buffers", lacking}});
   return {};
 }
 
@@ -174,7 +176,7 @@ Result<View> Document::view(int buffer_view) const {
 Result<Document> open_document(const std::filesystem::path& file, const LoadLimits& limits) {
   Result<Folder> folder = Folder::of(file, limits.max_file_bytes);
   if (!folder) return folder.error();
-  Document document{std::move(*folder), {}, {}, {}, {}};
+  Document document{.folder = std::move(*folder), .model = {}, .buffers = {}, .images = {}, .owned = {}};
   Result<Bytes> bytes = document.folder.read_scene_file();
   if (!bytes) return bytes.error();
   document.owned.push_back(std::move(*bytes));

@@ -30,6 +30,8 @@ struct Document {
   std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or without bytes where glTF lets them lack
   std::vector<ImageSource> images;
   std::vector<Bytes> owned;  // what `buffers` looks at
+  // How many sparse elements may still be looked at: a file may name one large accessor again and again.
+  mutable uint64_t sparse_left = uint64_t{1} << 28;
 
   // The bytes of a buffer view. Error: it or its buffer does not exist, or it ends beyond its buffer.
   Result<std::span<const uint8_t>> view(int buffer_view) const;

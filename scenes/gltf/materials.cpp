@@ -36,7 +36,7 @@ Result<Image> read_image(Document& document, int index, uint64_t max_texels) {
   return decoded(*bytes);
 }
 
-// Reads each texture once, however many materials use it.
+// Reads each texture once, however many materials use it, and a broken image too.
 class Textures {
  public:
   Textures(Document& document, uint64_t max_texels) : document_(document), texels_left_(max_texels) {}
@@ -44,10 +44,10 @@ class Textures {
   // Index into Scene::textures.
   Result<uint32_t> get(int texture) {
     if (const auto known = known_.find(texture); known != known_.end()) return known->second;
-    Result<Texture> read_texture = read(texture);
-    if (!read_texture) return read_texture.error();
-    const auto index = static_cast<uint32_t>(textures_.size());
-    textures_.push_back(std::move(*read_texture));
+    Result<Texture> made = read(texture);
+    if (!made) log::warning("texture left out", {{"texture", texture}, {"why", made.error().message}});
+    Result<uint32_t> index = made ? Result<uint32_t>(static_cast<uint32_t>(textures_.size())) : made.error();
+    if (made) textures_.push_back(std::move(*made));
     known_.emplace(texture, index);
     return index;
   }
@@ -58,8 +58,13 @@ class Textures {
   Result<Texture> read(int index) {
     const auto found = entry(document_.model.textures, index, "texture");
     if (!found) return found.error();
-    Result<Image> image = read_image(document_, (*found)->source, texels_left_);
-    if (!image) return image.error();
+    const int source = (*found)->source;
+    if (const auto broken = broken_images_.find(source); broken != broken_images_.end()) return broken->second;
+    Result<Image> image = read_image(document_, source, texels_left_);
+    if (!image) {
+      broken_images_.emplace(source, image.error());
+      return image.error();
+    }
     Texture texture;
     texture.width = image->width;
     texture.height = image->height;
@@ -78,7 +83,8 @@ class Textures {
   Document& document_;
   uint64_t texels_left_;
   std::vector<Texture> textures_;
-  std::map<int, uint32_t> known_;
+  std::map<int, Result<uint32_t>> known_;  // by texture of the file
+  std::map<int, Error> broken_images_;
 };
 
 double number(const tinygltf::Value& object, const char* key, double otherwise) {
@@ -137,6 +143,7 @@ Material factors_of(const tinygltf::Material& source) {
   material.emissive *= emissive_strength(source);
   material.alpha_mode = alpha_mode_of(source.alphaMode);
   material.alpha_cutoff = static_cast<float>(source.alphaCutoff);
+  material.double_sided = source.doubleSided;
   return material;
 }
 
@@ -167,7 +174,6 @@ Result<Materials> read_materials(Document& document, uint64_t max_texels) {
       if (!texture && material.alpha_mode == AlphaMode::mask) {
         return Error{name + " needs its texture for an alpha test: " + texture.error().message};
       }
-      if (!texture) log::warning("texture left out", {{"material", source.name}, {"why", texture.error().message}});
       if (texture) material.base_color_texture = *texture;
     }
     out.materials.push_back(std::move(material));
