@@ -1,0 +1,21 @@
+// Which device and tracers the tests run on, and how they look at a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gpu/surface_probe.h"
+#include "gpu/vulkan_renderer.h"
+
+namespace gnomon::test {
+
+// The device that GNOMON_TEST_DEVICE selects, else the best one.
+gpu::RendererOptions device_options(const std::string& tracer = "auto");
+
+// Every tracer that the test device offers. Printed once where one is missing.
+std::vector<std::string> tracers();
+
+// A camera at `eye` that looks at `target`; field of view in radians.
+gpu::CameraView look_at(glm::vec3 eye, glm::vec3 target, float vertical_fov, uint32_t width, uint32_t height);
+
+}  // namespace gnomon::test
