@@ -1,7 +1,10 @@
 // From a pixel's triangle id to its surface point; the mapping of invocations to pixels of a tile.
 #extension GL_EXT_samplerless_texture_functions : require
 
-layout(local_size_x = 64) in;
+#ifndef TILE_INVOCATIONS
+#define TILE_INVOCATIONS 64
+#endif
+layout(local_size_x = TILE_INVOCATIONS) in;
 layout(set = 0, binding = 1) uniform utexture2D triangle_ids;
 
 // Neighbouring invocations form blocks of 4x2 pixels: eight lanes, the narrowest subgroup, share as many texels,

@@ -13,8 +13,9 @@ bool prefers_ray_query(const Device& device) {
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device) {
   if (name == "auto") name = prefers_ray_query(*device) ? "ray_query" : "bvh";
   if (name == "bvh") return make_bvh_tracer(device);
+  if (name == "light_buffer") return make_light_buffer_tracer(device);
   if (name == "ray_query") return make_ray_query_tracer(device);
-  return Error{"no tracer is called '" + std::string(name) + "'; there are auto, bvh, ray_query"};
+  return Error{"no tracer is called '" + std::string(name) + "'; there are auto, bvh, light_buffer, ray_query"};
 }
 
 }  // namespace gnomon::gpu

@@ -47,6 +47,7 @@ class Tracer {
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device);
 
 std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device);
+std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device);
 Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);
 
 }  // namespace gnomon::gpu

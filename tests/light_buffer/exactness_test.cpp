@@ -59,7 +59,7 @@ TEST_P(Exactness, EqualsBruteForce) {
     const Soup soup = make_soup(shape, lamp, kTriangles[scene % 4], random);
     light_buffer::BuildSettings settings;
     settings.threads = 1;
-    settings.detail.longest_leaf = scene < 4 ? 2 : 16;
+    settings.detail.longest_walk = scene < 4 ? 0.5 : 8.0;
     settings.detail.finest_level = shape == Shape::touching ? 5 : 7;
     const light_buffer::LightBuffer buffer =
         light_buffer::build(soup.mesh, soup.bounds, std::span(&soup.light, 1), settings);

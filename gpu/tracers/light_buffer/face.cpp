@@ -66,6 +66,7 @@ LightFaces directional_face(const exact::TracedLight& light, const scenes::Bound
   result.view.u_offset = static_cast<float>(-face.low_u * scale);
   result.view.v_offset = static_cast<float>(-face.low_v * scale);
   result.view.depth_axis = glm::vec3(direction);
+  result.view.direction = light.direction * -light.reach;
   result.faces.push_back(face);
   result.used[0] = true;
   return result;

@@ -62,8 +62,12 @@ struct LightView {
   glm::vec3 v_axis{0.0f};
   float v_offset = 0;
   glm::vec3 depth_axis{0.0f};
-  uint32_t roots = 0;  // index of the first root; a face's roots follow one another, then the next face's
+  uint32_t roots = 0;         // index of the first root; a face's roots follow one another, then the next face's
+  glm::vec3 direction{0.0f};  // directional: of every segment, as exact::shadow_segment has it
+  uint32_t reserved = 0;
 };
+
+static_assert(sizeof(LightView) == 80);
 
 struct Statistics {
   double build_seconds = 0;

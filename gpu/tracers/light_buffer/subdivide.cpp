@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 namespace gnomon::gpu::light_buffer {
 namespace {
@@ -16,10 +17,9 @@ class Builder {
   void build(uint32_t node, uint32_t level, uint32_t i, uint32_t j, Met& met) {
     const Rect rect = face_.node_rect(level, i, j);
     drop_hidden(node, rect, met);
-    set_near_plane(node, rect, met);
-    if (met.size() <= detail_.longest_leaf || level >= detail_.finest_level || !divide(node, level, i, j, met)) {
-      set_list(node, rect, met);
-    }
+    const Linear near = set_near_plane(node, rect, met);
+    const bool fine = met.size() <= 2 || level >= detail_.finest_level || walk(rect, met, near) <= patience(level);
+    if (fine || !divide(node, level, i, j, met)) set_list(node, rect, met);
   }
 
  private:
@@ -32,10 +32,10 @@ class Builder {
     out_.nodes[node].cover_plane = plane;
   }
 
-  void set_near_plane(uint32_t node, const Rect& rect, const Met& met) {
+  Linear set_near_plane(uint32_t node, const Rect& rect, const Met& met) {
     // No plane: never in front of it, at any depth that a float can hold.
     glm::vec3 plane = met.empty() ? glm::vec3(0.0f) : glm::vec3(face_.depth_axis * 1e30);
-    Linear nearness;
+    Linear nearness(0, 0, 1e30);
     if (!met.empty() && fit_near_plane(met, rect, nearness)) {
       glm::vec3 fitted;
       if (face_.plane(nearness, 1.0, fitted) || face_.plane(Linear(0, 0, nearest_of_all(rect, met)), 1.0, fitted)) {
@@ -43,6 +43,27 @@ class Builder {
       }
     }
     out_.nodes[node].near_plane = plane;
+    return nearness;
+  }
+
+  // Fine nodes are many and seen by few pixels: they are divided further only for long lists.
+  double patience(uint32_t level) const {
+    return level <= detail_.usual_level
+               ? detail_.longest_walk
+               : std::ldexp(detail_.longest_walk, static_cast<int>(level - detail_.usual_level));
+  }
+
+  // Triangles tested for a point on one of the footprints, on average over them: none where it lies on the near
+  // plane, else those before it. What is seen in a scene is mostly what casts its shadows.
+  static double walk(const Rect& rect, const Met& met, const Linear& near) {
+    size_t walking = 0;
+    for (const Footprint* f : met) {
+      const double u = std::clamp(0.5 * (rect.u0 + rect.u1), f->box.u0, f->box.u1);
+      const double v = std::clamp(0.5 * (rect.v0 + rect.v1), f->box.v0, f->box.v1);
+      const double bound = at(near, u, v);
+      if (!f->bounded || at(f->nearest, u, v) < bound - 0.003 * std::abs(bound)) ++walking;
+    }
+    return 0.5 * static_cast<double>(walking);
   }
 
   static double nearest_of_all(const Rect& rect, const Met& met) {

@@ -10,8 +10,9 @@
 namespace gnomon::gpu::light_buffer {
 
 struct Detail {
-  uint32_t longest_leaf = 8;  // longer lists are divided
-  uint32_t finest_level = kFinestLevel - 1;
+  double longest_walk = 2.0;  // nodes where more triangles are tested, on average, are divided
+  uint32_t usual_level = 8;   // beyond, each level must promise twice as much
+  uint32_t finest_level = kFinestLevel;
 };
 
 // Node 0 is the root; children and lists are indices into these arrays.
