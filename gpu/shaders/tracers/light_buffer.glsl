@@ -4,10 +4,10 @@
 
 const uint kNone = 0xffffffffu;
 const uint kRootLevel = 4u;
+const uint kGroupLevel = 8u;
 const uint kIndexBits = 14u;
 const float kFaceExtent = 1.0625;
 const float kFixedPerUnit = 16384.0 / (2.0 * kFaceExtent);
-const uint kMaskedTriangle = 0x80000000u;
 
 struct Node {
   vec3 near_plane;

@@ -101,7 +101,7 @@ GroupNode group_node(Group group, uint light_index) {
   // Nodes whose pitch is no less than the span.
   float span = max(hi.x - lo.x, hi.y - lo.y) + 1.0;
   seen = seen && span <= 1024.0;
-  uint pitch_bits = seen ? uint(findMSB(uint(span))) + 1u : kIndexBits - kRootLevel;
+  uint pitch_bits = max(uint(findMSB(uint(span))) + 1u, kIndexBits - kGroupLevel);
   Node node = Nodes(push.nodes).at[node_at(light, place, kIndexBits - pitch_bits)];
   GroupNode found;
   found.reference = light.reference;

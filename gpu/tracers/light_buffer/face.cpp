@@ -77,16 +77,18 @@ LightFaces directional_face(const exact::TracedLight& light, const scenes::Bound
 Rect Face::node_rect(uint32_t level, uint32_t i, uint32_t j) const {
   const double pitch = size * std::ldexp(1.0, -static_cast<int>(level));
   const double pad = size * kPadding * std::ldexp(1.0, -static_cast<int>(kIndexBits));
-  return {low_u + i * pitch - pad, low_v + j * pitch - pad, low_u + (i + 2) * pitch + pad,
-          low_v + (j + 2) * pitch + pad};
+  const uint32_t extent = level > kGroupLevel ? 1 : 2;
+  return {low_u + i * pitch - pad, low_v + j * pitch - pad, low_u + (i + extent) * pitch + pad,
+          low_v + (j + extent) * pitch + pad};
 }
 
 bool Face::plane(const Linear& f, double towards, glm::vec3& out) const {
   if (perspective) {
     glm::dvec3 p = f.x * u_axis + f.y * v_axis + f.z * depth_axis;
     p += towards * 32.0 * kUnit * glm::length(p) * depth_axis;
+    if (!(glm::length(p) < 1e30)) return false;
     out = glm::vec3(p);
-    return std::isfinite(out.x) && std::isfinite(out.y) && std::isfinite(out.z);
+    return true;
   }
   const glm::dvec3 normal = depth_axis + f.x * u_axis + f.y * v_axis;
   const double distance = -f.z - towards * 32.0 * kUnit * farthest * (1.0 + glm::length(normal));

@@ -4,7 +4,8 @@
 // A light sees the world through faces: the six of a cube around a point light, one orthographic face for a
 // directional one. A face is a quadtree of square nodes. The node with indices (i, j) of a level covers
 // [i, i + 2) x [j, j + 2) of that level's pitch: neighbours overlap by half, so any footprint no larger than the
-// pitch lies wholly within the node that its lower corner falls in, and a group of pixels can ask one node.
+// pitch lies wholly within the node that its lower corner falls in, and a group of pixels can ask one node. Beyond
+// kGroupLevel, finer than groups of pixels are, nodes cover [i, i + 1) x [j, j + 1).
 // A node has
 //   a near plane   a point on the light's side of it is lit: nothing that meets the node reaches before it;
 //   a cover plane  a point behind it is dark: one opaque triangle hides the whole node;
@@ -29,6 +30,7 @@
 namespace gnomon::gpu::light_buffer {
 
 inline constexpr uint32_t kRootLevel = 4;     // a face has 2^4 x 2^4 root nodes
+inline constexpr uint32_t kGroupLevel = 8;   // nodes of finer levels do not overlap: single points ask them
 inline constexpr uint32_t kFinestLevel = 12;  // no node is finer than a face's side / 2^12
 inline constexpr uint32_t kIndexBits = 14;    // a query's position within its face, in fixed point
 inline constexpr uint32_t kRootCount = 1u << (2 * kRootLevel);

@@ -83,7 +83,7 @@ class Builder {
       }
       total += child[c].size();
     }
-    if (total > 4 * met.size() * 9 / 10 && met.size() < 64) return false;
+    if (10 * total > 36 * met.size() && met.size() < 64) return false;
     const uint32_t first = static_cast<uint32_t>(out_.nodes.size());
     out_.nodes.resize(first + 4, Node{});
     out_.nodes[node].children = first;
