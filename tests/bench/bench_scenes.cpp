@@ -1,0 +1,70 @@
+#include "tests/bench/bench_scenes.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "scenes/loader.h"
+
+namespace gnomon::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> candidates(const std::string& scene) {
+  return {fs::path(GNOMON_SCENES_DIR) / (scene + ".glb"),
+          fs::path(GNOMON_SOURCE_DIR) / "../shared/scenes" / (scene + ".glb"), fs::path(scene)};
+}
+
+// `share`: 0 the path's begin, 1 its end.
+scenes::CameraPose pose_along(const scenes::Scene& scene, float share) {
+  if (scene.paths.empty()) return scenes::orbit_pose(scene, share * scenes::kOrbitSeconds);
+  const scenes::CameraPath& path = scene.paths[0];
+  return scenes::pose_at(path, scene.cameras[path.camera].rest.vertical_fov, share * path.duration_seconds);
+}
+
+}  // namespace
+
+std::vector<std::string> default_scenes() {
+  std::vector<std::string> found;
+  for (const char* name : {"living_room", "temple", "sponza_crytek", "oa_minia", "country_kitchen"})
+    for (const fs::path& file : candidates(name))
+      if (fs::is_regular_file(file)) {
+        found.emplace_back(name);
+        break;
+      }
+  return found;
+}
+
+Result<scenes::ScenePtr> open_scene(const std::string& scene) {
+  for (const fs::path& file : candidates(scene))
+    if (fs::is_regular_file(file)) return scenes::load_scene(file);
+  return Error{"no scene '" + scene + "': neither a name nor a file"};
+}
+
+Result<PictureSize> parse_size(const std::string& text) {
+  PictureSize size;
+  const char* end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec == std::errc{} && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    if (height.ec == std::errc{} && height.ptr == end && size.width > 0 && size.height > 0) return size;
+  }
+  return Error{"a size is written as 1920x1080, not '" + text + "'"};
+}
+
+std::vector<gpu::CameraView> cameras_along_path(const scenes::Scene& scene, uint32_t count, PictureSize size) {
+  std::vector<gpu::CameraView> views;
+  for (uint32_t i = 0; i < count; ++i) {
+    const scenes::CameraPose pose = pose_along(scene, (static_cast<float>(i) + 0.5f) / static_cast<float>(count));
+    gpu::CameraView view;
+    view.position = pose.position;
+    view.orientation = pose.orientation;
+    view.tan_up = view.tan_down = std::tan(pose.vertical_fov / 2);
+    view.tan_left = view.tan_right = view.tan_up * static_cast<float>(size.width) / static_cast<float>(size.height);
+    views.push_back(view);
+  }
+  return views;
+}
+
+}  // namespace gnomon::bench

@@ -1,0 +1,28 @@
+// Scenes by name or file, and the cameras that benchmarks look through.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "gpu/renderer.h"
+#include "scenes/scene.h"
+
+namespace gnomon::bench {
+
+// The built-in scenes and those beside the repository that are there.
+std::vector<std::string> default_scenes();
+
+// `scene`: a built-in's name, one beside the repository, or a file.
+Result<scenes::ScenePtr> open_scene(const std::string& scene);
+
+struct PictureSize {
+  uint32_t width = 0, height = 0;
+};
+// "1920x1080".
+Result<PictureSize> parse_size(const std::string& text);
+
+// `count` cameras evenly along the scene's first camera path; without one, on a circle through it (orbit_pose).
+std::vector<gpu::CameraView> cameras_along_path(const scenes::Scene& scene, uint32_t count, PictureSize size);
+
+}  // namespace gnomon::bench

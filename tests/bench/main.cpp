@@ -1,0 +1,50 @@
+// gnomon-bench SUITE [--json FILE] ...: measures one part of Gnomon and prints a table.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tests/bench/suites.h"
+
+namespace {
+
+struct Command {
+  const char* name;
+  const char* about;
+  std::unique_ptr<gnomon::bench::Suite> suite;
+  CLI::App* app = nullptr;
+};
+
+int run(Command& command, const std::string& json_file) {
+  const auto report = command.suite->run();
+  if (!report) {
+    std::fprintf(stderr, "gnomon-bench %s: %s\n", command.name, report.error().message.c_str());
+    return 1;
+  }
+  print_table(*report);
+  if (json_file.empty()) return 0;
+  if (const auto written = write_json(*report, json_file); !written) {
+    std::fprintf(stderr, "gnomon-bench: %s\n", written.error().message.c_str());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Benchmarks of Gnomon. Ratios are computed within the run that measured both sides.");
+  app.require_subcommand(1);
+  std::string json_file;
+  std::vector<Command> commands;
+  commands.push_back({"tracers", "shadow tracers beside Embree, over the same shadow segments",
+                      gnomon::bench::make_tracers_suite()});
+  for (Command& command : commands) {
+    command.app = app.add_subcommand(command.name, command.about);
+    command.app->add_option("--json", json_file, "write the results to this file");
+    command.suite->add_options(*command.app);
+  }
+  CLI11_PARSE(app, argc, argv);
+  for (Command& command : commands)
+    if (command.app->parsed()) return run(command, json_file);
+  return 1;
+}

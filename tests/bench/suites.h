@@ -1,0 +1,21 @@
+// The suites of gnomon-bench. Each adds its subcommand, whose options it owns, and leaves its report when run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/result.h"
+#include "tests/bench/report.h"
+
+namespace gnomon::bench {
+
+class Suite {
+ public:
+  virtual ~Suite() = default;
+  virtual void add_options(CLI::App& command) = 0;
+  virtual Result<Report> run() = 0;
+};
+
+std::unique_ptr<Suite> make_tracers_suite();
+
+}  // namespace gnomon::bench

@@ -1,0 +1,203 @@
+// Suite "tracers": the shadow stage of every tracer by the device's timestamps, and beside it, in the same run and over
+// the same surface points, Embree's occluded16 with coherent packets on two threads.
+#include <algorithm>
+#include <optional>
+
+#include "common/clock.h"
+#include "gpu/surface_probe.h"
+#include "tests/bench/bench_scenes.h"
+#include "tests/bench/suites.h"
+#include "tests/gpu/embree_oracle.h"
+
+namespace gnomon::bench {
+namespace {
+
+using nlohmann::ordered_json;
+using test::EmbreeOracle;
+using test::EmbreeQuery;
+
+constexpr unsigned kEmbreeThreads = 2;
+
+// What Embree made of one camera's surface points: the truth of the robust single rays, the pace of the packets.
+struct PeerFrame {
+  std::vector<uint64_t> oracle;
+  std::vector<uint64_t> packets;
+  double ms = 0;
+  uint64_t bits = 0;  // pixels with a surface times lights
+};
+
+uint64_t differing_bits(const std::vector<uint64_t>& a, const std::vector<uint64_t>& b) {
+  uint64_t bits = 0;
+  for (size_t i = 0; i < a.size(); ++i) bits += static_cast<uint64_t>(__builtin_popcountll(a[i] ^ b[i]));
+  return bits;
+}
+
+double stage_ms(const gpu::FrameTiming& timing, std::string_view pass) {
+  for (const gpu::StageTime& stage : timing.stages)
+    if (stage.pass == pass) return static_cast<double>(stage.gpu_ns) / 1e6;
+  return 0;
+}
+
+// Medians over the cameras.
+struct Series {
+  std::vector<double> ms, mvis_per_s, ratio;
+  uint64_t differing = 0, bits = 0;
+
+  void add(double frame_ms, const PeerFrame& peer) {
+    ms.push_back(frame_ms);
+    mvis_per_s.push_back(static_cast<double>(peer.bits) / frame_ms / 1e3);
+    ratio.push_back(peer.ms / frame_ms);
+    bits += peer.bits;
+  }
+  double diff_ppm() const { return bits ? 1e6 * static_cast<double>(differing) / static_cast<double>(bits) : 0; }
+};
+
+class TracersSuite : public Suite {
+ public:
+  void add_options(CLI::App& command) override {
+    command.add_option("--scene", scenes_, "built-in name or glTF file; default: all that are there");
+    command.add_option("--size", size_text_, "pixels of the traced picture")->capture_default_str();
+    command.add_option("--device", device_, "index, type or part of the name");
+    command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
+    command.add_option("--tracer", tracers_, "tracers to measure; default: all that the device offers");
+  }
+
+  Result<Report> run() override {
+    const auto size = parse_size(size_text_);
+    if (!size) return size.error();
+    size_ = *size;
+    report_.suite = "tracers";
+    if (scenes_.empty()) scenes_ = default_scenes();
+    for (const std::string& name : scenes_) {
+      say("scene " + name + ": loading");
+      const auto scene = open_scene(name);
+      if (!scene) return scene.error();
+      if (auto measured = measure(*scene); !measured) return measured.error();
+    }
+    return std::move(report_);
+  }
+
+ private:
+  gpu::RendererOptions options(const std::string& tracer) const {
+    gpu::RendererOptions out;
+    out.device = device_;
+    out.tracer = tracer;
+    return out;
+  }
+
+  Result<void> measure(const scenes::ScenePtr& scene) {
+    const std::vector<gpu::CameraView> cameras = cameras_along_path(*scene, std::max(1u, frames_), size_);
+    std::vector<PeerFrame> peers;
+    if (auto r = measure_embree(scene, cameras, peers); !r) return r;
+    for (const std::string& tracer : tracers_)
+      if (auto r = measure_tracer(scene, tracer, cameras, peers); !r) return r;
+    return measure_frame(scene, cameras, peers);
+  }
+
+  Result<void> measure_embree(const scenes::ScenePtr& scene, const std::vector<gpu::CameraView>& cameras,
+                              std::vector<PeerFrame>& peers) {
+    say("  embree16");
+    auto probe = gpu::SurfaceProbe::create(options("auto"), scene);
+    if (!probe) return probe.error();
+    report_.device = probe->device().info().name;
+    report_.driver = probe->device().info().driver;
+    const EmbreeOracle oracle(scene, true), peer(scene, false);
+    Series series;
+    for (const gpu::CameraView& camera : cameras) {
+      const auto frame = probe->render(camera, size_.width, size_.height);
+      if (!frame) return frame.error();
+      PeerFrame out;
+      for (const gpu::SurfaceSample& sample : frame->samples) out.bits += sample.triangle != 0;
+      out.bits *= frame->grid.lights;
+      out.oracle = oracle.trace(camera, frame->grid, frame->samples, EmbreeQuery::single, kEmbreeThreads);
+      const TimePoint start = Clock::now();
+      out.packets = peer.trace(camera, frame->grid, frame->samples, EmbreeQuery::packets16, kEmbreeThreads);
+      out.ms = to_milliseconds(Clock::now() - start);
+      series.add(out.ms, out);
+      series.differing += differing_bits(out.packets, out.oracle);
+      peers.push_back(std::move(out));
+    }
+    ordered_json row = row_of(*scene, "embree16", series);
+    row["build_ms"] = peer.build_seconds() * 1e3;
+    report_.rows.push_back(std::move(row));
+    return {};
+  }
+
+  Result<void> measure_tracer(const scenes::ScenePtr& scene, const std::string& tracer,
+                              const std::vector<gpu::CameraView>& cameras, const std::vector<PeerFrame>& peers) {
+    auto probe = gpu::SurfaceProbe::create(options(tracer), scene);
+    if (!probe) {
+      say("  " + tracer + ": skipped, " + probe.error().message);
+      return {};
+    }
+    Series series;
+    // The first frame pays for compiling shaders and is not counted.
+    if (auto warm = probe->render(cameras[0], size_.width, size_.height); !warm) return warm.error();
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      say("  " + tracer + ": camera " + std::to_string(i + 1) + " of " + std::to_string(cameras.size()));
+      const auto frame = probe->render(cameras[i], size_.width, size_.height);
+      if (!frame) return frame.error();
+      series.add(stage_ms(frame->timing, "trace"), peers[i]);
+      series.differing += differing_bits(frame->words, peers[i].oracle);
+    }
+    ordered_json row = row_of(*scene, tracer, series);
+    row["build_ms"] = probe->scene().traced().build_seconds * 1e3;
+    row["memory_bytes"] = probe->scene().traced().memory_bytes();
+    report_.rows.push_back(std::move(row));
+    return {};
+  }
+
+  // The whole frame as the daemon renders it: default passes, the default tracer.
+  Result<void> measure_frame(const scenes::ScenePtr& scene, const std::vector<gpu::CameraView>& cameras,
+                             const std::vector<PeerFrame>& peers) {
+    say("  frame");
+    const gpu::RendererOptions defaults = options("auto");
+    auto frame = gpu::BlockingFrame::create(defaults, defaults.passes, scene);
+    if (!frame) return frame.error();
+    const auto grid = (*frame)->reserve(size_.width, size_.height);
+    if (!grid) return grid.error();
+    if (auto warm = (*frame)->render(cameras[0], *grid); !warm) return warm.error();
+    Series series;
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      const auto timing = (*frame)->render(cameras[i], *grid);
+      if (!timing) return timing.error();
+      series.add(static_cast<double>(timing->total_ns) / 1e6, peers[i]);
+      const auto bytes = (*frame)->host(gpu::resource::kHostMasks);
+      const auto* words = reinterpret_cast<const uint64_t*>(bytes.data());
+      series.differing += differing_bits({words, words + grid->word_count()}, peers[i].oracle);
+    }
+    ordered_json row = row_of(*scene, "frame", series);
+    row["memory_bytes"] = (*frame)->scene().memory_bytes();
+    report_.rows.push_back(std::move(row));
+    return {};
+  }
+
+  ordered_json row_of(const scenes::Scene& scene, const std::string& tracer, const Series& series) const {
+    return {{"scene", scene.name},
+            {"tracer", tracer},
+            {"size", size_text_},
+            {"lights", scene.lights.size()},
+            {"triangles", scene.triangle_count},
+            {"ms", median(series.ms)},
+            {"mvis_per_s", median(series.mvis_per_s)},
+            {"ratio_to_embree16", median(series.ratio)},
+            {"diff_ppm_embree", series.diff_ppm()},
+            {"build_ms", nullptr},
+            {"cached_build_ms", nullptr},  // where a tracer keeps what it built on disk
+            {"memory_bytes", nullptr}};
+  }
+
+  std::vector<std::string> scenes_;
+  std::string size_text_ = "1920x1080";
+  std::string device_;
+  uint32_t frames_ = 5;
+  std::vector<std::string> tracers_{"light_buffer", "bvh", "ray_query"};
+  PictureSize size_;
+  Report report_;
+};
+
+}  // namespace
+
+std::unique_ptr<Suite> make_tracers_suite() { return std::make_unique<TracersSuite>(); }
+
+}  // namespace gnomon::bench
