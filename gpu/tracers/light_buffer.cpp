@@ -3,6 +3,7 @@
 #include "common/log.h"
 #include "gpu/resident_scene.h"
 #include "gpu/tracers/light_buffer/builder.h"
+#include "gpu/tracers/light_buffer/cache.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_light_buffer_32_comp.h"
 #include "spirv/trace_light_buffer_8_comp.h"
@@ -35,7 +36,8 @@ class LightBufferScene : public TracedScene {
 
 class LightBufferTracer : public Tracer {
  public:
-  explicit LightBufferTracer(DevicePtr device) : device_(std::move(device)) {}
+  LightBufferTracer(DevicePtr device, TracerOptions options)
+      : device_(std::move(device)), options_(std::move(options)) {}
 
   std::string_view name() const override { return "light_buffer"; }
   std::span<const uint32_t> shader() const override {
@@ -45,9 +47,7 @@ class LightBufferTracer : public Tracer {
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();
-    std::vector<exact::TracedLight> lights;
-    for (const scenes::Light& light : input.scene.lights) lights.push_back(traced_light(light, input.scene.bounds));
-    const light_buffer::LightBuffer buffer = light_buffer::build(input.mesh, input.scene.bounds, lights, {});
+    const light_buffer::LightBuffer buffer = load_or_build(input);
     auto nodes = upload(device_, std::as_bytes(std::span(buffer.nodes)));
     if (!nodes) return nodes.error();
     auto lists = upload(device_, std::as_bytes(std::span(buffer.lists)));
@@ -62,9 +62,37 @@ class LightBufferTracer : public Tracer {
   }
 
  private:
+  light_buffer::LightBuffer load_or_build(const TracerInput& input) const {
+    light_buffer::BuildSettings settings;
+    settings.budget_bytes = options_.light_buffer_bytes;
+    if (options_.cache_folder.empty()) return build_anew(input, settings);
+    const light_buffer::CacheKey key = light_buffer::cache_key(input.scene.content_hash, settings);
+    std::string why;
+    if (auto cached = light_buffer::load(options_.cache_folder, key, why)) return std::move(*cached);
+    if (!why.empty()) {
+      log::warning("cached light buffer not used",
+                   {{"file", light_buffer::cache_file(options_.cache_folder, key).string()}, {"reason", why}});
+    }
+    light_buffer::LightBuffer buffer = build_anew(input, settings);
+    if (auto saved = light_buffer::save(options_.cache_folder, key, buffer); !saved) {
+      log::warning("light buffer not cached", {{"reason", saved.error().message}});
+    }
+    return buffer;
+  }
+
+  static light_buffer::LightBuffer build_anew(const TracerInput& input, light_buffer::BuildSettings settings) {
+    std::vector<exact::TracedLight> lights;
+    for (const scenes::Light& light : input.scene.lights) lights.push_back(traced_light(light, input.scene.bounds));
+    settings.progress = [&](double share) {
+      log::info("building light buffers",
+                {{"scene", input.scene.name}, {"percent", static_cast<int>(100 * share)}});
+    };
+    return light_buffer::build(input.mesh, input.scene.bounds, lights, settings);
+  }
+
   static void log_built(const scenes::Scene& scene, const light_buffer::Statistics& s, double seconds) {
     const double average = static_cast<double>(s.entries) / static_cast<double>(std::max<uint64_t>(s.leaves, 1));
-    log::info("light buffers built", {{"scene", scene.name},
+    log::info("light buffers ready", {{"scene", scene.name},
                                       {"seconds", seconds},
                                       {"bytes", s.bytes},
                                       {"average_list", average},
@@ -72,12 +100,13 @@ class LightBufferTracer : public Tracer {
   }
 
   DevicePtr device_;
+  TracerOptions options_;
 };
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device) {
-  return std::make_unique<LightBufferTracer>(device);
+std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options) {
+  return std::make_unique<LightBufferTracer>(device, options);
 }
 
 }  // namespace gnomon::gpu

@@ -10,10 +10,11 @@ bool prefers_ray_query(const Device& device) {
 
 }  // namespace
 
-Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device) {
+Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
+                                            const TracerOptions& options) {
   if (name == "auto") name = prefers_ray_query(*device) ? "ray_query" : "bvh";
   if (name == "bvh") return make_bvh_tracer(device);
-  if (name == "light_buffer") return make_light_buffer_tracer(device);
+  if (name == "light_buffer") return make_light_buffer_tracer(device, options);
   if (name == "ray_query") return make_ray_query_tracer(device);
   return Error{"no tracer is called '" + std::string(name) + "'; there are auto, bvh, light_buffer, ray_query"};
 }

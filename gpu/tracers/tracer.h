@@ -4,6 +4,7 @@
 // that shader reads.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -42,12 +43,19 @@ class Tracer {
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
 };
 
-// `name`: "bvh", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or the device
+// What tracers may be told beside the scene. They need none of it.
+struct TracerOptions {
+  std::filesystem::path cache_folder;  // where what was built is kept for the next start; empty: nowhere
+  uint64_t light_buffer_bytes = 0;     // memory of a scene's light buffers; 0: by the number of lights
+};
+
+// `name`: "bvh", "light_buffer", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or the device
 // does not offer it.
-Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device);
+Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
+                                            const TracerOptions& options = {});
 
 std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device);
-std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device);
+std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
 Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);
 
 }  // namespace gnomon::gpu

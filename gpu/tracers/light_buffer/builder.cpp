@@ -14,10 +14,13 @@ constexpr size_t kChunk = 4096;  // triangles set up by one call
 
 class Build {
  public:
-  Build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds, const BuildSettings& settings)
+  // Only one root in `stride` is built, to learn what all would take.
+  Build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds, const BuildSettings& settings,
+        const Detail& detail, size_t stride)
       : mesh_(mesh),
         bounds_(bounds),
-        settings_(settings),
+        detail_(detail),
+        stride_(stride),
         threads_(settings.threads != 0 ? settings.threads : std::max(1u, std::thread::hardware_concurrency())) {}
 
   void add(const exact::TracedLight& light, LightBuffer& out) {
@@ -92,7 +95,8 @@ class Build {
     }
     std::vector<Subtree> trees(kRootCount);
     parallel_for(kRootCount, threads_, [&](size_t r) {
-      trees[r] = build_subtree(face, settings_.detail, static_cast<uint32_t>(r) % (1u << kRootLevel),
+      if ((r * 7 + f) % stride_ != 0) return;
+      trees[r] = build_subtree(face, detail_, static_cast<uint32_t>(r) % (1u << kRootLevel),
                                static_cast<uint32_t>(r) >> kRootLevel, std::move(met[r]));
     });
     for (uint32_t r = 0; r < kRootCount; ++r) append(trees[r], root + r, out);
@@ -116,7 +120,8 @@ class Build {
 
   const scenes::WorldMesh& mesh_;
   const scenes::Bounds& bounds_;
-  const BuildSettings& settings_;
+  const Detail detail_;
+  const size_t stride_;
   const unsigned threads_;
 };
 
@@ -132,16 +137,58 @@ void count(LightBuffer& buffer) {
   }
 }
 
+// About half the memory.
+Detail coarser(Detail detail) {
+  if (detail.usual_level > kRootLevel) --detail.usual_level;
+  detail.longest_walk *= 1.5;
+  return detail;
+}
+
+LightBuffer build_at(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
+                     std::span<const exact::TracedLight> lights, const BuildSettings& settings,
+                     const Detail& detail, size_t stride) {
+  LightBuffer buffer;
+  Build build(mesh, bounds, settings, detail, stride);
+  for (size_t l = 0; l < lights.size(); ++l) {
+    if (settings.progress && stride == 1) {
+      settings.progress(static_cast<double>(l) / static_cast<double>(lights.size()));
+    }
+    build.add(lights[l], buffer);
+  }
+  return buffer;
+}
+
+// From a sixteenth of the roots.
+uint64_t estimated_bytes(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
+                         std::span<const exact::TracedLight> lights, const BuildSettings& settings,
+                         const Detail& detail) {
+  constexpr size_t kStride = 16;
+  const LightBuffer sample = build_at(mesh, bounds, lights, settings, detail, kStride);
+  const uint64_t roots = 6 * kRootCount * sizeof(Node) * lights.size();
+  const uint64_t bytes = sample.memory_bytes();
+  return bytes > roots ? roots + (bytes - roots) * kStride : bytes;
+}
+
 }  // namespace
+
+uint64_t default_budget(size_t lights) {
+  return std::min<uint64_t>(512, 160 + 32 * static_cast<uint64_t>(lights)) << 20;
+}
 
 LightBuffer build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
                   std::span<const exact::TracedLight> lights, const BuildSettings& settings) {
   const TimePoint start = Clock::now();
-  LightBuffer buffer;
-  Build build(mesh, bounds, settings);
-  for (size_t l = 0; l < lights.size(); ++l) {
-    if (settings.progress) settings.progress(static_cast<double>(l) / static_cast<double>(lights.size()));
-    build.add(lights[l], buffer);
+  constexpr int kMostSteps = 10;
+  const uint64_t budget = settings.budget_bytes != 0 ? settings.budget_bytes : default_budget(lights.size());
+  Detail detail = settings.detail;
+  int step = 0;
+  for (; step < kMostSteps && estimated_bytes(mesh, bounds, lights, settings, detail) > budget; ++step) {
+    detail = coarser(detail);
+  }
+  LightBuffer buffer = build_at(mesh, bounds, lights, settings, detail, 1);
+  for (; step < kMostSteps && buffer.memory_bytes() > budget; ++step) {
+    detail = coarser(detail);
+    buffer = build_at(mesh, bounds, lights, settings, detail, 1);
   }
   if (settings.progress) settings.progress(1.0);
   count(buffer);

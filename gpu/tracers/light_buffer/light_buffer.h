@@ -30,7 +30,7 @@
 namespace gnomon::gpu::light_buffer {
 
 inline constexpr uint32_t kRootLevel = 4;     // a face has 2^4 x 2^4 root nodes
-inline constexpr uint32_t kGroupLevel = 8;   // nodes of finer levels do not overlap: single points ask them
+inline constexpr uint32_t kGroupLevel = 8;    // nodes of finer levels do not overlap: single points ask them
 inline constexpr uint32_t kFinestLevel = 12;  // no node is finer than a face's side / 2^12
 inline constexpr uint32_t kIndexBits = 14;    // a query's position within its face, in fixed point
 inline constexpr uint32_t kRootCount = 1u << (2 * kRootLevel);

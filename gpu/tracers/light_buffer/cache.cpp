@@ -1,0 +1,145 @@
+#include "gpu/tracers/light_buffer/cache.h"
+
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <fstream>
+
+namespace gnomon::gpu::light_buffer {
+namespace {
+
+// To be raised whenever the same scene and settings would be built into other bytes, or be read otherwise.
+constexpr uint32_t kVersion = 1;
+constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
+
+static_assert(std::endian::native == std::endian::little, "files are little-endian");
+
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  uint32_t version = kVersion;
+  uint32_t longest_list = 0;
+  scenes::ContentHash content{};
+  uint64_t settings = 0;
+  uint64_t lights = 0, nodes = 0, lists = 0;  // elements, in this order behind the header
+  uint64_t leaves = 0, entries = 0;
+  uint64_t payload_hash = 0;
+  uint64_t header_hash = 0;  // of all above
+};
+static_assert(sizeof(Header) == 96);
+
+uint64_t header_hash(const Header& header) { return XXH3_64bits(&header, offsetof(Header, header_hash)); }
+
+uint64_t payload_bytes(const Header& h) {
+  return h.lights * sizeof(LightView) + h.nodes * sizeof(Node) + h.lists * sizeof(uint32_t);
+}
+
+uint64_t payload_hash(const LightBuffer& buffer) {
+  uint64_t hash = XXH3_64bits(buffer.lights.data(), buffer.lights.size() * sizeof(LightView));
+  hash = XXH3_64bits_withSeed(buffer.nodes.data(), buffer.nodes.size() * sizeof(Node), hash);
+  return XXH3_64bits_withSeed(buffer.lists.data(), buffer.lists.size() * sizeof(uint32_t), hash);
+}
+
+Header describe(const CacheKey& key, const LightBuffer& buffer) {
+  Header header;
+  header.longest_list = buffer.statistics.longest_list;
+  header.content = key.content;
+  header.settings = key.settings;
+  header.lights = buffer.lights.size();
+  header.nodes = buffer.nodes.size();
+  header.lists = buffer.lists.size();
+  header.leaves = buffer.statistics.leaves;
+  header.entries = buffer.statistics.entries;
+  header.payload_hash = payload_hash(buffer);
+  header.header_hash = header_hash(header);
+  return header;
+}
+
+template <class T>
+void read_array(std::ifstream& in, std::vector<T>& array, uint64_t count) {
+  array.resize(count);
+  in.read(reinterpret_cast<char*>(array.data()), static_cast<std::streamsize>(count * sizeof(T)));
+}
+
+template <class T>
+void write_array(std::ofstream& out, const std::vector<T>& array) {
+  out.write(reinterpret_cast<const char*>(array.data()), static_cast<std::streamsize>(array.size() * sizeof(T)));
+}
+
+// What is wrong with the header; empty: nothing. Checked before memory is asked for.
+std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes) {
+  if (header.magic != kMagic) return "is no light buffer";
+  if (header.version != kVersion) return "is of version " + std::to_string(header.version);
+  if (header.header_hash != header_hash(header)) return "has a damaged header";
+  if (header.content != key.content || header.settings != key.settings) return "belongs to another scene";
+  if (header.nodes > file_bytes || header.lists > file_bytes || header.lights > file_bytes ||
+      file_bytes != sizeof(Header) + payload_bytes(header))
+    return "has the wrong length";
+  return "";
+}
+
+}  // namespace
+
+CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings) {
+  const std::array<double, 4> numbers = {
+      settings.detail.longest_walk, static_cast<double>(settings.detail.usual_level),
+      static_cast<double>(settings.detail.finest_level), static_cast<double>(settings.budget_bytes)};
+  return {content, XXH3_64bits_withSeed(numbers.data(), sizeof(numbers), kVersion)};
+}
+
+std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key) {
+  std::array<char, 20> settings{};
+  std::snprintf(settings.data(), settings.size(), "%016llx", static_cast<unsigned long long>(key.settings));
+  return folder / (scenes::to_hex(key.content) + "-" + settings.data() + ".lightbuffer");
+}
+
+std::optional<LightBuffer> load(const std::filesystem::path& folder, const CacheKey& key, std::string& why) {
+  why.clear();
+  const std::filesystem::path file = cache_file(folder, key);
+  std::error_code none;
+  const uint64_t bytes = std::filesystem::file_size(file, none);
+  std::ifstream in(file, std::ios::binary);
+  if (none || !in) return std::nullopt;
+  Header header;
+  in.read(reinterpret_cast<char*>(&header), sizeof(header));
+  why = in ? fault(header, key, bytes) : "has the wrong length";
+  if (!why.empty()) return std::nullopt;
+  LightBuffer buffer;
+  read_array(in, buffer.lights, header.lights);
+  read_array(in, buffer.nodes, header.nodes);
+  read_array(in, buffer.lists, header.lists);
+  if (!in || payload_hash(buffer) != header.payload_hash) {
+    why = "is damaged";
+    return std::nullopt;
+  }
+  buffer.statistics.bytes = buffer.memory_bytes();
+  buffer.statistics.leaves = header.leaves;
+  buffer.statistics.entries = header.entries;
+  buffer.statistics.longest_list = header.longest_list;
+  return buffer;
+}
+
+Result<void> save(const std::filesystem::path& folder, const CacheKey& key, const LightBuffer& buffer) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) return Error{"creating '" + folder.string() + "': " + failed.message()};
+  const std::filesystem::path file = cache_file(folder, key);
+  // A name of this process's own: two daemons may share the folder.
+  const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());
+  const Header header = describe(key, buffer);
+  std::ofstream out(part, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(&header), sizeof(header));
+  write_array(out, buffer.lights);
+  write_array(out, buffer.nodes);
+  write_array(out, buffer.lists);
+  out.close();
+  if (out) std::filesystem::rename(part, file, failed);
+  if (out && !failed) return {};
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  return Error{"writing '" + file.string() + "': " + (failed ? failed.message() : "the disk refused it")};
+}
+
+}  // namespace gnomon::gpu::light_buffer
