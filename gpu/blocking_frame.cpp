@@ -12,7 +12,7 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
   if (!device) return device.error();
   self->device_ = *device;
   if (std::find(passes.begin(), passes.end(), "trace") != passes.end()) {
-    auto tracer = make_tracer(options.tracer, *device);
+    auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
     if (!tracer) return tracer.error();
     self->tracer_ = std::move(*tracer);
   }

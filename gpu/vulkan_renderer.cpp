@@ -143,7 +143,7 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};
   auto device = Device::create({options.device, options.validation});
   if (!device) return device.error();
-  auto tracer = make_tracer(options.tracer, *device);
+  auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
   if (!tracer) return tracer.error();
   auto plan = FramePlan::compile(*device, options.passes, tracer->get());
   if (!plan) return plan.error();

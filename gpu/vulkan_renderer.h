@@ -8,12 +8,14 @@
 #include "common/result.h"
 #include "gpu/device.h"
 #include "gpu/renderer.h"
+#include "gpu/tracers/tracer_options.h"
 
 namespace gnomon::gpu {
 
 struct RendererOptions {
   std::string device;           // "" the best one, an index, a type (cpu, discrete, ...) or part of a name
   std::string tracer = "auto";  // see make_tracer
+  TracerOptions tracer_options;
   std::vector<std::string> passes{"gbuffer", "trace", "readback"};
   uint32_t frames_in_flight = 3;
   ValidationOptions validation;

@@ -4,13 +4,13 @@
 // that shader reads.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "gpu/resources.h"
+#include "gpu/tracers/tracer_options.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::gpu {
@@ -41,12 +41,6 @@ class Tracer {
   virtual std::span<const uint32_t> shader() const = 0;  // the trace pass with this tracer
   // Blocking; the render loop's thread. Error: out of memory, device lost.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
-};
-
-// What tracers may be told beside the scene. They need none of it.
-struct TracerOptions {
-  std::filesystem::path cache_folder;  // where what was built is kept for the next start; empty: nowhere
-  uint64_t light_buffer_bytes = 0;     // memory of a scene's light buffers; 0: by the number of lights
 };
 
 // `name`: "bvh", "light_buffer", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or the device
