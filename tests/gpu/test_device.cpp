@@ -16,7 +16,7 @@ gpu::RendererOptions device_options(const std::string& tracer) {
 
 std::vector<std::string> tracers() {
   static const std::vector<std::string> offered = [] {
-    std::vector<std::string> names{"bvh"};
+    std::vector<std::string> names{"bvh", "light_buffer"};
     const auto device = gpu::Device::create({device_options().device, {}});
     if (device && (*device)->features().ray_query) {
       names.push_back("ray_query");
