@@ -12,7 +12,7 @@ namespace gnomon::scenes {
 namespace {
 
 // Raised when what is hashed changes, so that old caches are not taken for new ones.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 class Hasher {
  public:
@@ -93,10 +93,13 @@ class Walk {
     const Primitive& primitive = placement.primitive;
     const std::vector<glm::vec3> positions = placement.world_positions();
     const bool mirrored = placement.mirrored();
+    const bool double_sided = scene_.materials[primitive.material].double_sided;
     for (const glm::uvec3& triangle : primitive.triangles) {
       const glm::uvec3 t = wound(triangle, mirrored);
       const glm::vec3 corners[3] = {positions[t.x], positions[t.y], positions[t.z]};
       if (!has_area(face_normal(corners[0], corners[1], corners[2]))) continue;
+      if (double_sided != double_sided_) hasher_.add(count_);  // where the sides change
+      double_sided_ = double_sided;
       for (const glm::vec3& p : corners) {
         bounds_.min = glm::min(bounds_.min, p);
         bounds_.max = glm::max(bounds_.max, p);
@@ -114,6 +117,7 @@ class Walk {
   Bounds bounds_{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
   uint64_t count_ = 0;
   uint32_t last_tested_ = kNone;
+  bool double_sided_ = false;
 };
 
 }  // namespace

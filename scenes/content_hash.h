@@ -12,7 +12,8 @@ struct Extent {
 
 // Counts: the corner positions of each triangle of build_world_mesh, as floats in its order (caches of tracers
 // speak of triangles by their number); of those with an alpha test also the corners' uvs, base colour alpha,
-// cutoff, and the texture's size, wrapping and alphas; of lights type, position, direction, range and outer cone.
+// cutoff, and the texture's size, wrapping and alphas; which triangles are double-sided; of lights type, position,
+// direction, range and outer cone.
 // Does not count: how the file arranges this into nodes, meshes, primitives and indices; names, colours,
 // intensities, normals, cameras, blended and degenerate triangles.
 Extent measure(const Scene& scene);

@@ -41,6 +41,8 @@ struct Material {
   uint32_t base_color_texture = kNone;  // index into Scene::textures
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
+  // Seen from both sides; else the G-buffer leaves out faces that turn their back. Shadows always count both sides.
+  bool double_sided = false;
 };
 
 // Triangles of one material within a mesh.

@@ -44,8 +44,13 @@ Result<void> set_strength(const tinygltf::Light& source, Light& light) {
   return {};
 }
 
+// Squares of distances must stay within floats.
+constexpr float kFarthest = 1e9f;
+
 Result<void> set_place(const PlacedNode& node, Light& light) {
   light.position = glm::vec3(node.to_world[3]);
+  const glm::vec3 away = glm::abs(light.position);
+  if (std::max({away.x, away.y, away.z}) > kFarthest) return Error{"stands farther away than a million kilometres"};
   if (light.type == LightType::point) return {};
   const glm::dvec3 forward(-node.to_world[2]);
   const double length = glm::length(forward);

@@ -74,6 +74,9 @@ TEST(Lights, WhatIsNotValidIsRefused) {
   EXPECT_NE(error({{"type", "point"}, {"range", -1}}).find("range"), std::string::npos);
   EXPECT_NE(error({{"type", "point"}, {"color", {1, 1}}}).find("colour"), std::string::npos);
   EXPECT_NE(error({{"type", "spot"}, {"spot", {{"outerConeAngle", 3.0}}}}).find("outer cone"), std::string::npos);
+  GltfFile far_away = triangle_file();
+  far_away.add_lamp({{"type", "point"}}, {{"translation", {0, 2e9, 0}}});
+  EXPECT_NE(far_away.load_error().find("farther"), std::string::npos);
   GltfFile dangling = triangle_file();
   dangling.add_lamp({{"type", "point"}});
   dangling.add_node({{"extensions", {{"KHR_lights_punctual", {{"light", 5}}}}}});
