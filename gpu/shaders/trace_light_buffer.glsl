@@ -85,6 +85,13 @@ void ask_node(GroupNode node, uint light, Pixels pixels, out uint lit, out uint 
   undecided &= pixels.shown;
 }
 
+// pixels.origin[round], by selection: an array that is indexed by a variable would live in memory, element by element.
+vec3 origin_of(Pixels pixels, uint round) {
+  vec3 origin = pixels.origin[0];
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) origin = round == r ? pixels.origin[r] : origin;
+  return origin;
+}
+
 bool lit_alone(uint light, vec3 origin) {
   LightView view = LightViews(push.views).at[light];
   vec3 rel = origin - view.reference;
@@ -122,7 +129,7 @@ void main() {
       uvec2 bit = low ? uvec2(1u << half_bit, 0u) : uvec2(0u, 1u << half_bit);
       undecided &= ~bit;
       uint index = half_bit + (low ? 0u : 32u);
-      vec3 origin = pixels.origin[index % kRounds];
+      vec3 origin = origin_of(pixels, index % kRounds);
       if (lit_alone(first + index / kRounds, origin)) lit |= bit;
     }
     uvec2 mine_word = uvec2(0u);
