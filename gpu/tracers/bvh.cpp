@@ -14,14 +14,14 @@ struct Push {
   VkDeviceAddress nodes = 0;
   VkDeviceAddress triangles = 0;
   uint32_t node_count = 0;
-  float largest_coordinate = 0;
+  uint32_t padding = 0;
 };
 
 class BvhScene : public TracedScene {
  public:
-  BvhScene(Buffer nodes, Buffer triangles, uint32_t node_count, float largest_coordinate)
+  BvhScene(Buffer nodes, Buffer triangles, uint32_t node_count)
       : nodes_(std::move(nodes)), triangles_(std::move(triangles)) {
-    push_ = {nodes_.address(), triangles_.address(), node_count, largest_coordinate};
+    push_ = {nodes_.address(), triangles_.address(), node_count};
   }
   uint64_t memory_bytes() const override { return nodes_.bytes() + triangles_.bytes(); }
   std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
@@ -30,12 +30,6 @@ class BvhScene : public TracedScene {
   Buffer nodes_, triangles_;
   Push push_;
 };
-
-float largest_coordinate(const scenes::WorldMesh& mesh) {
-  glm::vec3 largest(0.0f);
-  for (const glm::vec3& p : mesh.positions) largest = glm::max(largest, glm::abs(p));
-  return glm::max(largest.x, glm::max(largest.y, largest.z));
-}
 
 class BvhTracer : public Tracer {
  public:
@@ -51,9 +45,8 @@ class BvhTracer : public Tracer {
     if (!nodes) return nodes.error();
     auto triangles = upload(device_, std::as_bytes(std::span(bvh.triangles)));
     if (!triangles) return triangles.error();
-    std::unique_ptr<TracedScene> scene =
-        std::make_unique<BvhScene>(std::move(*nodes), std::move(*triangles),
-                                   static_cast<uint32_t>(bvh.nodes.size()), largest_coordinate(input.mesh));
+    std::unique_ptr<TracedScene> scene = std::make_unique<BvhScene>(std::move(*nodes), std::move(*triangles),
+                                                                    static_cast<uint32_t>(bvh.nodes.size()));
     scene->build_seconds = to_seconds(Clock::now() - start);
     return scene;
   }

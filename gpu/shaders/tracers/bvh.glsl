@@ -35,18 +35,16 @@ bool occluded(vec3 origin, vec3 direction) {
   // No component is zero, so no product below is 0 * infinity.
   vec3 tiny = vec3(1e-20);
   vec3 slope = 1.0 / mix(direction, tiny, lessThan(abs(direction), tiny));
-  // The triangle test rounds, and so may meet a triangle that the segment misses by a hair: boxes are widened by
-  // more than that, far below what one can see (16 times the rounding of the largest coordinate).
-  float largest = max(push.largest_coordinate, max(abs(origin.x), max(abs(origin.y), abs(origin.z))));
-  vec3 margin = vec3(largest * (1.0 / 1048576.0));
-  vec3 below = -(origin + margin) * slope;
-  vec3 above = -(origin - margin) * slope;
-
   uint n = 0u;
   while (n < push.node_count) {
     BvhNode node = BvhNodes(push.nodes).at[n];
-    vec3 t0 = node.lo * slope + below;
-    vec3 t1 = node.hi * slope + above;
+    // A hit may lie outside its triangle's box by 1/4096 of the box's farthest coordinate, seen from the origin
+    // (segment_meets_triangle): the box is widened by a little more, rounding included.
+    vec3 lo = node.lo - origin, hi = node.hi - origin;
+    vec3 reach = max(abs(lo), abs(hi));
+    float margin = max(reach.x, max(reach.y, reach.z)) * (1.0 / 4095.0);
+    vec3 t0 = (lo - margin) * slope;
+    vec3 t1 = (hi + margin) * slope;
     vec3 near = min(t0, t1), far = max(t0, t1);
     float enter = max(max(near.x, near.y), max(near.z, 0.0));
     float leave = min(min(far.x, far.y), min(far.z, 1.0));
