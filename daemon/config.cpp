@@ -91,8 +91,8 @@ Result<Config> read_config(const std::filesystem::path& file, const std::vector<
   return parse_config(*text, file.string(), overrides);
 }
 
-Result<void> find_scene_files(Config& config, const std::filesystem::path& config_folder,
-                              const std::filesystem::path& share_folder) {
+Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
+                        const std::filesystem::path& share_folder) {
   for (SceneFile& scene : config.scenes.list) {
     const auto beside = absolute_below(config_folder, scene.file);
     const auto shared = absolute_below(share_folder, scene.file);
@@ -104,6 +104,8 @@ Result<void> find_scene_files(Config& config, const std::filesystem::path& confi
     }
     scene.file = is_beside ? beside : shared;
   }
+  auto& cache = config.render.cache_folder;
+  if (!cache.empty()) cache = absolute_below(config_folder, cache);
   for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
   return {};
 }

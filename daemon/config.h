@@ -34,7 +34,7 @@ struct AdminConfig {
 
 struct SceneFile {
   std::string name;
-  std::filesystem::path file;  // absolute after find_scene_files
+  std::filesystem::path file;  // absolute after find_files
   std::string place;           // where the configuration names it, for error messages
 };
 
@@ -46,7 +46,9 @@ struct ScenesConfig {
 struct RenderConfig {
   std::string device = "auto";  // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
   std::string tracer = "auto";
-  std::vector<std::string> passes;  // in order; empty: the renderer's own list
+  std::vector<std::string> passes;     // in order; empty: the renderer's own list
+  std::filesystem::path cache_folder;  // what tracers build is kept there for the next start; empty: nowhere
+  uint32_t light_buffer_mb = 0;        // of a scene, for the light_buffer tracer; 0: by the number of lights
   uint32_t frames_in_flight = 3;
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
@@ -94,10 +96,10 @@ Result<Config> read_config(const std::filesystem::path& file, const std::vector<
 Result<Config> parse_config(const std::string& text, const std::string& name,
                             const std::vector<std::string>& overrides = {});
 
-// Makes the scenes' paths absolute: below `config_folder`, else below `share_folder`. The error names the scene's
+// Makes paths absolute: relative ones are below `config_folder`; scenes else below `share_folder`. The error names the scene's
 // place in the configuration and where was looked.
-Result<void> find_scene_files(Config& config, const std::filesystem::path& config_folder,
-                              const std::filesystem::path& share_folder);
+Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
+                        const std::filesystem::path& share_folder);
 
 // Every key that read_config knows, dotted ("server.listen", "tenants.name").
 std::vector<std::string> known_keys();

@@ -35,6 +35,12 @@ std::optional<std::filesystem::path> parse_path(const YAML::Node& node) {
   return std::filesystem::path(*text);
 }
 
+std::optional<std::filesystem::path> parse_path_or_none(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  if (!text) return std::nullopt;
+  return std::filesystem::path(*text);
+}
+
 std::optional<std::string> parse_address(const YAML::Node& node) {
   auto text = any_scalar(node);
   asio::error_code error;
@@ -107,6 +113,8 @@ Keys<RenderConfig> render_keys() {
              parse_text),
       scalar("tracer", &R::tracer, kNameRule, parse_name),
       scalars("passes", &R::passes, "a list of pass names", parse_name),
+      scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
+      integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
       integer("frames_in_flight", &R::frames_in_flight, 1, 16),
       integer("max_width", &R::max_width, 8, protocol::kMaxSide),
       integer("max_height", &R::max_height, 8, protocol::kMaxSide),

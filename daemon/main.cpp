@@ -50,7 +50,7 @@ Result<Config> load_config(const Arguments& arguments) {
   auto config = read_config(arguments.config, arguments.overrides);
   if (!config) return config;
   const auto folder = std::filesystem::absolute(arguments.config).parent_path();
-  if (auto found = find_scene_files(*config, folder, share_folder()); !found) return found.error();
+  if (auto found = find_files(*config, folder, share_folder()); !found) return found.error();
   if (config->render.passes.empty()) config->render.passes = gpu::RendererOptions{}.passes;
   return config;
 }
@@ -59,6 +59,8 @@ RendererFactory vulkan_renderers(const RenderConfig& render) {
   gpu::RendererOptions options;
   if (render.device != "auto") options.device = render.device;
   options.tracer = render.tracer;
+  options.tracer_options.cache_folder = render.cache_folder;
+  options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   options.passes = render.passes;
   options.frames_in_flight = render.frames_in_flight;
   return [options] { return gpu::make_renderer(options); };

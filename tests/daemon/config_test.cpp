@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <sstream>
 
 namespace gnomon::daemon {
@@ -160,25 +159,46 @@ TEST(Config, DamagedTextNeverCrashes) {
   }
 }
 
-// Dotted keys of the text's own indentation, without yaml-cpp: "server:\n  listen: x" gives server.listen.
+// A line of the shipped file, read without yaml-cpp: "  - name: lab  # who" is name at indentation 2.
+struct Line {
+  size_t indent = 0;
+  std::string key;    // empty: the line has none
+  std::string value;  // what follows it, comment included
+};
+
+Line line_of(const std::string& text) {
+  Line line;
+  line.indent = std::min(text.find_first_not_of(' '), text.size());
+  const bool item = text.compare(line.indent, 2, "- ") == 0;
+  const size_t begin = line.indent + (item ? 2 : 0);
+  const size_t colon = text.find(':', begin);
+  if (colon == std::string::npos || text.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", begin) != colon)
+    return line;
+  line.key = text.substr(begin, colon - begin);
+  line.value = text.substr(colon + 1);
+  return line;
+}
+
+std::vector<Line> lines_of(const std::string& text) {
+  std::vector<Line> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line_of(line));
+  return lines;
+}
+
+// Dotted keys, by the file's own indentation.
 std::vector<std::string> keys_in(const std::string& text) {
-  const std::regex line_with_key(R"(^( *)(?:- )?([a-z_]+):(.*)$)");
   std::vector<std::string> keys;
   std::string section, list;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    std::smatch match;
-    if (!std::regex_match(line, match, line_with_key)) continue;
-    const size_t indent = match[1].length();
-    const std::string key = match[2];
-    if (indent == 0) {
-      section = key;
+  for (const Line& line : lines_of(text)) {
+    if (line.key.empty()) continue;
+    if (line.indent == 0) {
+      section = line.key;
       list.clear();
-    } else if (key == "list") {
+    } else if (line.key == "list") {
       list = ".list";
     } else {
-      if (indent < 4) list = "";
-      keys.push_back(section + (indent >= 4 && !list.empty() ? list : "") + "." + key);
+      keys.push_back(section + (line.indent >= 4 ? list : "") + "." + line.key);
     }
   }
   return keys;
@@ -201,6 +221,8 @@ TEST(ShippedConfig, DocumentsEveryKeyWithItsDefault) {
   EXPECT_EQ(config->server.handshake_timeout, defaults.server.handshake_timeout);
   EXPECT_EQ(config->server.drain_timeout, defaults.server.drain_timeout);
   EXPECT_EQ(config->admin.port, defaults.admin.port);
+  EXPECT_EQ(config->render.cache_folder, defaults.render.cache_folder);
+  EXPECT_EQ(config->render.light_buffer_mb, defaults.render.light_buffer_mb);
   EXPECT_EQ(config->render.frames_in_flight, defaults.render.frames_in_flight);
   EXPECT_EQ(config->render.max_width, defaults.render.max_width);
   EXPECT_EQ(config->render.max_height, defaults.render.max_height);
@@ -213,12 +235,11 @@ TEST(ShippedConfig, EveryKeyInItIsKnownAndCommented) {
   for (const std::string& key : keys_in(shipped_text())) {
     EXPECT_NE(std::find(known.begin(), known.end(), key), known.end()) << key;
   }
-  std::istringstream lines(shipped_text());
-  for (std::string line; std::getline(lines, line);) {
-    const bool sets_a_value = std::regex_match(line, std::regex(R"(^ +(- )?[a-z_]+: +[^ #].*$)"));
-    if (sets_a_value && line.find("temple") == std::string::npos &&
-        line.find("name: default") == std::string::npos) {
-      EXPECT_NE(line.find(" # "), std::string::npos) << "no comment: " << line;
+  for (const Line& line : lines_of(shipped_text())) {
+    const bool sets_a_value = line.indent > 0 && !line.key.empty() && !line.value.empty();
+    const bool second_of_its_kind = line.value.find("temple") != std::string::npos || line.value == " default";
+    if (sets_a_value && !second_of_its_kind) {
+      EXPECT_NE(line.value.find(" # "), std::string::npos) << "no comment: " << line.key;
     }
   }
 }
@@ -238,14 +259,14 @@ TEST(SceneFiles, AreFoundBesideTheConfigurationThenInShare) {
   auto config =
       parse_config("scenes:\n  list: [{name: a, file: both.glb}, {name: b, file: only.glb}]\n", "edge.yaml");
   ASSERT_TRUE(config);
-  const auto found = find_scene_files(*config, folder / "etc", folder / "share");
+  const auto found = find_files(*config, folder / "etc", folder / "share");
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(config->scenes.list[0].file, folder / "etc/both.glb");
   EXPECT_EQ(config->scenes.list[1].file, folder / "share/only.glb");
 
   auto missing = parse_config("scenes:\n  list:\n  - {name: a, file: none.glb}\n", "edge.yaml");
   ASSERT_TRUE(missing);
-  const auto error = find_scene_files(*missing, folder / "etc", folder / "share");
+  const auto error = find_files(*missing, folder / "etc", folder / "share");
   ASSERT_FALSE(error);
   for (const std::string& part : std::vector<std::string>{"edge.yaml:3: scenes.list", "none.glb",
                                                           (folder / "etc").string(), (folder / "share").string()}) {
