@@ -31,7 +31,7 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
 Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height) {
   const TileGrid grid{width, height, scene_->light_count()};
   if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
-  if (auto room = slot_.reserve(plan_, grid); !room) return room.error();
+  if (auto room = slot_.reserve(plan_, *scene_, grid); !room) return room.error();
   return grid;
 }
 

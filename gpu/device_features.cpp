@@ -62,7 +62,7 @@ std::string missing_features(VkPhysicalDevice device) {
     if (!missing.empty()) missing += ", ";
     missing += name;
   };
-  need(features.features.geometryShader, "primitive ids in fragment shaders (geometryShader)");
+  need(features.features.multiDrawIndirect, "multiDrawIndirect");
   need(v12.bufferDeviceAddress, "bufferDeviceAddress");
   need(v12.timelineSemaphore, "timelineSemaphore");
   need(v12.scalarBlockLayout, "scalarBlockLayout");
@@ -82,14 +82,10 @@ DeviceFeatures query_features(VkPhysicalDevice device) {
   properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
   properties.pNext = &subgroup;
   vkGetPhysicalDeviceProperties2(device, &properties);
-  VkPhysicalDeviceFeatures features{};
-  vkGetPhysicalDeviceFeatures(device, &features);
-
   DeviceFeatures offered;
   offered.ray_query = offers_ray_query(device);
   const VkPhysicalDeviceType type = properties.properties.deviceType;
   offered.unified_memory = type == VK_PHYSICAL_DEVICE_TYPE_CPU || type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
-  offered.indirect_first_instance = features.drawIndirectFirstInstance;
   offered.subgroup_size = subgroup.subgroupSize;
   const VkPhysicalDeviceLimits& limits = properties.properties.limits;
   offered.max_image_side =
@@ -101,8 +97,7 @@ DeviceFeatures query_features(VkPhysicalDevice device) {
 FeatureChain::FeatureChain(const DeviceFeatures& offered) {
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &v12;
-  features.features.geometryShader = VK_TRUE;
-  features.features.drawIndirectFirstInstance = offered.indirect_first_instance;
+  features.features.multiDrawIndirect = VK_TRUE;
   v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   v12.pNext = &v13;
   v12.bufferDeviceAddress = VK_TRUE;

@@ -11,7 +11,6 @@ namespace gnomon::gpu {
 struct DeviceFeatures {
   bool ray_query = false;
   bool unified_memory = false;  // device memory is host memory: nothing needs staging
-  bool indirect_first_instance = false;
   uint32_t subgroup_size = 0;
   uint32_t max_image_side = 0;  // pixels
   double timestamp_period_ns = 0;

@@ -33,14 +33,13 @@ Result<FrameSlot> FrameSlot::create(const DevicePtr& device, const FramePlan& pl
   return slot;
 }
 
-Result<void> FrameSlot::reserve(const FramePlan& plan, const TileGrid& grid) {
+Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid) {
   device_->collect();
-  const Capacity needed{grid.width, grid.height, grid.lights};
+  const Capacity needed = frame_size(scene, grid);
   if (resources_ && resources_->capacity.holds(needed)) return {};
   const Capacity old = resources_ ? resources_->capacity : Capacity{};
   resources_.reset();
-  auto grown = plan.allocate({std::max(old.width, needed.width), std::max(old.height, needed.height),
-                              std::max(old.lights, needed.lights)});
+  auto grown = plan.allocate(old.grown_to(needed));
   if (!grown) return grown.error();
   resources_ = std::move(*grown);
   return {};

@@ -18,9 +18,9 @@ class FrameSlot {
  public:
   static Result<FrameSlot> create(const DevicePtr& device, const FramePlan& plan);
 
-  // Makes room for frames of `grid`: resources only grow. Precondition of this and of submit: the slot's last frame
-  // has passed. Error: out of memory; then only another reserve may follow.
-  Result<void> reserve(const FramePlan& plan, const TileGrid& grid);
+  // Makes room for frames of `scene` and `grid`: resources only grow. Precondition of this and of submit: the slot's
+  // last frame has passed. Error: out of memory; then only another reserve may follow.
+  Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
   // Records and submits one frame of `grid`, which was reserved. Returns the timeline value. Error: out of memory or
   // device lost; the slot stays usable.

@@ -38,7 +38,8 @@ struct RasterState {
   VkPipelineMultisampleStateCreateInfo samples{};
   VkPipelineDepthStencilStateCreateInfo depth{};
   VkPipelineDynamicStateCreateInfo dynamic{};
-  std::array<VkDynamicState, 2> dynamic_states{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  std::array<VkDynamicState, 3> dynamic_states{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                               VK_DYNAMIC_STATE_CULL_MODE};
 
   RasterState() {
     assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
@@ -48,7 +49,7 @@ struct RasterState {
     viewport.scissorCount = 1;
     raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
     raster.polygonMode = VK_POLYGON_MODE_FILL;
-    raster.cullMode = VK_CULL_MODE_NONE;
+    raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
     raster.lineWidth = 1.0f;
     samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
     samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
@@ -118,18 +119,8 @@ Result<Pipeline> make_raster_pipeline(const DevicePtr& device, const PassLayout&
   const std::array stages{stage(VK_SHADER_STAGE_VERTEX_BIT, *vertex),
                           stage(VK_SHADER_STAGE_FRAGMENT_BIT, *fragment)};
 
-  std::vector<VkVertexInputBindingDescription> bindings;
-  std::vector<VkVertexInputAttributeDescription> attributes;
-  for (uint32_t i = 0; i < what.streams.size(); ++i) {
-    bindings.push_back({i, what.streams[i].stride, VK_VERTEX_INPUT_RATE_VERTEX});
-    attributes.push_back({i, i, what.streams[i].format, 0});
-  }
   VkPipelineVertexInputStateCreateInfo input{};
   input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-  input.vertexBindingDescriptionCount = static_cast<uint32_t>(bindings.size());
-  input.pVertexBindingDescriptions = bindings.data();
-  input.vertexAttributeDescriptionCount = static_cast<uint32_t>(attributes.size());
-  input.pVertexAttributeDescriptions = attributes.data();
 
   std::vector<VkPipelineColorBlendAttachmentState> blends(what.colors.size());
   for (auto& blend : blends) blend.colorWriteMask = 0xf;

@@ -27,20 +27,15 @@ Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_im
 Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,
                                        std::span<const uint32_t> shader);
 
-struct VertexStream {
-  VkFormat format;
-  uint32_t stride;  // bytes
-};
-
 struct RasterPipeline {
   std::span<const uint32_t> vertex_shader;
   std::span<const uint32_t> fragment_shader;
-  std::vector<VertexStream> streams;  // location i comes from binding i
   std::vector<VkFormat> colors;
   VkFormat depth;
 };
 
-// Triangle lists, both faces, reverse-Z depth test and write, dynamic viewport and scissor.
+// No vertex streams; triangle lists, counter-clockwise front faces, reverse-Z depth test and write; dynamic viewport, scissor and cull
+// mode.
 Result<Pipeline> make_raster_pipeline(const DevicePtr& device, const PassLayout& layout,
                                       const RasterPipeline& what);
 

@@ -3,13 +3,6 @@
 #include <algorithm>
 
 namespace gnomon::gpu {
-namespace {
-
-constexpr VkBufferUsageFlags kVertices = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
-constexpr VkBufferUsageFlags kIndices = VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-
-}  // namespace
-
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds) {
   exact::TracedLight traced{};
   traced.position = light.position;
@@ -35,8 +28,10 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   auto resident = std::make_unique<ResidentScene>();
   resident->scene_ = scene;
   for (const scenes::Light& light : scene->lights) resident->lights_.push_back(traced_light(light, scene->bounds));
-  const scenes::WorldMesh mesh = scenes::build_world_mesh(*scene);
+  scenes::WorldMesh mesh = scenes::build_world_mesh(*scene);
+  resident->clusters_ = make_clusters(*scene, mesh);
   if (auto done = resident->upload_mesh(device, mesh); !done) return done.error();
+  if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
   if (!tracer) return resident;
   auto traced = tracer->build({*scene, mesh, resident->positions_, resident->triangles_});
@@ -47,7 +42,6 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
 
 Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh) {
   triangle_count_ = static_cast<uint32_t>(mesh.triangles.size());
-  opaque_count_ = mesh.opaque_count;
   const VkBufferUsageFlags build =
       device->features().ray_query ? VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR : 0;
   const auto put = [&](Buffer& into, const auto& list, VkBufferUsageFlags usage) -> Result<void> {
@@ -56,11 +50,21 @@ Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::W
     into = std::move(*buffer);
     return {};
   };
-  if (auto r = put(positions_, mesh.positions, kVertices | build); !r) return r;
+  if (auto r = put(positions_, mesh.positions, build); !r) return r;
   if (auto r = put(normals_, mesh.normals, 0); !r) return r;
-  if (auto r = put(uvs_, mesh.uvs, kVertices); !r) return r;
-  if (auto r = put(triangles_, mesh.triangles, kIndices | build); !r) return r;
+  if (auto r = put(uvs_, mesh.uvs, 0); !r) return r;
+  if (auto r = put(triangles_, mesh.triangles, build); !r) return r;
   return put(triangle_materials_, mesh.materials, 0);
+}
+
+Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
+  auto clusters = upload(device, std::as_bytes(std::span(clusters_.clusters)));
+  if (!clusters) return clusters.error();
+  cluster_buffer_ = std::move(*clusters);
+  auto chunks = upload(device, std::as_bytes(std::span(clusters_.chunks)));
+  if (!chunks) return chunks.error();
+  chunk_buffer_ = std::move(*chunks);
+  return {};
 }
 
 Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
@@ -93,7 +97,8 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
 
 uint64_t ResidentScene::memory_bytes() const {
   uint64_t bytes = traced_ ? traced_->memory_bytes() : 0;
-  for (const Buffer* b : {&positions_, &normals_, &uvs_, &triangles_, &triangle_materials_, &materials_})
+  for (const Buffer* b : {&positions_, &normals_, &uvs_, &triangles_, &triangle_materials_, &materials_,
+                          &cluster_buffer_, &chunk_buffer_})
     bytes += b->bytes();
   for (const Buffer& texture : textures_) bytes += texture.bytes();
   return bytes;

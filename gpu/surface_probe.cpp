@@ -31,6 +31,9 @@ Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t widt
   ProbedFrame probed;
   probed.grid = *grid;
   probed.samples = copied<SurfaceSample>(frame_->host(resource::kHostSurface), size_t{width} * height);
+  const std::vector<uint32_t>& numbers = frame_->scene().clusters().numbers;
+  for (SurfaceSample& sample : probed.samples)
+    if (sample.triangle != 0) sample.triangle = 1 + numbers[sample.triangle - 1];
   probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
   probed.timing = std::move(*timing);
   return probed;

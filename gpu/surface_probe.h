@@ -12,7 +12,7 @@ namespace gnomon::gpu {
 
 struct ProbedFrame {
   TileGrid grid;
-  std::vector<SurfaceSample> samples;  // row by row
+  std::vector<SurfaceSample> samples;  // row by row; their triangles by the numbers of scenes::build_world_mesh
   std::vector<uint64_t> words;         // as common/tile_mask.h
   FrameTiming timing;
 

@@ -99,7 +99,7 @@ class VulkanRenderer : public Renderer {
  private:
   Result<uint64_t> start(FrameSlot& slot, const ResidentScene& scene, const CameraView& camera,
                          const TileGrid& grid) const {
-    if (auto room = slot.reserve(pool_->plan, grid); !room) return room.error();
+    if (auto room = slot.reserve(pool_->plan, scene, grid); !room) return room.error();
     return slot.submit(pool_->plan, scene, camera, grid);
   }
 

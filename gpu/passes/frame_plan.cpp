@@ -21,7 +21,8 @@ constexpr VkPipelineStageFlags2 kDepthStages =
 LastUse touch(Use use) {
   switch (use) {
     case Use::color_target:
-      return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+      return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+              VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT,
               VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, true};
     case Use::depth_target:
       return {kDepthStages,
@@ -36,6 +37,12 @@ LastUse touch(Use use) {
     case Use::storage_write:
       return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_IMAGE_LAYOUT_GENERAL,
               true};
+    case Use::indirect:
+      return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
+              VK_IMAGE_LAYOUT_UNDEFINED, false};
+    case Use::vertex_read:
+      return {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+              false};
     case Use::copy_source:
       return {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
               false};
@@ -58,6 +65,7 @@ VkImageUsageFlags image_usage(Use use) {
 }
 
 VkBufferUsageFlags buffer_usage(Use use) {
+  if (use == Use::indirect) return VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
   if (use == Use::copy_source) return VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
   if (use == Use::copy_target) return VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   return 0;
@@ -72,10 +80,12 @@ Result<FramePlan> FramePlan::compile(const DevicePtr& device, const std::vector<
   FramePlan plan;
   plan.device_ = device;
   for (const std::string& name : passes) {
-    auto pass = make_pass(name, device, tracer);
-    if (!pass) return pass.error();
-    plan.ports_.push_back((*pass)->ports());
-    plan.passes_.push_back(std::move(*pass));
+    auto made = make_passes(name, device, tracer);
+    if (!made) return made.error();
+    for (auto& pass : *made) {
+      plan.ports_.push_back(pass->ports());
+      plan.passes_.push_back(std::move(pass));
+    }
   }
   if (auto wired = plan.wire(); !wired) return wired.error();
   return plan;

@@ -24,7 +24,7 @@ struct FrameResources {
 
 class FramePlan {
  public:
-  // `tracer` may be null where no pass traces. Error: see make_pass, or a pass reads what none before it writes.
+  // `tracer` may be null where no pass traces. Error: see make_passes, or a pass reads what none before it writes.
   static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
                                    const Tracer* tracer);
 

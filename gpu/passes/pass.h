@@ -1,6 +1,7 @@
 // A pass: one step of a frame. It declares by name what it reads and writes; FramePlan wires the rest.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -16,7 +17,17 @@
 namespace gnomon::gpu {
 
 // How a pass touches a resource. The first four and `sampled` concern images where a format is given.
-enum class Use { color_target, depth_target, sampled, storage_read, storage_write, copy_source, copy_target };
+enum class Use {
+  color_target,
+  depth_target,
+  sampled,
+  storage_read,
+  storage_write,
+  indirect,
+  vertex_read,
+  copy_source,
+  copy_target
+};
 
 constexpr bool writes(Use use) {
   return use == Use::color_target || use == Use::depth_target || use == Use::storage_write ||
@@ -26,9 +37,15 @@ constexpr bool writes(Use use) {
 // The largest frame that a slot's resources can hold.
 struct Capacity {
   uint32_t width = 0, height = 0, lights = 0;
+  uint32_t cluster_chunks = 0, triangles = 0;  // of the scene
 
   bool holds(const Capacity& other) const {
-    return width >= other.width && height >= other.height && lights >= other.lights;
+    return width >= other.width && height >= other.height && lights >= other.lights &&
+           cluster_chunks >= other.cluster_chunks && triangles >= other.triangles;
+  }
+  Capacity grown_to(const Capacity& other) const {
+    return {std::max(width, other.width), std::max(height, other.height), std::max(lights, other.lights),
+            std::max(cluster_chunks, other.cluster_chunks), std::max(triangles, other.triangles)};
   }
   TileGrid grid() const { return {width, height, lights}; }
 };
@@ -40,6 +57,11 @@ struct ResourceSpec {
   std::function<uint64_t(const Capacity&)> bytes;
   MemoryUse memory = MemoryUse::device;
 };
+
+// What one frame needs.
+inline Capacity frame_size(const ResidentScene& scene, const TileGrid& grid) {
+  return {grid.width, grid.height, grid.lights, scene.clusters().chunk_count(), scene.triangle_count()};
+}
 
 struct Port {
   std::string_view resource;  // names live as long as the program
@@ -59,6 +81,8 @@ struct FrameContext {
   std::span<const BoundPort> ports;  // in the order of Pass::ports
   const ResidentScene& scene;
   TileGrid grid;  // this frame's, within the capacity
+
+  Capacity size() const { return frame_size(scene, grid); }
 };
 
 // Immutable once made; shared by all frame slots.
@@ -73,8 +97,9 @@ class Pass {
 
 class Tracer;
 
-// Makes the pass of that name. `tracer` may be null where nothing is traced. Error: no such pass, with the names
-// there are; or a pass that traces without a tracer.
-Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer* tracer);
+// Makes the pass of that name; some names stand for several steps. `tracer` may be null where nothing is traced.
+// Error: no such pass, with the names there are; or a pass that traces without a tracer.
+using Passes = std::vector<std::unique_ptr<Pass>>;
+Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer);
 
 }  // namespace gnomon::gpu

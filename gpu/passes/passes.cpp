@@ -2,19 +2,58 @@
 
 namespace gnomon::gpu {
 
-Result<std::unique_ptr<Pass>> make_pass(std::string_view name, const DevicePtr& device, const Tracer* tracer) {
-  if (name == "gbuffer") return make_gbuffer_pass(device);
-  if (name == "trace" && tracer) return make_trace_pass(device, *tracer);
-  if (name == "trace") return Error{"pass 'trace' needs a tracer"};
-  if (name == "shade") return make_shade_pass(device);
-  if (name == "surface") return make_surface_pass(device);
-  if (name == "readback") return make_readback_pass("readback", resource::kMasks, resource::kHostMasks);
-  if (name == "readback_surface")
-    return make_readback_pass("readback_surface", resource::kSurface, resource::kHostSurface);
-  if (name == "readback_color") return make_readback_pass("readback_color", resource::kColor, resource::kHostColor);
-  return Error{"no pass is called '" + std::string(name) +
-               "'; there are gbuffer, trace, readback, surface, readback_surface, shade, "
-               "readback_color"};
+namespace {
+
+using Make = std::function<Result<std::unique_ptr<Pass>>()>;
+
+// A name of the list, and the steps that it stands for.
+struct Recipe {
+  std::string_view name;
+  std::vector<Make> steps;
+};
+
+std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer) {
+  const auto trace = [&]() -> Result<std::unique_ptr<Pass>> {
+    if (!tracer) return Error{"pass 'trace' needs a tracer"};
+    return make_trace_pass(device, *tracer);
+  };
+  const auto read = [](std::string_view name, std::string_view source, std::string_view target) {
+    return [=] { return make_readback_pass(name, source, target); };
+  };
+  using namespace resource;
+  return {
+      {"gbuffer",
+       {[&] { return make_cull_pass(device); }, [&] { return make_occluders_pass(device); },
+        [&] { return make_depth_tiles_pass(device); }, [&] { return make_cull_hidden_pass(device); },
+        [&] { return make_gbuffer_pass(device); }}},
+      {"gbuffer_all", {[&] { return make_gbuffer_all_pass(device); }}},
+      {"trace", {trace}},
+      {"readback", {read("readback", kMasks, kHostMasks)}},
+      {"surface", {[&] { return make_surface_pass(device); }}},
+      {"readback_surface", {read("readback_surface", kSurface, kHostSurface)}},
+      {"shade", {[&] { return make_shade_pass(device); }}},
+      {"readback_color", {read("readback_color", kColor, kHostColor)}},
+      {"readback_draws",
+       {read("readback_draws", kOccluderDraws, kHostOccluderDraws), read("readback_draws", kDraws, kHostDraws)}},
+  };
+}
+
+}  // namespace
+
+Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer) {
+  std::string names;
+  for (const Recipe& recipe : recipes(device, tracer)) {
+    names += (names.empty() ? "" : ", ") + std::string(recipe.name);
+    if (recipe.name != name) continue;
+    Passes passes;
+    for (const Make& make : recipe.steps) {
+      auto pass = make();
+      if (!pass) return pass.error();
+      passes.push_back(std::move(*pass));
+    }
+    return passes;
+  }
+  return Error{"no pass is called '" + std::string(name) + "'; there are " + names};
 }
 
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
@@ -26,12 +65,16 @@ Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_
   return ComputeStep{std::move(*layout), std::move(*pipeline)};
 }
 
-void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
+void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
   const VkPipelineLayout layout = step.layout.pipeline.get();
   vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_COMPUTE, step.pipeline.get());
   vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &frame.descriptors, 0,
                           nullptr);
   push_constants(frame.commands, layout, push);
+}
+
+void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
+  bind(frame, step, push);
   vkCmdDispatch(frame.commands, frame.grid.tiles_x(), frame.grid.tiles_y(), 1);
 }
 

@@ -1,11 +1,19 @@
 // The passes there are, the resources that they share, and what compute passes have in common.
 //
-//   gbuffer   -> triangle_id (uint32: 0 none, else 1 + index into WorldMesh::triangles), depth
+//   gbuffer   -> triangle_id (uint32: 0 none, else 1 + the triangle's number in the resident scene), depth
+//             in these steps:
+//     cull         -> occluder_draws, drawn_occluders: what of the large triangles may show
+//     occluders    occluder_draws, drawn_occluders -> triangle_id, depth
+//     depth_tiles  depth -> depth_tiles (float: the farthest depth of each tile)
+//     cull_hidden  depth_tiles -> draws, drawn: what of all others may show
+//     gbuffer      draws, drawn -> triangle_id, depth
+//   gbuffer_all  as gbuffer, bit for bit, but draws everything: for comparison
 //   trace     triangle_id -> masks (tile words, see common/tile_mask.h)
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
 //   readback  masks -> host_masks        readback_surface  surface -> host_surface
 //   readback_color  color -> host_color
+//   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
 #pragma once
 
 #include "gpu/passes/pass.h"
@@ -15,6 +23,13 @@ namespace gnomon::gpu {
 namespace resource {
 inline constexpr std::string_view kTriangleId = "triangle_id";
 inline constexpr std::string_view kDepth = "depth";
+inline constexpr std::string_view kOccluderDraws = "occluder_draws";
+inline constexpr std::string_view kDrawnOccluders = "drawn_occluders";
+inline constexpr std::string_view kDepthTiles = "depth_tiles";
+inline constexpr std::string_view kDraws = "draws";
+inline constexpr std::string_view kDrawn = "drawn";
+inline constexpr std::string_view kHostOccluderDraws = "host_occluder_draws";
+inline constexpr std::string_view kHostDraws = "host_draws";
 inline constexpr std::string_view kMasks = "masks";
 inline constexpr std::string_view kHostMasks = "host_masks";
 inline constexpr std::string_view kSurface = "surface";
@@ -34,7 +49,12 @@ struct SurfaceSample {
 };
 static_assert(sizeof(SurfaceSample) == 32);
 
+Result<std::unique_ptr<Pass>> make_cull_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_occluders_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_depth_tiles_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_cull_hidden_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_gbuffer_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_gbuffer_all_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
@@ -50,7 +70,9 @@ struct ComputeStep {
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader);
 
-// One workgroup for each 8x8 tile.
+// Binds the step, the frame's descriptors and push constants.
+void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
+// The same, then one workgroup for each 8x8 tile.
 void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
 void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push);
 

@@ -5,7 +5,10 @@
 namespace gnomon::gpu {
 namespace {
 
-uint64_t bytes_of(std::string_view source, const TileGrid& grid) {
+uint64_t bytes_of(std::string_view source, const Capacity& size) {
+  const TileGrid grid = size.grid();
+  if (source == resource::kDraws || source == resource::kOccluderDraws)
+    return uint64_t{size.cluster_chunks} * sizeof(VkDrawIndirectCommand);
   if (source == resource::kMasks) return grid.word_count() * sizeof(uint64_t);
   const uint64_t pixels = uint64_t{grid.width} * grid.height;
   return pixels * (source == resource::kSurface ? sizeof(SurfaceSample) : sizeof(uint32_t));
@@ -19,12 +22,12 @@ class ReadbackPass : public Pass {
   std::string_view name() const override { return name_; }
   const PassLayout* layout() const override { return nullptr; }
   std::vector<Port> ports() const override {
-    const auto bytes = [source = source_](const Capacity& c) { return bytes_of(source, c.grid()); };
+    const auto bytes = [source = source_](const Capacity& c) { return bytes_of(source, c); };
     return {{source_, Use::copy_source}, {target_, Use::copy_target, {{}, bytes, MemoryUse::readback}}};
   }
   void record(const FrameContext& frame) const override {
-    const VkBufferCopy region{0, 0, bytes_of(source_, frame.grid)};
-    if (region.size == 0) return;  // no lights
+    const VkBufferCopy region{0, 0, bytes_of(source_, frame.size())};
+    if (region.size == 0) return;  // no lights, or no triangles
     vkCmdCopyBuffer(frame.commands, frame.ports[0].buffer->handle(), frame.ports[1].buffer->handle(), 1, &region);
   }
 

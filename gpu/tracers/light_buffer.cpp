@@ -66,7 +66,8 @@ class LightBufferTracer : public Tracer {
     light_buffer::BuildSettings settings;
     settings.budget_bytes = options_.light_buffer_bytes;
     if (options_.cache_folder.empty()) return build_anew(input, settings);
-    const light_buffer::CacheKey key = light_buffer::cache_key(input.scene.content_hash, settings);
+    const light_buffer::CacheKey key =
+        light_buffer::cache_key(input.scene.content_hash, settings, input.mesh.triangles);
     std::string why;
     if (auto cached = light_buffer::load(options_.cache_folder, key, why)) return std::move(*cached);
     if (!why.empty()) {

@@ -68,7 +68,8 @@ TEST(RendererTest, SlotsComeBackWhenLeasesAreDropped) {
     EXPECT_EQ(done[i].id, JobId(i));
     EXPECT_FALSE(done[i].device_lost);
     EXPECT_GT(done[i].gpu_ns, 0u);
-    EXPECT_EQ(done[i].stages.size(), 3u);
+    EXPECT_EQ(done[i].stages.front().pass, "cull");
+    EXPECT_EQ(done[i].stages.back().pass, "readback");
     EXPECT_GT(lit_bits(done[i].mask.mask()), 1000u);
   }
   done[1].mask.drop();

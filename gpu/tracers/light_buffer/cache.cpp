@@ -82,11 +82,13 @@ std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes
 
 }  // namespace
 
-CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings) {
+CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings,
+                   std::span<const glm::uvec3> triangles) {
+  const uint64_t seed = XXH3_64bits_withSeed(triangles.data(), triangles.size_bytes(), kVersion);
   const std::array<double, 4> numbers = {
       settings.detail.longest_walk, static_cast<double>(settings.detail.usual_level),
       static_cast<double>(settings.detail.finest_level), static_cast<double>(settings.budget_bytes)};
-  return {content, XXH3_64bits_withSeed(numbers.data(), sizeof(numbers), kVersion)};
+  return {content, XXH3_64bits_withSeed(numbers.data(), sizeof(numbers), seed)};
 }
 
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "common/result.h"
 #include "gpu/tracers/light_buffer/builder.h"
@@ -20,7 +21,9 @@ struct CacheKey {
   uint64_t settings = 0;  // of the budget and of everything in the code that changes what is built
 };
 
-CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings);
+// `triangles`: in the order by which the buffer speaks of them, which may follow from more than the content.
+CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings,
+                   std::span<const glm::uvec3> triangles = {});
 
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key);
 

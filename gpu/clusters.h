@@ -1,0 +1,56 @@
+// The world mesh in clusters: neighbouring triangles that are culled together.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scenes/world_mesh.h"
+
+namespace gnomon::gpu {
+
+// A contiguous range of triangles and what contains it. As shaders/cull.comp declares it.
+struct Cluster {
+  glm::vec3 box_min{0.0f};
+  uint32_t first_triangle = 0;
+  glm::vec3 box_max{0.0f};
+  uint32_t triangle_count = 0;  // at most 64
+  // The faces' normals are within a cone; cutoff is the sine of its half angle. 1: too wide, or seen from both sides.
+  glm::vec3 cone_axis{0.0f};
+  float cone_cutoff = 1.0f;
+};
+static_assert(sizeof(Cluster) == 48);
+
+// What one workgroup tests and one indirect command draws.
+struct ClusterChunk {
+  uint32_t first_cluster = 0;
+  uint32_t cluster_count = 0;  // at most 32
+  uint32_t double_sided = 0;
+};
+
+// A contiguous range of clusters that one pipeline state draws.
+struct ClusterGroup {
+  uint32_t first_triangle = 0, triangle_count = 0;
+  uint32_t first_chunk = 0, chunk_count = 0;
+  bool masked = false;        // has an alpha test
+  bool double_sided = false;  // drawn from both sides
+};
+
+// A frame draws its groups in their order, and so its triangles: of two that are equally near the first one shows,
+// whatever has been culled. `occluders` are the few large opaque triangles, which hide many of the others.
+struct Clusters {
+  std::vector<uint32_t> numbers;  // for each triangle: which it was in scenes::build_world_mesh
+  std::vector<Cluster> clusters;
+  std::vector<ClusterChunk> chunks;
+  std::array<ClusterGroup, 2> occluders;
+  std::array<ClusterGroup, 4> others;
+
+  uint32_t chunk_count() const { return static_cast<uint32_t>(chunks.size()); }
+};
+
+// Puts the triangles of `mesh` in the order of their clusters; opaque ones still come first. The order follows from
+// what Scene::content_hash covers, and from the version of meshoptimizer.
+Clusters make_clusters(const scenes::Scene& scene, scenes::WorldMesh& mesh);
+
+}  // namespace gnomon::gpu
