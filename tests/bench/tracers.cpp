@@ -1,6 +1,7 @@
 // Suite "tracers": the shadow stage of every tracer by the device's timestamps, and beside it, in the same run and over
 // the same surface points, Embree's occluded16 with coherent packets on two threads.
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "common/clock.h"
@@ -17,6 +18,7 @@ using test::EmbreeOracle;
 using test::EmbreeQuery;
 
 constexpr unsigned kEmbreeThreads = 2;
+constexpr int kRasterRepeats = 3;  // of which the fastest counts
 
 // What Embree made of one camera's surface points: the truth of the robust single rays, the pace of the packets.
 struct PeerFrame {
@@ -91,6 +93,7 @@ class TracersSuite : public Suite {
     if (auto r = measure_embree(scene, cameras, peers); !r) return r;
     for (const std::string& tracer : tracers_)
       if (auto r = measure_tracer(scene, tracer, cameras, peers); !r) return r;
+    if (auto r = measure_raster(scene, cameras); !r) return r;
     return measure_frame(scene, cameras, peers);
   }
 
@@ -144,6 +147,39 @@ class TracersSuite : public Suite {
     row["build_ms"] = probe->scene().traced().build_seconds * 1e3;
     row["memory_bytes"] = probe->scene().traced().memory_bytes();
     report_.rows.push_back(std::move(row));
+    return {};
+  }
+
+  // The G-buffer with culling, and drawing everything; in turns, so that both meet the same machine.
+  Result<void> measure_raster(const scenes::ScenePtr& scene, const std::vector<gpu::CameraView>& cameras) {
+    const std::array<std::string, 2> rows{"raster_all", "raster_culled"}, passes{"gbuffer_all", "gbuffer"};
+    std::array<std::unique_ptr<gpu::BlockingFrame>, 2> frames;
+    std::array<std::vector<double>, 2> ms;
+    for (size_t k = 0; k < 2; ++k) {
+      auto frame = gpu::BlockingFrame::create(options("auto"), {passes[k]}, scene);
+      if (!frame) return frame.error();
+      frames[k] = std::move(*frame);
+    }
+    for (const gpu::CameraView& camera : cameras) {
+      std::array<double, 2> best{};
+      for (int repeat = 0; repeat <= kRasterRepeats; ++repeat)
+        for (size_t k = 0; k < 2; ++k) {
+          const auto grid = frames[k]->reserve(size_.width, size_.height);
+          if (!grid) return grid.error();
+          const auto timing = frames[k]->render(camera, *grid);
+          if (!timing) return timing.error();
+          const double took = static_cast<double>(timing->total_ns) / 1e6;
+          if (repeat > 0) best[k] = best[k] > 0 ? std::min(best[k], took) : took;  // the first one warms up
+        }
+      for (size_t k = 0; k < 2; ++k) ms[k].push_back(best[k]);
+    }
+    for (size_t k = 0; k < 2; ++k)
+      report_.rows.push_back({{"scene", scene->name},
+                              {"tracer", rows[k]},
+                              {"size", size_text_},
+                              {"triangles", scene->triangle_count},
+                              {"ms", median(ms[k])},
+                              {"ratio_to_raster_all", median(ms[0]) / median(ms[k])}});
     return {};
   }
 
