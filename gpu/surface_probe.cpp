@@ -15,8 +15,8 @@ std::vector<T> copied(std::span<const std::byte> bytes, size_t count) {
 }  // namespace
 
 Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const scenes::ScenePtr& scene) {
-  auto frame =
-      BlockingFrame::create(options, {"gbuffer", "trace", "surface", "readback", "readback_surface"}, scene);
+  auto frame = BlockingFrame::create(
+      options, {"gbuffer", "trace", "surface", "readback", "readback_cares", "readback_surface"}, scene);
   if (!frame) return frame.error();
   SurfaceProbe probe;
   probe.frame_ = std::move(*frame);
@@ -35,6 +35,7 @@ Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t widt
   for (SurfaceSample& sample : probed.samples)
     if (sample.triangle != 0) sample.triangle = 1 + numbers[sample.triangle - 1];
   probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
+  probed.cares = copied<uint64_t>(frame_->host(resource::kHostCares), grid->word_count());
   probed.timing = std::move(*timing);
   return probed;
 }

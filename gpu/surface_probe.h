@@ -14,9 +14,11 @@ struct ProbedFrame {
   TileGrid grid;
   std::vector<SurfaceSample> samples;  // row by row; their triangles by the numbers of scenes::build_world_mesh
   std::vector<uint64_t> words;         // as common/tile_mask.h
+  std::vector<uint64_t> cares;         // of the same layout: which bits were traced
   FrameTiming timing;
 
   TileMaskView mask() const { return {grid, words}; }
+  TileMaskView care() const { return {grid, cares}; }
 };
 
 // One thread. Blocking.

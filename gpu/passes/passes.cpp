@@ -29,6 +29,7 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer) {
       {"gbuffer_all", {[&] { return make_gbuffer_all_pass(device); }}},
       {"trace", {trace}},
       {"readback", {read("readback", kMasks, kHostMasks)}},
+      {"readback_cares", {read("readback_cares", kCares, kHostCares)}},
       {"surface", {[&] { return make_surface_pass(device); }}},
       {"readback_surface", {read("readback_surface", kSurface, kHostSurface)}},
       {"shade", {[&] { return make_shade_pass(device); }}},

@@ -8,11 +8,13 @@
 //     cull_hidden  depth_tiles -> draws, drawn: what of all others may show
 //     gbuffer      draws, drawn -> triangle_id, depth
 //   gbuffer_all  as gbuffer, bit for bit, but draws everything: for comparison
-//   trace     triangle_id -> masks (tile words, see common/tile_mask.h)
+//   trace     triangle_id -> masks (tile words, see common/tile_mask.h), cares (words of the same layout: 1 where the
+//             pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever hides
+//             the light)
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
-//   readback  masks -> host_masks        readback_surface  surface -> host_surface
-//   readback_color  color -> host_color
+//   readback  masks -> host_masks        readback_cares    cares -> host_cares
+//   readback_color  color -> host_color  readback_surface  surface -> host_surface
 //   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
 #pragma once
 
@@ -32,6 +34,8 @@ inline constexpr std::string_view kHostOccluderDraws = "host_occluder_draws";
 inline constexpr std::string_view kHostDraws = "host_draws";
 inline constexpr std::string_view kMasks = "masks";
 inline constexpr std::string_view kHostMasks = "host_masks";
+inline constexpr std::string_view kCares = "cares";
+inline constexpr std::string_view kHostCares = "host_cares";
 inline constexpr std::string_view kSurface = "surface";
 inline constexpr std::string_view kHostSurface = "host_surface";
 inline constexpr std::string_view kGivenMasks = "given_masks";

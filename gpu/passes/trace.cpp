@@ -1,4 +1,5 @@
-// Asks the tracer for every light at every pixel and packs the answers into tile words.
+// Asks the tracer for every light at every pixel and packs the answers into tile words, and into others
+// which of them were asked for.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -17,16 +18,18 @@ class TracePass : public Pass {
   const PassLayout* layout() const override { return &step_.layout; }
   std::vector<Port> ports() const override {
     const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
-    return {{resource::kTriangleId, Use::sampled}, {resource::kMasks, Use::storage_write, {{}, bytes}}};
+    return {{resource::kTriangleId, Use::sampled},
+            {resource::kMasks, Use::storage_write, {{}, bytes}},
+            {resource::kCares, Use::storage_write, {{}, bytes}}};
   }
 
-  // Push constants: the address of the masks, then what the tracer says.
+  // Push constants: the addresses of the masks and the cares, then what the tracer says.
   void record(const FrameContext& frame) const override {
     std::array<std::byte, kPushConstantBytes> push{};
-    const VkDeviceAddress masks = frame.ports[1].buffer->address();
+    const std::array words{frame.ports[1].buffer->address(), frame.ports[2].buffer->address()};
     const std::span<const std::byte> tracer = frame.scene.traced().push_constants();
-    std::memcpy(push.data(), &masks, sizeof(masks));
-    std::copy(tracer.begin(), tracer.end(), push.begin() + sizeof(masks));
+    std::memcpy(push.data(), words.data(), sizeof(words));
+    std::copy(tracer.begin(), tracer.end(), push.begin() + sizeof(words));
     dispatch_tiles(frame, step_, push);
   }
 

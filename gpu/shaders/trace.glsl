@@ -1,4 +1,5 @@
-// The trace pass around a tracer: one workgroup answers for one 8x8 tile and packs a word for each light.
+// The trace pass around a tracer: one workgroup answers for one 8x8 tile and packs for each light a word of
+// bits and a word that says which of them were asked for.
 //
 // The includer has defined, before: TRACER_PUSH, the members of the tracer's push constants; after this file's
 // declarations: bool occluded(vec3 origin, vec3 direction).
@@ -11,17 +12,21 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer Ti
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
+  TileWords cares;
   TRACER_PUSH
 } push;
 
 bool occluded(vec3 origin, vec3 direction);
 
 const uint kLightsAtATime = 32;
-shared uint tile_words[2 * kLightsAtATime];
+// Of each light: the lit bits' two halves, then those of the pairs traced.
+shared uint tile_words[4 * kLightsAtATime];
 
-bool lit(SurfacePoint surface, uint light) {
+// The pixel's bits of a tile's four halves of words.
+uvec4 answer(SurfacePoint surface, uint light, uvec2 my_bit) {
   ShadowSegment segment = shadow_segment(frame.camera, surface, frame.lights[light]);
-  return segment.traced && !occluded(segment.origin, segment.direction);
+  if (!segment.traced) return uvec4(0u);
+  return uvec4(occluded(segment.origin, segment.direction) ? uvec2(0u) : my_bit, my_bit);
 }
 
 void main() {
@@ -38,19 +43,21 @@ void main() {
   for (uint first = 0u; first < frame.light_count; first += kLightsAtATime) {
     uint lights = min(frame.light_count - first, kLightsAtATime);
     tile_words[invocation] = 0u;
+    tile_words[invocation + 64u] = 0u;
     barrier();
     for (uint light = 0u; light < lights; ++light) {
-      uvec2 bits = id != 0u && lit(surface, first + light) ? my_bit : uvec2(0u);
+      uvec4 bits = uvec4(0u);
+      if (id != 0u) bits = answer(surface, first + light, my_bit);
       bits = subgroupOr(bits);
-      if (subgroupElect()) {
-        atomicOr(tile_words[2u * light], bits.x);
-        atomicOr(tile_words[2u * light + 1u], bits.y);
-      }
+      if (subgroupElect())
+        for (uint i = 0u; i < 4u; ++i) atomicOr(tile_words[4u * light + i], bits[i]);
     }
     barrier();
-    if (invocation < lights)
-      push.masks.at[(first + invocation) * frame.tile_count + tile] =
-          uvec2(tile_words[2u * invocation], tile_words[2u * invocation + 1u]);
+    if (invocation < lights) {
+      uint word = (first + invocation) * frame.tile_count + tile;
+      push.masks.at[word] = uvec2(tile_words[4u * invocation], tile_words[4u * invocation + 1u]);
+      push.cares.at[word] = uvec2(tile_words[4u * invocation + 2u], tile_words[4u * invocation + 3u]);
+    }
     barrier();
   }
 }

@@ -1,4 +1,5 @@
-// The trace pass with light buffers: one subgroup of LANES answers for one 8x8 tile and stores a word for each light.
+// The trace pass with light buffers: one subgroup of LANES answers for one 8x8 tile and stores for each light a word of
+// bits and a word that says which of them were asked for.
 //
 // A tile's pixels lie close together, so for each light one node that holds them all mostly answers all. Nodes are
 // looked up for LANES lights at once, one in each lane. What they leave undecided every lane asks by itself, pixel by
@@ -19,6 +20,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer Ti
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
+  TileWords cares;
   uvec2 nodes;
   uvec2 lists;
   uvec2 views;
@@ -69,8 +71,9 @@ void load_pixels(out Pixels pixels, out Group group) {
 }
 
 // What the node says of every pixel of the lane: bits of rounds.
-void ask_node(GroupNode node, uint light, Pixels pixels, out uint lit, out uint undecided) {
+void ask_node(GroupNode node, uint light, Pixels pixels, out uint lit, out uint care, out uint undecided) {
   lit = 0u;
+  care = 0u;
   undecided = 0u;
   TracedLight traced = frame.lights[light];
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
@@ -78,10 +81,12 @@ void ask_node(GroupNode node, uint light, Pixels pixels, out uint lit, out uint 
     vec3 rel = pixels.origin[r] - node.reference;
     bool before = node.known && dot(node.near_plane, rel) < 1.0;
     bool behind = node.known && dot(node.cover_plane, rel) > 1.0;
+    care |= segment.traced ? 1u << r : 0u;
     lit |= segment.traced && before ? 1u << r : 0u;
     undecided |= segment.traced && !before && !behind ? 1u << r : 0u;
   }
   lit &= pixels.shown;
+  care &= pixels.shown;
   undecided &= pixels.shown;
 }
 
@@ -112,15 +117,17 @@ void main() {
     GroupNode mine = group_node(group, first + min(lane, lights - 1u));
     // Bits of rounds, kRounds for each light of the batch.
     uvec2 lit = uvec2(0u);
+    uvec2 care = uvec2(0u);
     uvec2 undecided = uvec2(0u);
     uint todo = subgroupBallot(mine.wanted && lane < lights).x;
     for (; todo != 0u; todo &= todo - 1u) {
       uint k = uint(findLSB(todo));
-      uint node_lit, node_undecided;
-      ask_node(shuffled(mine, k), first + k, pixels, node_lit, node_undecided);
+      uint node_lit, node_care, node_undecided;
+      ask_node(shuffled(mine, k), first + k, pixels, node_lit, node_care, node_undecided);
       uint shift = k * kRounds;
       bool low = shift < 32u;
       lit |= uvec2(low ? node_lit << (shift & 31u) : 0u, low ? 0u : node_lit << (shift & 31u));
+      care |= uvec2(low ? node_care << (shift & 31u) : 0u, low ? 0u : node_care << (shift & 31u));
       undecided |= uvec2(low ? node_undecided << (shift & 31u) : 0u, low ? 0u : node_undecided << (shift & 31u));
     }
     while ((undecided.x | undecided.y) != 0u) {
@@ -133,11 +140,17 @@ void main() {
       if (lit_alone(first + index / kRounds, origin)) lit |= bit;
     }
     uvec2 mine_word = uvec2(0u);
+    uvec2 mine_care = uvec2(0u);
     for (uint k = 0u; k < lights; ++k) {
       uint shift = k * kRounds;
       uvec2 word = tile_word((shift < 32u ? lit.x : lit.y) >> (shift & 31u));
       mine_word = lane == k ? word : mine_word;
+      uvec2 cares = tile_word((shift < 32u ? care.x : care.y) >> (shift & 31u));
+      mine_care = lane == k ? cares : mine_care;
     }
-    if (lane < lights) push.masks.at[(first + lane) * frame.tile_count + tile] = mine_word;
+    if (lane < lights) {
+      push.masks.at[(first + lane) * frame.tile_count + tile] = mine_word;
+      push.cares.at[(first + lane) * frame.tile_count + tile] = mine_care;
+    }
   }
 }
