@@ -95,6 +95,14 @@ struct Metrics::Families {
       gauge(registry, "gnomon_scene_build_seconds", "Time that building what the tracer needs took.");
   Family<Gauge>& device_bytes =
       gauge(registry, "gnomon_scene_device_memory_bytes", "Device memory that the scene occupies.");
+  Family<Gauge>& tracer_bytes = gauge(registry, "gnomon_scene_tracer_memory_bytes",
+                                      "Device memory of what the tracer built, as light buffers.");
+  Family<Gauge>& from_cache = gauge(registry, "gnomon_scene_light_buffer_cached",
+                                    "1: the light buffers were read from the cache, 0: built.");
+  Family<Gauge>& average_list =
+      gauge(registry, "gnomon_scene_light_buffer_average_list", "Mean length of the light buffers' lists.");
+  Family<Gauge>& longest_list =
+      gauge(registry, "gnomon_scene_light_buffer_longest_list", "Length of the light buffers' longest list.");
   Family<Gauge>& build = gauge(registry, "gnomon_build_info", "Always 1; the version is the label.");
   Family<Histogram>& stages = BuildHistogram()
                                   .Name("gnomon_stage_seconds")
@@ -179,6 +187,10 @@ void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene
   families_->build_seconds.Add(labels).Set(on_device.tracer_build_seconds);
   families_->scene_bytes.Add(labels).Set(static_cast<double>(loaded.memory_bytes));
   families_->device_bytes.Add(labels).Set(static_cast<double>(on_device.memory_bytes));
+  families_->tracer_bytes.Add(labels).Set(static_cast<double>(on_device.tracer_memory_bytes));
+  families_->from_cache.Add(labels).Set(on_device.tracer_from_cache ? 1 : 0);
+  families_->average_list.Add(labels).Set(on_device.tracer_average_list);
+  families_->longest_list.Add(labels).Set(on_device.tracer_longest_list);
 }
 
 uint64_t Metrics::count_of(Fault fault) const {

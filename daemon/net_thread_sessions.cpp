@@ -73,9 +73,6 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
       const auto waiting = weak.lock();
       if (!waiting || !lobby_.hosts(waiting.get())) return;
       if (!scene) return refuse(waiting, refusal(RefusalCode::scene_unavailable, scene.error().message));
-      if (scene->scene->lights.empty()) {
-        return refuse(waiting, refusal(RefusalCode::scene_unavailable, "the scene has no lights"));
-      }
       open_session(waiting, accepted, std::move(*kept_seat), *scene);
     });
   });

@@ -35,6 +35,7 @@ void SceneHost::fetch(const std::string& name, Ready ready) {
 void SceneHost::load(Request request) {
   auto loaded = registry_.get(request.name);
   if (!loaded) return request.ready(loaded.error());
+  if (loaded->scene->lights.empty()) return request.ready(Error{"it has no lights: there is nothing to trace"});
   SceneArrived arrived;
   arrived.scene = *loaded;
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
@@ -49,7 +50,8 @@ void SceneHost::keep(const std::string& name, const HostedScene& scene) {
   log::info("scene resident", {{"scene", name},
                                {"device_bytes", scene.on_device.memory_bytes},
                                {"tracer_bytes", scene.on_device.tracer_memory_bytes},
-                               {"build_seconds", scene.on_device.tracer_build_seconds}});
+                               {"build_seconds", scene.on_device.tracer_build_seconds},
+                               {"from_cache", scene.on_device.tracer_from_cache}});
   metrics_.scene_resident(name, scene.loaded, scene.on_device);
   std::lock_guard lock(mutex_);
   resident_.emplace(name, scene);

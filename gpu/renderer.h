@@ -74,6 +74,9 @@ struct SceneFootprint {
   uint64_t memory_bytes = 0;         // on the device, the tracer's included
   uint64_t tracer_memory_bytes = 0;  // of these, the tracer's
   double tracer_build_seconds = 0;
+  bool tracer_from_cache = false;  // of what the light_buffer tracer built: read from its cache
+  double tracer_average_list = 0;  // entries of its lists
+  uint32_t tracer_longest_list = 0;
 };
 
 struct FrameDone {

@@ -34,7 +34,7 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
   if (!tracer) return resident;
-  auto traced = tracer->build({*scene, mesh, resident->positions_, resident->triangles_});
+  auto traced = tracer->build({*scene, mesh, resident->lights_, true, resident->positions_, resident->triangles_});
   if (!traced) return traced.error();
   resident->traced_ = std::move(*traced);
   return resident;

@@ -1,7 +1,6 @@
 // Tracer "light_buffer": what each light sees, built once (gpu/tracers/light_buffer/). For static geometry and lights.
 #include "common/clock.h"
 #include "common/log.h"
-#include "gpu/resident_scene.h"
 #include "gpu/tracers/light_buffer/builder.h"
 #include "gpu/tracers/light_buffer/cache.h"
 #include "gpu/tracers/tracer.h"
@@ -45,9 +44,12 @@ class LightBufferTracer : public Tracer {
     return trace_light_buffer_32_comp;
   }
 
+  bool builds_for_lights() const override { return true; }
+
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();
-    const light_buffer::LightBuffer buffer = load_or_build(input);
+    bool from_cache = false;
+    const light_buffer::LightBuffer buffer = load_or_build(input, from_cache);
     auto nodes = upload(device_, std::as_bytes(std::span(buffer.nodes)));
     if (!nodes) return nodes.error();
     auto lists = upload(device_, std::as_bytes(std::span(buffer.lists)));
@@ -57,19 +59,23 @@ class LightBufferTracer : public Tracer {
     std::unique_ptr<TracedScene> scene = std::make_unique<LightBufferScene>(
         std::move(*nodes), std::move(*lists), std::move(*views), input.mesh.opaque_count);
     scene->build_seconds = to_seconds(Clock::now() - start);
-    log_built(input.scene, buffer.statistics, scene->build_seconds);
+    scene->lists = lists_of(buffer.statistics, from_cache);
+    log_built(input.scene, buffer.statistics.bytes, *scene);
     return scene;
   }
 
  private:
-  light_buffer::LightBuffer load_or_build(const TracerInput& input) const {
+  light_buffer::LightBuffer load_or_build(const TracerInput& input, bool& from_cache) const {
     light_buffer::BuildSettings settings;
     settings.budget_bytes = options_.light_buffer_bytes;
-    if (options_.cache_folder.empty()) return build_anew(input, settings);
+    if (options_.cache_folder.empty() || !input.lights_as_loaded) return build_anew(input, settings);
     const light_buffer::CacheKey key =
         light_buffer::cache_key(input.scene.content_hash, settings, input.mesh.triangles);
     std::string why;
-    if (auto cached = light_buffer::load(options_.cache_folder, key, why)) return std::move(*cached);
+    if (auto cached = light_buffer::load(options_.cache_folder, key, why)) {
+      from_cache = true;
+      return std::move(*cached);
+    }
     if (!why.empty()) {
       log::warning("cached light buffer not used",
                    {{"file", light_buffer::cache_file(options_.cache_folder, key).string()}, {"reason", why}});
@@ -82,22 +88,25 @@ class LightBufferTracer : public Tracer {
   }
 
   static light_buffer::LightBuffer build_anew(const TracerInput& input, light_buffer::BuildSettings settings) {
-    std::vector<exact::TracedLight> lights;
-    for (const scenes::Light& light : input.scene.lights) lights.push_back(traced_light(light, input.scene.bounds));
     settings.progress = [&](double share) {
       log::info("building light buffers",
                 {{"scene", input.scene.name}, {"percent", static_cast<int>(100 * share)}});
     };
-    return light_buffer::build(input.mesh, input.scene.bounds, lights, settings);
+    return light_buffer::build(input.mesh, input.scene.bounds, input.lights, settings);
   }
 
-  static void log_built(const scenes::Scene& scene, const light_buffer::Statistics& s, double seconds) {
+  static ListStatistics lists_of(const light_buffer::Statistics& s, bool from_cache) {
     const double average = static_cast<double>(s.entries) / static_cast<double>(std::max<uint64_t>(s.leaves, 1));
+    return {average, s.longest_list, from_cache};
+  }
+
+  static void log_built(const scenes::Scene& scene, uint64_t bytes, const TracedScene& built) {
     log::info("light buffers ready", {{"scene", scene.name},
-                                      {"seconds", seconds},
-                                      {"bytes", s.bytes},
-                                      {"average_list", average},
-                                      {"longest_list", s.longest_list}});
+                                      {"seconds", built.build_seconds},
+                                      {"bytes", bytes},
+                                      {"from_cache", built.lists.from_cache},
+                                      {"average_list", built.lists.average},
+                                      {"longest_list", built.lists.longest}});
   }
 
   DevicePtr device_;

@@ -9,11 +9,19 @@
 #include <string>
 #include <string_view>
 
+#include "gpu/exact_cpp.h"
 #include "gpu/resources.h"
 #include "gpu/tracers/tracer_options.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::gpu {
+
+// Of a tracer that sorts triangles into lists for each light; zeros for others.
+struct ListStatistics {
+  double average = 0;    // entries of a list
+  uint32_t longest = 0;  // of them in one list
+  bool from_cache = false;
+};
 
 // What a tracer keeps on the device for one scene.
 class TracedScene {
@@ -24,12 +32,15 @@ class TracedScene {
   virtual std::span<const std::byte> push_constants() const = 0;
 
   double build_seconds = 0;
+  ListStatistics lists;
 };
 
 // What a tracer builds from. The buffers are those of the resident scene and outlive what is built.
 struct TracerInput {
   const scenes::Scene& scene;
   const scenes::WorldMesh& mesh;
+  std::span<const exact::TracedLight> lights;
+  bool lights_as_loaded = true;  // false: they have moved since, the scene's content hash does not know them
   const Buffer& positions;
   const Buffer& triangles;
 };
@@ -39,6 +50,8 @@ class Tracer {
   virtual ~Tracer() = default;
   virtual std::string_view name() const = 0;
   virtual std::span<const uint32_t> shader() const = 0;  // the trace pass with this tracer
+  // Whether what it builds answers for the lights that it was built for and no others.
+  virtual bool builds_for_lights() const { return false; }
   // Blocking; the render loop's thread. Error: out of memory, device lost.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
 };

@@ -89,7 +89,43 @@ TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   }
 }
 
+TEST(Metrics, AScenesLightBuffersAreDescribed) {
+  Metrics metrics({"default"}, {"room"}, "test");
+  gpu::SceneFootprint on_device;
+  on_device.memory_bytes = 5000;
+  on_device.tracer_memory_bytes = 3000;
+  on_device.tracer_build_seconds = 1.5;
+  on_device.tracer_from_cache = true;
+  on_device.tracer_average_list = 2.5;
+  on_device.tracer_longest_list = 70;
+  metrics.scene_resident("room", {}, on_device);
+  metrics.scene_resident("some/file.glb", {}, on_device);
+  const std::string text = metrics.text();
+  for (const char* line :
+       {"gnomon_scene_device_memory_bytes{scene=\"room\"} 5000",
+        "gnomon_scene_tracer_memory_bytes{scene=\"room\"} 3000", "gnomon_scene_build_seconds{scene=\"room\"} 1.5",
+        "gnomon_scene_light_buffer_cached{scene=\"room\"} 1",
+        "gnomon_scene_light_buffer_average_list{scene=\"room\"} 2.5",
+        "gnomon_scene_light_buffer_longest_list{scene=\"room\"} 70"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  }
+  EXPECT_EQ(text.find("some/file.glb"), std::string::npos);
+}
+
 using AdminPages = Served;
+
+TEST_F(Served, RefusesToStartWithASceneWithoutLights) {
+  write_scene(folder_ / "night.gltf", false);
+  config_.scenes.list.push_back({"night", folder_ / "night.gltf", "gnomond.yaml:7"});
+  Daemon::Options options;
+  options.config = config_;
+  options.make_renderer = []() -> Result<std::unique_ptr<gpu::Renderer>> {
+    return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(1, 0, 0ms));
+  };
+  const auto daemon = Daemon::start(std::move(options));
+  ASSERT_FALSE(daemon);
+  EXPECT_EQ(daemon.error().message, "gnomond.yaml:7: scene night: it has no lights: there is nothing to trace");
+}
 
 TEST_F(AdminPages, AnswerWhatOperatorsAskAndClientsAreToldTheirShareOfIt) {
   start();

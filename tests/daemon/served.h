@@ -40,13 +40,13 @@ class Served : public testing::Test {
     ASSERT_NE(mkdtemp(folder.data()), nullptr);
     folder_ = folder;
     write_scene(folder_ / "triangle.gltf", true);
-    write_scene(folder_ / "dark.gltf", false);
     std::filesystem::create_directory(folder_ / "files");
     write_scene(folder_ / "files" / "another.gltf", true);
+    write_scene(folder_ / "files" / "dark.gltf", false);
     std::ofstream(folder_ / "files" / "broken.gltf") << "{";
     config_.server.control_port = config_.server.data_port = config_.admin.port = 0;
     config_.server.drain_timeout = std::chrono::milliseconds(0);
-    config_.scenes.list = {{kScene, folder_ / "triangle.gltf", ""}, {"dark", folder_ / "dark.gltf", ""}};
+    config_.scenes.list = {{kScene, folder_ / "triangle.gltf", ""}};
     config_.scenes.allow_files = {folder_ / "files"};
     config_.render.passes = {"gbuffer", "trace", "readback"};
     config_.render.max_width = 640;

@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"tenant", RefusalCode::unknown_tenant, [](auto& h) { h.tenant = "nobody"; }},
         Refusal{"scene", RefusalCode::unknown_scene, [](auto& h) { h.scene = "nowhere"; }},
         Refusal{"broken_scene", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "broken.gltf"; }},
-        Refusal{"scene_without_lights", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "dark"; }},
+        Refusal{"scene_without_lights", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "dark.gltf"; }},
         Refusal{"size", RefusalCode::bad_size, [](auto& h) { h.width = 641; }},
         Refusal{"pass", RefusalCode::unknown_pass,
                 [](auto& h) {
