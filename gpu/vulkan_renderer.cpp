@@ -75,8 +75,8 @@ class VulkanRenderer : public Renderer {
     const auto found = scenes_.find(id);
     if (found == scenes_.end()) return {};
     const TracedScene& traced = found->second->traced();
-    return {found->second->memory_bytes(), traced.memory_bytes(), traced.build_seconds,
-            traced.lists.from_cache,       traced.lists.average,  traced.lists.longest};
+    return {found->second->memory_bytes(),     traced.memory_bytes(),          traced.build_seconds,
+            traced.list_statistics.from_cache, traced.list_statistics.average, traced.list_statistics.longest};
   }
 
   uint32_t free_slots() const override { return pool_->free_count(); }

@@ -59,7 +59,7 @@ class LightBufferTracer : public Tracer {
     std::unique_ptr<TracedScene> scene = std::make_unique<LightBufferScene>(
         std::move(*nodes), std::move(*lists), std::move(*views), input.mesh.opaque_count);
     scene->build_seconds = to_seconds(Clock::now() - start);
-    scene->lists = lists_of(buffer.statistics, from_cache);
+    scene->list_statistics = lists_of(buffer.statistics, from_cache);
     log_built(input.scene, buffer.statistics.bytes, *scene);
     return scene;
   }
@@ -104,9 +104,9 @@ class LightBufferTracer : public Tracer {
     log::info("light buffers ready", {{"scene", scene.name},
                                       {"seconds", built.build_seconds},
                                       {"bytes", bytes},
-                                      {"from_cache", built.lists.from_cache},
-                                      {"average_list", built.lists.average},
-                                      {"longest_list", built.lists.longest}});
+                                      {"from_cache", built.list_statistics.from_cache},
+                                      {"average_list", built.list_statistics.average},
+                                      {"longest_list", built.list_statistics.longest}});
   }
 
   DevicePtr device_;

@@ -32,7 +32,7 @@ class TracedScene {
   virtual std::span<const std::byte> push_constants() const = 0;
 
   double build_seconds = 0;
-  ListStatistics lists;
+  ListStatistics list_statistics;
 };
 
 // What a tracer builds from. The buffers are those of the resident scene and outlive what is built.
