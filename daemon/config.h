@@ -60,12 +60,14 @@ struct EncodeConfig {
 };
 
 struct SchedulerConfig {
-  std::string policy = "round_robin";
+  std::string policy = "fair";
+  uint32_t priority_floor_percent = 0;  // under `priority`: of the device, for the classes below the highest
 };
 
 struct TenantConfig {
   std::string name;
   uint32_t weight = 1;
+  uint32_t priority = 0;
   uint32_t max_sessions = 0;  // 0: as many as the server takes
 };
 
@@ -84,7 +86,7 @@ struct Config {
   RenderConfig render;
   EncodeConfig encode;
   SchedulerConfig scheduler;
-  std::vector<TenantConfig> tenants{{kDefaultTenant, 1, 0}};  // TenantId is the index
+  std::vector<TenantConfig> tenants{{.name = kDefaultTenant}};  // TenantId is the index
   LogConfig log;
 };
 

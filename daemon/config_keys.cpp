@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scheduler/scheduler.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -143,12 +145,22 @@ Keys<LogConfig> log_keys() {
   };
 }
 
+std::vector<std::pair<std::string, std::string>> policies() {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const std::string_view policy : scheduler::kPolicies) all.emplace_back(policy, policy);
+  return all;
+}
+
 Keys<Config> all_keys() {
   Keys<AdminConfig> admin{address("listen", &AdminConfig::listen), port("port", &AdminConfig::port)};
-  Keys<SchedulerConfig> scheduler{choice("policy", &SchedulerConfig::policy, {{"round_robin", "round_robin"}})};
+  Keys<SchedulerConfig> scheduler{
+      choice("policy", &SchedulerConfig::policy, policies()),
+      integer("priority_floor_percent", &SchedulerConfig::priority_floor_percent, 0, 99),
+  };
   Keys<TenantConfig> tenant{
       name_key(&TenantConfig::name),
       integer("weight", &TenantConfig::weight, 1, 1000),
+      integer("priority", &TenantConfig::priority, 0, 100),
       integer("max_sessions", &TenantConfig::max_sessions, 0, 1'000'000, " (0: no limit of its own)"),
   };
   return {

@@ -12,6 +12,14 @@ std::vector<std::string> names_of(const std::vector<T>& items) {
   return names;
 }
 
+std::unique_ptr<scheduler::Scheduler> make_scheduler(const Config& config) {
+  auto made = scheduler::make_scheduler(config.scheduler.policy, config.scheduler.priority_floor_percent / 100.0);
+  for (uint32_t i = 0; i < config.tenants.size(); ++i) {
+    made->set_tenant(TenantId{i}, {config.tenants[i].weight, config.tenants[i].priority});
+  }
+  return made;
+}
+
 }  // namespace
 
 Daemon::Daemon(Options options, SceneCatalog catalog)
@@ -57,7 +65,7 @@ Result<void> Daemon::open_device() {
   device_status_.publish({renderer.device_name(), renderer.driver_name(), tracer_});
   encode_pool_ = std::make_unique<EncodePool>(options_.config.encode.threads, metrics_,
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
-  loop_ = std::make_unique<RenderLoop>(scheduler::make_round_robin(), *device_, inbox_, metrics_,
+  loop_ = std::make_unique<RenderLoop>(make_scheduler(options_.config), *device_, inbox_, metrics_,
                                        [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); });
   render_thread_ = std::thread([this] { render(); });
   return {};

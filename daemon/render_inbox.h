@@ -9,6 +9,7 @@
 #include "common/inbox.h"
 #include "daemon/frame.h"
 #include "scenes/registry.h"
+#include "scheduler/scheduler.h"
 
 namespace gnomon::daemon {
 
@@ -33,7 +34,7 @@ struct SceneArrived {
 };
 
 struct FrameFinished {
-  SessionId session;
+  scheduler::Ticket ticket;
   Nanoseconds gpu{};
   bool device_lost = false;
 };

@@ -23,7 +23,7 @@ void RenderLoop::start(TimePoint now) {
   while (!lost_ && !failure_ && device_.renderer().free_slots() > 0) {
     const auto picked = scheduler_->pick(now);
     if (!picked) return;
-    submit(sessions_.at(*picked), now);
+    submit(sessions_.at(picked->session), *picked, now);
   }
 }
 
@@ -41,11 +41,11 @@ void RenderLoop::on(const ViewRequest& view, TimePoint now) {
     metrics_.coalesced(session.opened.tenant);
   }
   session.newest = view;
-  scheduler_->make_ready(view.session, now);
+  scheduler_->make_ready(view.session, {session.cost}, now);
 }
 
 void RenderLoop::on(const SessionOpened& opened, TimePoint) {
-  sessions_.emplace(opened.session, Session{opened, std::nullopt, 0});
+  sessions_.emplace(opened.session, Session{opened, std::nullopt});
   scheduler_->add_session(opened.session, opened.tenant);
 }
 
@@ -63,10 +63,12 @@ void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
 }
 
 void RenderLoop::on(const FrameFinished& finished, TimePoint now) {
-  scheduler_->charge(finished.session, finished.gpu, now);
+  scheduler_->charge(finished.ticket, finished.gpu, now);
+  const auto found = sessions_.find(finished.ticket.session);
+  if (found != sessions_.end() && !finished.device_lost) found->second.cost = finished.gpu;
   metrics_.device_busy(finished.gpu);
   if (!finished.device_lost) return;
-  metrics_.report(Fault::device_lost, {{"session", finished.session.value}});
+  metrics_.report(Fault::device_lost, {{"session", finished.ticket.session.value}});
   lost_ = true;
 }
 
@@ -81,7 +83,7 @@ void RenderLoop::on(const StopRendering&, TimePoint) {
   sessions_.clear();
 }
 
-void RenderLoop::submit(Session& session, TimePoint now) {
+void RenderLoop::submit(Session& session, const scheduler::Ticket& ticket, TimePoint now) {
   const ViewRequest view = *std::exchange(session.newest, std::nullopt);
   const SessionOpened& opened = session.opened;
   FrameMeta meta;
@@ -95,21 +97,22 @@ void RenderLoop::submit(Session& session, TimePoint now) {
   meta.submitted = now;
 
   const gpu::RenderJob job{JobId{next_job_++}, opened.scene, view.camera, opened.width, opened.height};
-  const auto submitted = device_.renderer().submit(job, completion(meta));
+  const auto submitted = device_.renderer().submit(job, completion(meta, ticket));
   if (submitted) {
     ++in_flight_;
     failed_submits_ = 0;
     return;
   }
+  scheduler_->charge(ticket, Nanoseconds{}, now);
   metrics_.report(Fault::submit_failed, {{"session", view.session.value}, {"why", submitted.error().message}});
   if (++failed_submits_ >= kFailedSubmitsAreALoss) lost_ = true;
 }
 
 // Runs on the completion thread: the mask goes on to be encoded, the news comes back here. However the lease ends,
 // encoded or thrown away, its end is an event of ours: it is what makes a slot free.
-std::function<void(gpu::FrameDone)> RenderLoop::completion(const FrameMeta& meta) {
-  return [meta, &inbox = inbox_, &rendered = rendered_](gpu::FrameDone done) {
-    inbox.push(FrameFinished{meta.session, Nanoseconds(done.gpu_ns), done.device_lost});
+std::function<void(gpu::FrameDone)> RenderLoop::completion(const FrameMeta& meta, const scheduler::Ticket& ticket) {
+  return [meta, ticket, &inbox = inbox_, &rendered = rendered_](gpu::FrameDone done) {
+    inbox.push(FrameFinished{ticket, Nanoseconds(done.gpu_ns), done.device_lost});
     auto slot = std::make_shared<gpu::FrameLease>(std::move(done.mask));
     const TileMaskView mask = slot->mask();
     gpu::FrameLease lease(mask, [slot = std::move(slot), &inbox] {

@@ -33,7 +33,8 @@ class RenderLoop {
   struct Session {
     SessionOpened opened;
     std::optional<ViewRequest> newest;
-    uint32_t coalesced = 0;  // since its last frame
+    uint32_t coalesced = 0;                           // since its last frame
+    Nanoseconds cost = std::chrono::milliseconds(1);  // of its last frame
   };
 
   void on(const ViewRequest& view, TimePoint now);
@@ -44,9 +45,9 @@ class RenderLoop {
   void on(const LeaseDropped&, TimePoint now);
   void on(const StopRendering&, TimePoint now);
 
-  void submit(Session& session, TimePoint now);
+  void submit(Session& session, const scheduler::Ticket& ticket, TimePoint now);
   void recover(TimePoint now);
-  std::function<void(gpu::FrameDone)> completion(const FrameMeta& meta);
+  std::function<void(gpu::FrameDone)> completion(const FrameMeta& meta, const scheduler::Ticket& ticket);
 
   std::unique_ptr<scheduler::Scheduler> scheduler_;
   RenderDevice& device_;

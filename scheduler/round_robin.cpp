@@ -1,59 +1,83 @@
-// Sessions in turn. A session that becomes ready goes to the back of one queue; having at most one view pending, it
-// can never stand in it twice, so nobody waits for more than one view of each other session.
-#include <cassert>
+// Sessions in turn. A session that becomes ready goes to the back of one queue; having at most one job pending, it
+// can never stand in it twice, so nobody waits for more than one view of each other session. A turn is a whole view:
+// its further bands go to the front.
 #include <list>
-#include <unordered_map>
 
-#include "scheduler/scheduler.h"
+#include "scheduler/sessions.h"
 
 namespace gnomon::scheduler {
 namespace {
+
+// A session's list node lives as long as the session and only moves between the two lists: no call but add_session
+// allocates, and each is O(1).
+struct Seat {
+  std::list<uint32_t>::iterator node;
+  SessionId id;
+  TenantId tenant;
+  bool ready = false;
+  Nanoseconds cost{};
+};
 
 class RoundRobin final : public Scheduler {
  public:
   std::string_view policy() const override { return "round_robin"; }
 
-  void add_session(SessionId session, TenantId) override {
-    assert(!seats_.contains(session));
-    waiting_.push_front(session);
-    seats_.emplace(session, Seat{waiting_.begin(), false});
+  void set_tenant(TenantId tenant, const TenantTerms&) override { services_.know(tenant); }
+
+  void add_session(SessionId session, TenantId tenant) override {
+    const uint32_t number = seats_.add(session, Seat{{}, session, tenant, false, {}});
+    waiting_.push_front(number);
+    seats_[number].node = waiting_.begin();
   }
 
   void remove_session(SessionId session) override {
-    const auto found = seats_.find(session);
-    if (found == seats_.end()) return;
-    (found->second.ready ? ready_ : waiting_).erase(found->second.node);
-    seats_.erase(found);
+    const auto number = seats_.find(session);
+    if (!number) return;
+    Seat& seat = seats_[*number];
+    (seat.ready ? ready_ : waiting_).erase(seat.node);
+    seats_.remove(session);
   }
 
-  void make_ready(SessionId session, TimePoint) override {
-    const auto found = seats_.find(session);
-    if (found == seats_.end() || found->second.ready) return;
-    found->second.ready = true;
-    ready_.splice(ready_.end(), waiting_, found->second.node);
+  void make_ready(SessionId session, const Request& request, TimePoint) override {
+    const auto number = seats_.find(session);
+    if (!number) return;
+    Seat& seat = seats_[*number];
+    seat.cost = charged_cost(request);
+    if (seat.ready) return;
+    seat.ready = true;
+    ready_.splice(request.continues ? ready_.begin() : ready_.end(), waiting_, seat.node);
   }
 
-  std::optional<SessionId> pick(TimePoint) override {
+  void withdraw(SessionId session) override {
+    const auto number = seats_.find(session);
+    if (number && seats_[*number].ready) rest(seats_[*number]);
+  }
+
+  std::optional<Ticket> pick(TimePoint) override {
     if (ready_.empty()) return std::nullopt;
-    const SessionId session = ready_.front();
-    seats_.at(session).ready = false;
-    waiting_.splice(waiting_.begin(), ready_, ready_.begin());
-    return session;
+    Seat& seat = seats_[ready_.front()];
+    rest(seat);
+    services_.charge(seat.tenant, seat.cost);
+    return Ticket{seat.id, seat.tenant, seat.cost};
   }
 
-  void charge(SessionId, Nanoseconds, TimePoint) override {}  // a turn is a turn, whatever it cost
+  // Told for the figures alone: a turn is a turn, whatever it cost.
+  void charge(const Ticket& ticket, Nanoseconds gpu_time, TimePoint) override {
+    services_.charge(ticket.tenant, gpu_time - ticket.predicted);
+  }
+
+  Standing standing(TenantId tenant) const override { return {services_.of(tenant), {}}; }
 
  private:
-  // A session's list node lives as long as the session and only moves between the two lists: no call but
-  // add_session allocates, and each is O(1).
-  struct Seat {
-    std::list<SessionId>::iterator node;
-    bool ready;
-  };
+  void rest(Seat& seat) {
+    seat.ready = false;
+    waiting_.splice(waiting_.begin(), ready_, seat.node);
+  }
 
-  std::list<SessionId> ready_;    // in the order of their turns
-  std::list<SessionId> waiting_;  // without a view; order has no meaning
-  std::unordered_map<SessionId, Seat> seats_;
+  std::list<uint32_t> ready_;    // in the order of their turns
+  std::list<uint32_t> waiting_;  // without a job; order has no meaning
+  SessionTable<Seat> seats_;
+  Services services_;
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ class RenderLoopTest : public testing::Test {
       fake_ = made.get();
       return std::unique_ptr<gpu::Renderer>(std::move(made));
     }));
-    loop_ = std::make_unique<RenderLoop>(scheduler::make_round_robin(), *device_, inbox_, metrics_,
+    loop_ = std::make_unique<RenderLoop>(make_policy(), *device_, inbox_, metrics_,
                                          [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); });
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
                                [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
@@ -36,6 +36,12 @@ class RenderLoopTest : public testing::Test {
   void TearDown() override {
     rendered_.clear();
     device_.reset();
+  }
+
+  static std::unique_ptr<scheduler::Scheduler> make_policy() {
+    auto made = scheduler::make_round_robin();
+    made->set_tenant(kTenant, {});
+    return made;
   }
 
   void open(SessionId session) {

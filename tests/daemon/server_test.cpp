@@ -128,7 +128,7 @@ TEST_F(Served, ARefusedSizeSaysWhatWouldFit) {
 }
 
 TEST_F(Served, LimitsSessionsAndGivesSeatsBack) {
-  config_.tenants = {{kDefaultTenant, 1, 0}, {"small", 1, 1}};
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "small", .max_sessions = 1}};
   config_.server.max_sessions = 3;
   start();
   protocol::Hello small = TestClient::hello(kScene);

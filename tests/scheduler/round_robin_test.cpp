@@ -11,12 +11,19 @@ namespace {
 
 constexpr TimePoint kNow{};
 constexpr TenantId kTenant{0};
+constexpr Request kJob{std::chrono::milliseconds(1)};
 constexpr SessionId kA{11}, kB{22}, kC{33};
 
 std::unique_ptr<Scheduler> with_sessions(std::initializer_list<SessionId> sessions) {
   auto scheduler = make_round_robin();
+  scheduler->set_tenant(kTenant, {});
   for (const SessionId session : sessions) scheduler->add_session(session, kTenant);
   return scheduler;
+}
+
+std::optional<SessionId> picked(Scheduler& scheduler) {
+  const auto ticket = scheduler.pick(kNow);
+  return ticket ? std::optional(ticket->session) : std::nullopt;
 }
 
 TEST(RoundRobin, PicksNothingWhenNobodyIsReady) {
@@ -26,53 +33,65 @@ TEST(RoundRobin, PicksNothingWhenNobodyIsReady) {
 
 TEST(RoundRobin, PicksInTheOrderOfBecomingReady) {
   auto scheduler = with_sessions({kA, kB, kC});
-  for (const SessionId session : {kC, kA, kB}) scheduler->make_ready(session, kNow);
-  for (const SessionId expected : {kC, kA, kB}) EXPECT_EQ(scheduler->pick(kNow), expected);
+  for (const SessionId session : {kC, kA, kB}) scheduler->make_ready(session, kJob, kNow);
+  for (const SessionId expected : {kC, kA, kB}) EXPECT_EQ(picked(*scheduler), expected);
   EXPECT_FALSE(scheduler->pick(kNow));
 }
 
 TEST(RoundRobin, ReadyTwiceIsOneTurn) {
   auto scheduler = with_sessions({kA, kB});
-  scheduler->make_ready(kA, kNow);
-  scheduler->make_ready(kB, kNow);
-  scheduler->make_ready(kA, kNow);
-  EXPECT_EQ(scheduler->pick(kNow), kA);
-  EXPECT_EQ(scheduler->pick(kNow), kB);
+  scheduler->make_ready(kA, kJob, kNow);
+  scheduler->make_ready(kB, kJob, kNow);
+  scheduler->make_ready(kA, kJob, kNow);
+  EXPECT_EQ(picked(*scheduler), kA);
+  EXPECT_EQ(picked(*scheduler), kB);
   EXPECT_FALSE(scheduler->pick(kNow));
 }
 
 TEST(RoundRobin, RemovalForgetsThePendingView) {
   auto scheduler = with_sessions({kA, kB, kC});
-  for (const SessionId session : {kA, kB, kC}) scheduler->make_ready(session, kNow);
+  for (const SessionId session : {kA, kB, kC}) scheduler->make_ready(session, kJob, kNow);
   scheduler->remove_session(kB);
-  scheduler->make_ready(kB, kNow);  // late news of a session that has gone
-  EXPECT_EQ(scheduler->pick(kNow), kA);
-  EXPECT_EQ(scheduler->pick(kNow), kC);
+  scheduler->make_ready(kB, kJob, kNow);  // late news of a session that has gone
+  EXPECT_EQ(picked(*scheduler), kA);
+  EXPECT_EQ(picked(*scheduler), kC);
   EXPECT_FALSE(scheduler->pick(kNow));
 }
 
 TEST(RoundRobin, ChargeAfterRemovalIsHarmless) {
   auto scheduler = with_sessions({kA, kB});
-  scheduler->make_ready(kA, kNow);
-  scheduler->make_ready(kB, kNow);
-  EXPECT_EQ(scheduler->pick(kNow), kA);
+  scheduler->make_ready(kA, kJob, kNow);
+  scheduler->make_ready(kB, kJob, kNow);
+  const auto ticket = scheduler->pick(kNow);
+  ASSERT_EQ(ticket->session, kA);
   scheduler->remove_session(kA);
-  scheduler->charge(kA, std::chrono::milliseconds(3), kNow);
-  EXPECT_EQ(scheduler->pick(kNow), kB);
+  scheduler->charge(*ticket, std::chrono::milliseconds(3), kNow);
+  EXPECT_EQ(picked(*scheduler), kB);
   scheduler->remove_session(kA);  // twice is no news either
   EXPECT_FALSE(scheduler->pick(kNow));
+}
+
+TEST(RoundRobin, ATurnIsAWholeViewHoweverManyBands) {
+  auto scheduler = with_sessions({kA, kB});
+  scheduler->make_ready(kA, kJob, kNow);
+  scheduler->make_ready(kB, kJob, kNow);
+  for (int band = 0; band < 3; ++band) {
+    EXPECT_EQ(picked(*scheduler), kA);
+    if (band < 2) scheduler->make_ready(kA, {.cost = kJob.cost, .continues = true}, kNow);
+  }
+  EXPECT_EQ(picked(*scheduler), kB);
 }
 
 TEST(RoundRobin, BackloggedSessionsGetEqualTurns) {
   auto scheduler = with_sessions({kA, kB, kC});
   std::map<SessionId, int> turns;
-  for (const SessionId session : {kA, kB, kC}) scheduler->make_ready(session, kNow);
+  for (const SessionId session : {kA, kB, kC}) scheduler->make_ready(session, kJob, kNow);
   for (int i = 0; i < 3000; ++i) {
-    const auto session = scheduler->pick(kNow);
-    ASSERT_TRUE(session);
-    ++turns[*session];
-    scheduler->charge(*session, std::chrono::microseconds(*session == kA ? 9000 : 10), kNow);
-    scheduler->make_ready(*session, kNow);
+    const auto ticket = scheduler->pick(kNow);
+    ASSERT_TRUE(ticket);
+    ++turns[ticket->session];
+    scheduler->charge(*ticket, std::chrono::microseconds(ticket->session == kA ? 9000 : 10), kNow);
+    scheduler->make_ready(ticket->session, kJob, kNow);
   }
   for (const auto& [session, count] : turns) EXPECT_EQ(count, 1000) << session.value;
 }
@@ -80,7 +99,7 @@ TEST(RoundRobin, BackloggedSessionsGetEqualTurns) {
 // Whoever floods, joins or leaves: between becoming ready and being picked, every other session is picked at most
 // once.
 TEST(RoundRobin, NobodyStarvesUnderRandomTraffic) {
-  auto scheduler = make_round_robin();
+  auto scheduler = with_sessions({});
   std::mt19937 random(7);
   std::vector<SessionId> present;
   std::map<SessionId, std::map<SessionId, int>> passed_by;  // ready session -> picks of others since
@@ -97,10 +116,10 @@ TEST(RoundRobin, NobodyStarvesUnderRandomTraffic) {
       present.erase(present.begin() + static_cast<ptrdiff_t>(gone));
     } else if (action < 60) {
       const SessionId session = action < 30 ? present.front() : present[random() % present.size()];
-      scheduler->make_ready(session, kNow);
+      scheduler->make_ready(session, kJob, kNow);
       passed_by.try_emplace(session);
     } else {
-      const auto session = scheduler->pick(kNow);
+      const auto session = picked(*scheduler);
       ASSERT_EQ(session.has_value(), !passed_by.empty());
       if (!session) continue;
       ASSERT_EQ(passed_by.erase(*session), 1u) << "picked without being ready";

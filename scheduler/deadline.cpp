@@ -1,0 +1,83 @@
+// Earliest deadline first. A view that was begun is finished first: half of it would be of no use to anybody.
+#include "scheduler/indexed_heap.h"
+#include "scheduler/sessions.h"
+
+namespace gnomon::scheduler {
+namespace {
+
+struct Session {
+  SessionId id;
+  TenantId tenant;
+  Request request;
+};
+
+// By deadline; those of one deadline (or of none) in the order of their coming.
+struct Urgency {
+  TimePoint deadline;
+  uint64_t turn = 0;
+  friend auto operator<=>(const Urgency&, const Urgency&) = default;
+};
+
+class Deadline final : public Scheduler {
+ public:
+  std::string_view policy() const override { return "deadline"; }
+
+  void set_tenant(TenantId tenant, const TenantTerms&) override { services_.know(tenant); }
+
+  void add_session(SessionId session, TenantId tenant) override {
+    sessions_.add(session, Session{session, tenant, {}});
+    waiting_.reserve(sessions_.capacity());
+  }
+
+  void remove_session(SessionId session) override {
+    withdraw(session);
+    if (sessions_.find(session)) sessions_.remove(session);
+  }
+
+  void make_ready(SessionId session, const Request& request, TimePoint) override {
+    const auto number = sessions_.find(session);
+    if (!number) return;
+    sessions_[*number].request = request;
+    sessions_[*number].request.cost = charged_cost(request);
+    waiting_.set(*number, {request.continues ? TimePoint::min() : request.deadline, ++turns_});
+  }
+
+  void withdraw(SessionId session) override {
+    if (const auto number = sessions_.find(session)) waiting_.erase(*number);
+  }
+
+  std::optional<Ticket> pick(TimePoint) override {
+    if (waiting_.empty()) return std::nullopt;
+    const Session& session = sessions_[waiting_.top()];
+    waiting_.erase(waiting_.top());
+    services_.charge(session.tenant, session.request.cost);
+    return Ticket{session.id, session.tenant, session.request.cost};
+  }
+
+  void charge(const Ticket& ticket, Nanoseconds gpu_time, TimePoint) override {
+    services_.charge(ticket.tenant, gpu_time - ticket.predicted);
+  }
+
+  // The most urgent one is the next to be picked: whoever is hopeless is seen here before he costs anything.
+  std::optional<SessionId> take_hopeless(TimePoint now) override {
+    if (waiting_.empty() || waiting_.top_key().deadline == TimePoint::min()) return std::nullopt;
+    const Session& session = sessions_[waiting_.top()];
+    if (session.request.deadline - now >= session.request.cost) return std::nullopt;
+    waiting_.erase(waiting_.top());
+    return session.id;
+  }
+
+  Standing standing(TenantId tenant) const override { return {services_.of(tenant), {}}; }
+
+ private:
+  SessionTable<Session> sessions_;
+  IndexedHeap<Urgency> waiting_;
+  uint64_t turns_ = 0;
+  Services services_;
+};
+
+}  // namespace
+
+std::unique_ptr<Scheduler> make_deadline() { return std::make_unique<Deadline>(); }
+
+}  // namespace gnomon::scheduler
