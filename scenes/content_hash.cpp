@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "scenes/motion.h"
 #include "scenes/world_triangles.h"
 
 namespace gnomon::scenes {
@@ -68,19 +69,31 @@ class Walk {
  public:
   explicit Walk(const Scene& scene) : scene_(scene) { hasher_.add(kVersion); }
 
-  void opaque_triangles() {
-    for_each_placement(scene_, Blocking::always, [&](const Placement& p) { triangles(p, false); });
+  void opaque_triangles(std::span<const Instance> instances) {
+    for_each_placement(scene_, instances, Blocking::always, [&](const Placement& p) { triangles(p, false); });
     hasher_.add(count_);
   }
 
-  void tested_triangles() {
-    for_each_placement(scene_, Blocking::by_alpha, [&](const Placement& p) {
+  void tested_triangles(std::span<const Instance> instances) {
+    for_each_placement(scene_, instances, Blocking::by_alpha, [&](const Placement& p) {
       const uint32_t material = p.primitive.material;
       if (material != last_tested_) add_alpha_test(scene_, material, hasher_);
       last_tested_ = material;
       triangles(p, true);
     });
     hasher_.add(count_);
+  }
+
+  // Scenes at rest hash as if nothing could move.
+  void motion() {
+    if (scene_.moving_nodes.empty()) return;
+    const std::vector<Instance> moved = moved_instances(scene_, SceneTime(0));
+    opaque_triangles(moved);
+    tested_triangles(moved);
+    for (const Instance& instance : scene_.instances) hasher_.add(instance.moved_by);
+    for (const Light& light : scene_.lights) hasher_.add(light.moved_by);
+    for (const MovingNode& node : scene_.moving_nodes) add_node(node);
+    grow(moved_bounds(scene_, bounds_));
   }
 
   Extent finish() {
@@ -100,16 +113,31 @@ class Walk {
       if (!has_area(face_normal(corners[0], corners[1], corners[2]))) continue;
       if (double_sided != double_sided_) hasher_.add(count_);  // where the sides change
       double_sided_ = double_sided;
-      for (const glm::vec3& p : corners) {
-        bounds_.min = glm::min(bounds_.min, p);
-        bounds_.max = glm::max(bounds_.max, p);
-      }
+      for (const glm::vec3& p : corners) grow({p, p});
       hasher_.add_bytes(corners, sizeof corners);
       if (with_uvs && !primitive.uvs.empty()) {
         hasher_.add(primitive.uvs[t.x], primitive.uvs[t.y], primitive.uvs[t.z]);
       }
       ++count_;
     }
+  }
+
+  void add_node(const MovingNode& node) {
+    hasher_.add(node.parent, node.local.translation, node.local.scale, node.local.has_matrix);
+    for (int c = 0; c < 4; ++c) {
+      hasher_.add(node.local.rotation[c], glm::vec3(node.local.matrix[c]));
+      for (int row = 0; row < 4; ++row) hasher_.add(node.parent_to_world[c][row]);
+    }
+    for (const Channel& channel : node.channels) {
+      hasher_.add(channel.path, channel.interpolation, static_cast<uint64_t>(channel.times.size()));
+      hasher_.add_bytes(channel.times.data(), channel.times.size() * sizeof(float));
+      hasher_.add_bytes(channel.values.data(), channel.values.size() * sizeof(glm::vec4));
+    }
+  }
+
+  void grow(const Bounds& more) {
+    bounds_.min = glm::min(bounds_.min, more.min);
+    bounds_.max = glm::max(bounds_.max, more.max);
   }
 
   const Scene& scene_;
@@ -124,8 +152,9 @@ class Walk {
 
 Extent measure(const Scene& scene) {
   Walk walk(scene);
-  walk.opaque_triangles();
-  walk.tested_triangles();
+  walk.opaque_triangles(scene.instances);
+  walk.tested_triangles(scene.instances);
+  walk.motion();
   return walk.finish();
 }
 

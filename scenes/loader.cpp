@@ -6,13 +6,16 @@
 #include <string>
 #include <utility>
 
+#include "common/log.h"
 #include "scenes/content_hash.h"
+#include "scenes/gltf/animations.h"
 #include "scenes/gltf/cameras.h"
 #include "scenes/gltf/document.h"
 #include "scenes/gltf/geometry.h"
 #include "scenes/gltf/hierarchy.h"
 #include "scenes/gltf/lights.h"
 #include "scenes/gltf/materials.h"
+#include "scenes/motion.h"
 
 namespace gnomon::scenes {
 namespace {
@@ -36,11 +39,14 @@ class Assembly {
     mesh_index_.assign(document_.model.meshes.size(), kUnread);
     const auto nodes = gltf::place_nodes(document_.model, limits_);
     if (!nodes) return nodes.error();
-    for (const PlacedNode& node : *nodes) {
-      if (const auto ok = add_mesh(node); !ok) return ok.error();
-      if (const auto ok = add_light(node); !ok) return ok.error();
+    gltf::Animations animations(document_);
+    gltf::MovingNodes moving(*nodes, animations);
+    for (uint32_t i = 0; i < nodes->size(); ++i) {
+      if (const auto ok = add_mesh((*nodes)[i], i, moving); !ok) return ok.error();
+      if (const auto ok = add_light((*nodes)[i], i, moving); !ok) return ok.error();
     }
-    auto cameras = gltf::read_cameras(document_, *nodes);
+    if (const auto ok = set_in_motion(moving); !ok) return ok.error();
+    auto cameras = gltf::read_cameras(document_, *nodes, animations);
     if (!cameras) return cameras.error();
     scene_->cameras = std::move(cameras->cameras);
     scene_->paths = std::move(cameras->paths);
@@ -53,14 +59,16 @@ class Assembly {
   static constexpr uint32_t kUnread = kNone;
   static constexpr uint32_t kNothingToDraw = kNone - 1;
 
-  Result<void> add_mesh(const PlacedNode& node) {
+  Result<void> add_mesh(const PlacedNode& node, uint32_t placed_index, gltf::MovingNodes& moving) {
     const int mesh = document_.model.nodes[static_cast<size_t>(node.node)].mesh;
     if (mesh == -1) return {};
     const auto index = scene_mesh(mesh);
     if (!index) return Error{gltf::node_name(document_.model, node.node) + ": " + index.error().message};
     if (*index == kNothingToDraw) return {};
     const Mesh& placed = scene_->meshes[*index];
-    scene_->instances.push_back({*index, glm::mat4(node.to_world)});
+    const auto moved_by = moving.find(placed_index);
+    if (!moved_by) return moved_by.error();
+    scene_->instances.push_back({*index, glm::mat4(node.to_world), *moved_by});
     scene_->triangle_count += gltf::triangle_count(placed);
     if (scene_->instances.size() > limits_.max_instances) return Error{"it has too many instances of meshes"};
     if (scene_->triangle_count > limits_.max_triangles) return Error{"it has too many triangles"};
@@ -104,13 +112,36 @@ class Assembly {
     return {};
   }
 
-  Result<void> add_light(const PlacedNode& node) {
+  Result<void> add_light(const PlacedNode& node, uint32_t placed_index, gltf::MovingNodes& moving) {
     auto light = gltf::light_at(document_.model, node);
     if (!light) return light.error();
     if (!*light) return {};
+    const auto moved_by = moving.find(placed_index);
+    if (!moved_by) return moved_by.error();
+    (*light)->moved_by = *moved_by;
     scene_->lights.push_back(std::move(**light));
     if (scene_->lights.size() > limits_.max_lights) {
       return Error{"it has more than " + std::to_string(limits_.max_lights) + " lights"};
+    }
+    return {};
+  }
+
+  // What moves is put where it is at time 0; the places in the file were those without animation.
+  Result<void> set_in_motion(gltf::MovingNodes& moving) {
+    scene_->period = moving.period();
+    scene_->moving_nodes = std::move(moving.nodes());
+    if (!moves(*scene_)) return {};
+    const std::vector<Instance> moved = moved_instances(*scene_, SceneTime(0));
+    auto next = moved.begin();
+    for (Instance& instance : scene_->instances) {
+      if (instance.moved_by != kNone) instance.object_to_world = (next++)->object_to_world;
+    }
+    scene_->lights = lights_at(*scene_, scene_->lights, SceneTime(0));
+    const Bounds reached = moved_bounds(*scene_, {});
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(reached.min[axis] >= -kFarthest && reached.max[axis] <= kFarthest)) {
+        return Error{"its animations move something farther than a million kilometres"};
+      }
     }
     return {};
   }
@@ -122,10 +153,24 @@ class Assembly {
   std::vector<uint32_t> mesh_index_;  // for each mesh of the file: index into Scene::meshes
 };
 
+// Vertices that move within their mesh: who made the file should know that they do not here.
+void tell_what_stays_as_stored(const std::filesystem::path& file, const tinygltf::Model& model) {
+  const auto warn = [&](std::string_view event, size_t count) {
+    if (count > 0) log::warning(event, {{"file", file.string()}, {"count", count}});
+  };
+  size_t weights = 0;
+  for (const tinygltf::Animation& animation : model.animations) {
+    for (const auto& channel : animation.channels) weights += channel.target_path == "weights";
+  }
+  warn("skins are left out: their meshes stay as stored", model.skins.size());
+  warn("animated weights are left out: their meshes stay as stored", weights);
+}
+
 Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits) {
   try {
     auto document = gltf::open_document(file, limits);
     if (!document) return document.error();
+    tell_what_stays_as_stored(file, document->model);
     return Assembly(*document, limits).run();
   } catch (const std::bad_alloc&) {
     return Error{"there is not enough memory for it"};

@@ -21,9 +21,9 @@ struct LoadLimits {
 
 // Read: the default scene (the first where none is named; all roots where there are no scenes), nodes with matrices
 // or TRS, meshes with indices of any kind or none, triangle lists, strips and fans, sparse, interleaved, quantised and
-// normalised accessors; KHR_lights_punctual, KHR_mesh_quantization, KHR_texture_transform; perspective cameras and the
-// animations that move them; materials' base colour, emission and alpha mode, base colour textures (PNG, JPEG).
-// Left out: points and lines, orthographic cameras, other animations, vertex colours (their alpha takes no part in
+// normalised accessors; KHR_lights_punctual, KHR_mesh_quantization, KHR_texture_transform; perspective cameras; animations of
+// translation, rotation and scale, of cameras, meshes and lights and of nodes above them; materials' base colour, emission and alpha mode, base colour textures (PNG, JPEG).
+// Left out: points and lines, orthographic cameras, animations of weights, vertex colours (their alpha takes no part in
 // alpha tests). Skinned and morphing meshes stay as stored. Appearance extensions are ignored; a file that requires
 // any other extension is refused. A base colour texture that cannot be read is left out with a warning, unless an
 // alpha test needs it.

@@ -9,51 +9,45 @@
 namespace gnomon::scenes {
 namespace {
 
-glm::quat to_quat(const glm::vec4& xyzw) { return {xyzw.w, xyzw.x, xyzw.y, xyzw.z}; }
-glm::vec4 to_vec4(const glm::quat& q) { return {q.x, q.y, q.z, q.w}; }
+glm::dquat to_quat(const glm::dvec4& xyzw) { return {xyzw.w, xyzw.x, xyzw.y, xyzw.z}; }
+glm::dvec4 to_vec4(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
 
-glm::vec4 between(const Channel& channel, size_t k, float t) {
-  const auto& v = channel.values;
-  if (channel.interpolation == Interpolation::step) return v[k];
+glm::dvec4 between(const Channel& channel, size_t k, double t) {
+  const glm::dvec4 from(channel.values[k]), to(channel.values[k + 1]);
+  if (channel.interpolation == Interpolation::step) return from;
   if (channel.path == Channel::Path::rotation) {
-    return to_vec4(glm::slerp(glm::normalize(to_quat(v[k])), glm::normalize(to_quat(v[k + 1])), t));
+    return to_vec4(glm::slerp(glm::normalize(to_quat(from)), glm::normalize(to_quat(to)), t));
   }
-  return glm::mix(v[k], v[k + 1], t);
+  return glm::mix(from, to, t);
 }
 
 // glTF 2.0, appendix C.5: a Hermite spline whose tangents are given per second.
-glm::vec4 on_spline(const Channel& channel, size_t k, float t, float seconds) {
+glm::dvec4 on_spline(const Channel& channel, size_t k, double t, double seconds) {
   const auto& v = channel.values;
-  const glm::vec4 start = v[3 * k + 1];
-  const glm::vec4 leaving = v[3 * k + 2] * seconds;
-  const glm::vec4 arriving = v[3 * (k + 1)] * seconds;
-  const glm::vec4 end = v[3 * (k + 1) + 1];
-  const float t2 = t * t;
-  const float t3 = t2 * t;
+  const glm::dvec4 start(v[3 * k + 1]);
+  const glm::dvec4 leaving = glm::dvec4(v[3 * k + 2]) * seconds;
+  const glm::dvec4 arriving = glm::dvec4(v[3 * (k + 1)]) * seconds;
+  const glm::dvec4 end(v[3 * (k + 1) + 1]);
+  const double t2 = t * t;
+  const double t3 = t2 * t;
   return (2 * t3 - 3 * t2 + 1) * start + (t3 - 2 * t2 + t) * leaving + (3 * t2 - 2 * t3) * end +
          (t3 - t2) * arriving;
 }
 
-glm::vec4 sample(const Channel& channel, float seconds) {
+// In doubles, so that machines whose libraries round differently still agree on the floats that become of it.
+glm::dvec4 sample(const Channel& channel, double seconds) {
   const auto& times = channel.times;
   const bool spline = channel.interpolation == Interpolation::cubic_spline;
-  const auto key = [&](size_t k) { return channel.values[spline ? 3 * k + 1 : k]; };
-  const auto next = std::upper_bound(times.begin(), times.end(), seconds);
+  const auto key = [&](size_t k) { return glm::dvec4(channel.values[spline ? 3 * k + 1 : k]); };
+  const auto next = std::upper_bound(times.begin(), times.end(), seconds,
+                                     [](double s, float time) { return s < static_cast<double>(time); });
   if (next == times.begin()) return key(0);
   if (next == times.end()) return key(times.size() - 1);
   const size_t k = static_cast<size_t>(next - times.begin()) - 1;
-  const float span = times[k + 1] - times[k];
-  const float t = (seconds - times[k]) / span;
+  const double start = static_cast<double>(times[k]);
+  const double span = static_cast<double>(times[k + 1]) - start;
+  const double t = (seconds - start) / span;
   return spline ? on_spline(channel, k, t, span) : between(channel, k, t);
-}
-
-void apply(const Channel& channel, float seconds, NodeTransform& node) {
-  const glm::vec4 value = sample(channel, seconds);
-  switch (channel.path) {
-    case Channel::Path::translation: node.translation = glm::vec3(value); break;
-    case Channel::Path::scale: node.scale = glm::vec3(value); break;
-    case Channel::Path::rotation: node.rotation = to_quat(value); break;
-  }
 }
 
 template <class T>
@@ -69,9 +63,9 @@ uint64_t bytes_inside(const Mesh& mesh) {
   return bytes;
 }
 
-uint64_t bytes_inside(const CameraPath& path) {
-  uint64_t bytes = bytes_of(path.chain) + bytes_of(path.channels);
-  for (const Channel& c : path.channels) bytes += bytes_of(c.times) + bytes_of(c.values);
+uint64_t bytes_inside(const std::vector<Channel>& channels) {
+  uint64_t bytes = bytes_of(channels);
+  for (const Channel& c : channels) bytes += bytes_of(c.times) + bytes_of(c.values);
   return bytes;
 }
 
@@ -82,12 +76,30 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& otherwise) {
 
 }  // namespace
 
+void apply(const Channel& channel, double seconds, NodeTransform& node) {
+  const glm::dvec4 value = sample(channel, seconds);
+  switch (channel.path) {
+    case Channel::Path::translation: node.translation = glm::vec3(value); break;
+    case Channel::Path::scale: node.scale = glm::vec3(value); break;
+    case Channel::Path::rotation: node.rotation = glm::quat(to_quat(value)); break;
+  }
+}
+
 glm::dmat4 local_transform(const NodeTransform& node) {
   if (node.has_matrix) return glm::dmat4(node.matrix);
   const float length = glm::length(node.rotation);
   const glm::dquat rotation = std::isnormal(length) ? glm::dquat(node.rotation / length) : glm::dquat(1, 0, 0, 0);
   const glm::dmat4 placed = glm::translate(glm::dmat4(1.0), glm::dvec3(node.translation));
   return glm::scale(placed * glm::mat4_cast(rotation), glm::dvec3(node.scale));
+}
+
+bool place_light(const glm::dmat4& node_to_world, Light& light) {
+  light.position = glm::vec3(node_to_world[3]);
+  const glm::dvec3 forward(-node_to_world[2]);
+  const double length = glm::length(forward);
+  if (!std::isnormal(length)) return false;
+  light.direction = glm::normalize(glm::vec3(forward / length));
+  return true;
 }
 
 CameraPose pose_from_transform(const glm::dmat4& camera_to_world, float vertical_fov) {
@@ -106,7 +118,7 @@ CameraPose pose_from_transform(const glm::dmat4& camera_to_world, float vertical
 CameraPose pose_at(const CameraPath& path, float vertical_fov, float seconds) {
   const float when = std::isfinite(seconds) ? std::clamp(seconds, 0.0f, path.duration_seconds) : 0.0f;
   std::vector<NodeTransform> chain = path.chain;
-  for (const Channel& channel : path.channels) apply(channel, when, chain[channel.node]);
+  for (const Channel& channel : path.channels) apply(channel, static_cast<double>(when), chain[channel.node]);
   glm::dmat4 camera_to_world(1.0);
   for (const NodeTransform& node : chain) camera_to_world = camera_to_world * local_transform(node);
   return pose_from_transform(camera_to_world, vertical_fov);
@@ -124,10 +136,12 @@ std::string to_hex(const ContentHash& hash) {
 
 uint64_t Scene::memory_bytes() const {
   uint64_t bytes = sizeof(Scene) + bytes_of(textures) + bytes_of(materials) + bytes_of(meshes) +
-                   bytes_of(instances) + bytes_of(lights) + bytes_of(cameras) + bytes_of(paths);
+                   bytes_of(instances) + bytes_of(lights) + bytes_of(cameras) + bytes_of(paths) +
+                   bytes_of(moving_nodes);
   for (const Texture& texture : textures) bytes += bytes_of(texture.rgba);
   for (const Mesh& mesh : meshes) bytes += bytes_inside(mesh);
-  for (const CameraPath& path : paths) bytes += bytes_inside(path);
+  for (const CameraPath& path : paths) bytes += bytes_of(path.chain) + bytes_inside(path.channels);
+  for (const MovingNode& node : moving_nodes) bytes += bytes_inside(node.channels);
   return bytes;
 }
 

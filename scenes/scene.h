@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -62,7 +63,8 @@ struct Mesh {
 // A mesh placed in the world. Meshes used by several nodes are kept once.
 struct Instance {
   uint32_t mesh = 0;
-  glm::mat4 object_to_world{1.0f};
+  glm::mat4 object_to_world{1.0f};  // of one that moves: at the scene time 0
+  uint32_t moved_by = kNone;        // index into Scene::moving_nodes
 };
 
 enum class LightType : uint8_t { point, spot, directional };
@@ -77,6 +79,7 @@ struct Light {
   float range = 0.0f;                      // metres; 0: unlimited
   float inner_cone_cos = 1.0f;             // spot: full intensity inside
   float outer_cone_cos = 0.70710678f;      // spot: nothing outside
+  uint32_t moved_by = kNone;               // index into Scene::moving_nodes; the place above is then that at time 0
 };
 
 // A pose with a symmetric perspective.
@@ -91,13 +94,12 @@ struct Camera {
   CameraPose rest;
 };
 
-// A camera's path through the scene: the samples of the glTF animations of its node (and the node's ancestors),
-// evaluated through pose_at. Empty `times`: the camera does not move.
+// The samples of a glTF animation of one property of one node.
 enum class Interpolation : uint8_t { step, linear, cubic_spline };
 
 struct Channel {
   enum class Path : uint8_t { translation, rotation, scale };
-  uint32_t node = 0;  // index into CameraPath::chain
+  uint32_t node = 0;  // of a camera's path: index into CameraPath::chain
   Path path = Path::translation;
   Interpolation interpolation = Interpolation::linear;
   std::vector<float> times;       // seconds, increasing
@@ -112,6 +114,7 @@ struct NodeTransform {
   bool has_matrix = false;
 };
 
+// A camera's path through the scene: the animations of its node and the node's ancestors, evaluated through pose_at.
 struct CameraPath {
   uint32_t camera = 0;  // index into Scene::cameras
   float duration_seconds = 0.0f;
@@ -121,6 +124,14 @@ struct CameraPath {
 
 // Pose of `path` at `seconds`, clamped to [0, duration].
 CameraPose pose_at(const CameraPath& path, float vertical_fov, float seconds);
+
+// A node with meshes, lights or such nodes below it that an animation moves, itself or through an ancestor. See motion.h.
+struct MovingNode {
+  uint32_t parent = kNone;          // index into Scene::moving_nodes, always a smaller one
+  glm::dmat4 parent_to_world{1.0};  // where the parent does not move
+  NodeTransform local;
+  std::vector<Channel> channels;
+};
 
 struct Bounds {
   glm::vec3 min{0.0f};
@@ -139,10 +150,12 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<Camera> cameras;  // never empty: a scene without one gets a view of its bounds
   std::vector<CameraPath> paths;
-  Bounds bounds;                // of what is drawn, in the world
-  uint64_t triangle_count = 0;  // in the world: a mesh placed twice counts twice
-  // 128 bits over what affects visibility: world triangles in their order, alpha tests and lights. Names, colours,
-  // cameras and the way a file arranges its triangles into nodes and meshes do not count (see content_hash.h).
+  std::vector<MovingNode> moving_nodes;
+  std::chrono::microseconds period{0};  // after which all moving nodes begin anew
+  Bounds bounds;                        // of what is drawn, in the world, wherever it moves
+  uint64_t triangle_count = 0;          // in the world: a mesh placed twice counts twice
+  // 128 bits over what affects visibility: world triangles in their order, alpha tests, lights and what moves them.
+  // Names, colours, cameras and the way a file arranges its triangles into nodes and meshes do not count (see content_hash.h).
   ContentHash content_hash{};
 
   uint32_t mask_words() const { return (static_cast<uint32_t>(lights.size()) + 31) / 32; }

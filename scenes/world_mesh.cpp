@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "scenes/world_triangles.h"
 
@@ -86,21 +87,34 @@ class Builder {
   WorldMesh& mesh_;
 };
 
-void reserve(const Scene& scene, WorldMesh& mesh) {
-  size_t vertices = 0;
-  size_t triangles = 0;
+MovingMeshSize size_of(const Scene& scene, std::span<const Instance> instances) {
+  MovingMeshSize size;
   for (const Blocking wanted : {Blocking::always, Blocking::by_alpha}) {
-    for_each_placement(scene, wanted, [&](const Placement& placement) {
+    for_each_placement(scene, instances, wanted, [&](const Placement& placement) {
       const Primitive& p = placement.primitive;
-      vertices += p.normals.empty() ? 3 * p.triangles.size() : p.positions.size();
-      triangles += p.triangles.size();
+      size.vertices += static_cast<uint32_t>(p.normals.empty() ? 3 * p.triangles.size() : p.positions.size());
+      size.triangles += static_cast<uint32_t>(p.triangles.size());
     });
   }
-  mesh.positions.reserve(vertices);
-  mesh.normals.reserve(vertices);
-  mesh.uvs.reserve(vertices);
-  mesh.triangles.reserve(triangles);
-  mesh.materials.reserve(triangles);
+  return size;
+}
+
+void reserve(const MovingMeshSize& size, WorldMesh& mesh) {
+  mesh.positions.reserve(size.vertices);
+  mesh.normals.reserve(size.vertices);
+  mesh.uvs.reserve(size.vertices);
+  mesh.triangles.reserve(size.triangles);
+  mesh.materials.reserve(size.triangles);
+}
+
+WorldMesh build(const Scene& scene, std::span<const Instance> instances) {
+  WorldMesh mesh;
+  reserve(size_of(scene, instances), mesh);
+  Builder builder(mesh);
+  for_each_placement(scene, instances, Blocking::always, [&](const Placement& p) { builder.append(p); });
+  mesh.opaque_count = static_cast<uint32_t>(mesh.triangles.size());
+  for_each_placement(scene, instances, Blocking::by_alpha, [&](const Placement& p) { builder.append(p); });
+  return mesh;
 }
 
 float wrapped(float u, Wrap wrap) {
@@ -127,15 +141,13 @@ Blocking blocking_of(const Scene& scene, uint32_t material) {
   return m.base_color.a >= m.alpha_cutoff ? Blocking::always : Blocking::never;
 }
 
-WorldMesh build_world_mesh(const Scene& scene) {
-  WorldMesh mesh;
-  reserve(scene, mesh);
-  Builder builder(mesh);
-  for_each_placement(scene, Blocking::always, [&](const Placement& p) { builder.append(p); });
-  mesh.opaque_count = static_cast<uint32_t>(mesh.triangles.size());
-  for_each_placement(scene, Blocking::by_alpha, [&](const Placement& p) { builder.append(p); });
-  return mesh;
+WorldMesh build_world_mesh(const Scene& scene) { return build(scene, scene.instances); }
+
+WorldMesh build_moving_mesh(const Scene& scene, SceneTime time) {
+  return build(scene, moved_instances(scene, time));
 }
+
+MovingMeshSize moving_mesh_size(const Scene& scene) { return size_of(scene, moved_instances(scene, SceneTime(0))); }
 
 bool passes_alpha_test(const Scene& scene, uint32_t material, glm::vec2 uv) {
   const Material& m = scene.materials[material];

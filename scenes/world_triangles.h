@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "scenes/scene.h"
@@ -28,9 +29,11 @@ struct Placement {
   }
 };
 
+// Of those `instances` that do not move.
 template <class Visit>
-void for_each_placement(const Scene& scene, Blocking wanted, Visit visit) {
-  for (const Instance& instance : scene.instances) {
+void for_each_placement(const Scene& scene, std::span<const Instance> instances, Blocking wanted, Visit visit) {
+  for (const Instance& instance : instances) {
+    if (instance.moved_by != kNone) continue;
     for (const Primitive& primitive : scene.meshes[instance.mesh].primitives) {
       if (blocking_of(scene, primitive.material) == wanted) visit(Placement{primitive, instance.object_to_world});
     }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "scenes/gltf/animations.h"
 #include "scenes/gltf/document.h"
 #include "scenes/gltf/hierarchy.h"
 #include "scenes/scene.h"
@@ -16,8 +17,8 @@ struct Cameras {
 };
 
 // One camera for each node that carries one, and a path for each that an animation moves, itself or through its
-// ancestors. Where several animations move the same property of a node, the first counts. Orthographic cameras are
-// left out: rays of ours start at one point.
-Result<Cameras> read_cameras(const Document& document, const std::vector<PlacedNode>& nodes);
+// ancestors. Orthographic cameras are left out: rays of ours start at one point.
+Result<Cameras> read_cameras(const Document& document, const std::vector<PlacedNode>& nodes,
+                             Animations& animations);
 
 }  // namespace gnomon::scenes::gltf

@@ -5,6 +5,8 @@
 #include <glm/gtc/constants.hpp>
 #include <string>
 
+#include "scenes/pose.h"
+
 namespace gnomon::scenes::gltf {
 namespace {
 
@@ -48,14 +50,14 @@ Result<void> set_strength(const tinygltf::Light& source, Light& light) {
 constexpr float kFarthest = 1e9f;
 
 Result<void> set_place(const PlacedNode& node, Light& light) {
-  light.position = glm::vec3(node.to_world[3]);
+  Light placed = light;
+  const bool directed = place_light(node.to_world, placed);
+  light.position = placed.position;
   const glm::vec3 away = glm::abs(light.position);
   if (std::max({away.x, away.y, away.z}) > kFarthest) return Error{"stands farther away than a million kilometres"};
   if (light.type == LightType::point) return {};
-  const glm::dvec3 forward(-node.to_world[2]);
-  const double length = glm::length(forward);
-  if (!std::isnormal(length)) return Error{"has no direction: its node is scaled to nothing"};
-  light.direction = glm::normalize(glm::vec3(forward / length));
+  if (!directed) return Error{"has no direction: its node is scaled to nothing"};
+  light.direction = placed.direction;
   return {};
 }
 

@@ -29,17 +29,6 @@ GltfFile camera_file(json camera_node = json::object(), json parent = json::obje
   return file;
 }
 
-template <class T>
-void animate(GltfFile& file, int node, const char* path, const char* interpolation, const std::vector<float>& times,
-             const std::vector<T>& values) {
-  const int input = file.add_accessor(times, kFloat, "SCALAR");
-  const int output = file.add_accessor(values, kFloat, sizeof(T) == 16 ? "VEC4" : "VEC3");
-  const json sampler = {{"input", input}, {"output", output}, {"interpolation", interpolation}};
-  const json channel = {{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}};
-  GltfFile::add(file.root["animations"],
-                {{"samplers", json::array({sampler})}, {"channels", json::array({channel})}});
-}
-
 CameraPose pose(const Scene& scene, float seconds) {
   return pose_at(scene.paths.at(0), scene.cameras.at(0).rest.vertical_fov, seconds);
 }

@@ -81,6 +81,18 @@ class GltfFile {
   std::vector<uint8_t> bytes_;
 };
 
+// An animation of one property of one node.
+template <class T>
+void animate(GltfFile& file, int node, const char* path, const char* interpolation, const std::vector<float>& times,
+             const std::vector<T>& values) {
+  const int input = file.add_accessor(times, kFloat, "SCALAR");
+  const int output = file.add_accessor(values, kFloat, sizeof(T) == 16 ? "VEC4" : "VEC3");
+  const json sampler = {{"input", input}, {"output", output}, {"interpolation", interpolation}};
+  const json channel = {{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}};
+  GltfFile::add(file.root["animations"],
+                {{"samplers", json::array({sampler})}, {"channels", json::array({channel})}});
+}
+
 // One triangle (0,0,0) (1,0,0) (0,1,0) on node 0.
 GltfFile triangle_file();
 

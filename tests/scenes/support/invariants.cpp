@@ -80,9 +80,20 @@ std::string broken_promise(const Scene& scene) {
       check(broken(pose_at(path, 1.0f, t)));
     }
   }
+  for (const Instance& i : scene.instances) {
+    check(i.moved_by == kNone || i.moved_by < scene.moving_nodes.size() ? "" : "an instance's node is missing");
+  }
+  for (uint32_t i = 0; i < scene.moving_nodes.size(); ++i) {
+    const uint32_t parent = scene.moving_nodes[i].parent;
+    check(parent == kNone || parent < i ? "" : "a moving node comes before its parent");
+  }
   check(broken(orbit_pose(scene, 3.0f)));
   check(finite(scene.bounds.min) && finite(scene.bounds.max) ? "" : "the bounds are not finite");
   if (found.empty()) check(broken(scene, build_world_mesh(scene)));
+  if (found.empty() && moves(scene)) {
+    check(broken(scene, build_moving_mesh(scene, scene.period / 3)));
+    for (const Light& light : lights_at(scene, scene.lights, scene.period / 3)) check(broken(light));
+  }
   return found;
 }
 

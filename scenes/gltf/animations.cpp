@@ -1,0 +1,147 @@
+#include "scenes/gltf/animations.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "scenes/gltf/accessor.h"
+
+namespace gnomon::scenes::gltf {
+namespace {
+
+std::optional<Channel::Path> path_of(const std::string& name) {
+  if (name == "translation") return Channel::Path::translation;
+  if (name == "rotation") return Channel::Path::rotation;
+  if (name == "scale") return Channel::Path::scale;
+  return std::nullopt;
+}
+
+Result<Interpolation> interpolation_of(const std::string& name) {
+  if (name == "LINEAR" || name.empty()) return Interpolation::linear;
+  if (name == "STEP") return Interpolation::step;
+  if (name == "CUBICSPLINE") return Interpolation::cubic_spline;
+  return Error{"has the unknown interpolation '" + name + "'"};
+}
+
+Result<std::vector<float>> read_times(const Document& document, int accessor) {
+  const auto elements = Elements::of(document, accessor, TINYGLTF_TYPE_SCALAR);
+  if (!elements) return elements.error();
+  std::vector<float> times(elements->count());
+  for (size_t i = 0; i < times.size(); ++i) {
+    times[i] = elements->at(i).x;
+    const bool later = i == 0 ? times[i] >= 0.0f : times[i] > times[i - 1];
+    if (!later || !std::isfinite(times[i])) return Error{"has times that do not increase"};
+  }
+  if (times.empty()) return Error{"has no times"};
+  return times;
+}
+
+Result<std::vector<glm::vec4>> read_values(const Document& document, int accessor, const Channel& channel) {
+  const bool rotation = channel.path == Channel::Path::rotation;
+  const auto elements = Elements::of(document, accessor, rotation ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3);
+  if (!elements) return elements.error();
+  const size_t per_key = channel.interpolation == Interpolation::cubic_spline ? 3 : 1;
+  if (elements->count() != per_key * channel.times.size()) {
+    return Error{"has " + std::to_string(elements->count()) + " values for " +
+                 std::to_string(channel.times.size()) + " times"};
+  }
+  std::vector<glm::vec4> values(elements->count());
+  for (size_t i = 0; i < values.size(); ++i) {
+    values[i] = elements->at(i);
+    if (!std::isfinite(glm::dot(values[i], values[i]))) return Error{"has a value that is not a finite number"};
+  }
+  return values;
+}
+
+Result<Channel> read_channel(const Document& document, const tinygltf::Animation& animation, int sampler_index,
+                             Channel::Path path) {
+  const auto sampler = entry(animation.samplers, sampler_index, "animation sampler");
+  if (!sampler) return sampler.error();
+  const auto interpolation = interpolation_of((*sampler)->interpolation);
+  if (!interpolation) return interpolation.error();
+  Channel channel;
+  channel.path = path;
+  channel.interpolation = *interpolation;
+  auto times = read_times(document, (*sampler)->input);
+  if (!times) return times.error();
+  channel.times = std::move(*times);
+  auto values = read_values(document, (*sampler)->output, channel);
+  if (!values) return values.error();
+  channel.values = std::move(*values);
+  return channel;
+}
+
+constexpr size_t kMaxValues = size_t{1} << 23;  // what a file may ask for: many nodes may name the same long keys
+
+}  // namespace
+
+Animations::Animations(const Document& document) : document_(document), values_left_(kMaxValues) {
+  for (const tinygltf::Animation& animation : document.model.animations) {
+    for (const tinygltf::AnimationChannel& channel : animation.channels) {
+      if (path_of(channel.target_path)) by_node_[channel.target_node].push_back({&animation, &channel});
+    }
+  }
+}
+
+bool Animations::move(const PlacedNode& node) const {
+  return !node.local.has_matrix && by_node_.contains(node.node);
+}
+
+Result<std::vector<Channel>> Animations::of(const PlacedNode& node) {
+  std::vector<Channel> channels;
+  if (!move(node)) return channels;
+  std::array<bool, 3> taken{};
+  for (const Source& source : by_node_.at(node.node)) {
+    const Channel::Path property = *path_of(source.channel->target_path);
+    if (std::exchange(taken[static_cast<size_t>(property)], true)) continue;
+    Result<Channel> channel = read_channel(document_, *source.animation, source.channel->sampler, property);
+    if (!channel) return Error{"animation '" + source.animation->name + "' " + channel.error().message};
+    if (channel->values.size() > values_left_) return Error{"its animations have too many keys"};
+    values_left_ -= channel->values.size();
+    channels.push_back(std::move(*channel));
+  }
+  return channels;
+}
+
+MovingNodes::MovingNodes(const std::vector<PlacedNode>& placed, Animations& animations)
+    : placed_(placed), animations_(animations), index_(placed.size(), kNone) {
+  for (const PlacedNode& node : placed) {
+    moved_.push_back(animations.move(node) || (node.parent != kNone && moved_[node.parent]));
+  }
+}
+
+Result<uint32_t> MovingNodes::find(uint32_t placed) {
+  if (!moved_[placed]) return kNone;
+  if (index_[placed] != kNone) return index_[placed];
+  const PlacedNode& source = placed_[placed];
+  MovingNode node;
+  node.local = source.local;
+  if (source.parent != kNone) {
+    const Result<uint32_t> parent = find(source.parent);
+    if (!parent) return parent;
+    node.parent = *parent;
+    if (*parent == kNone) node.parent_to_world = placed_[source.parent].to_world;
+  }
+  auto channels = animations_.of(source);
+  if (!channels) return channels.error();
+  node.channels = std::move(*channels);
+  index_[placed] = static_cast<uint32_t>(nodes_.size());
+  nodes_.push_back(std::move(node));
+  return index_[placed];
+}
+
+std::chrono::microseconds MovingNodes::period() const {
+  double seconds = 0;
+  for (const MovingNode& node : nodes_) {
+    for (const Channel& channel : node.channels)
+      seconds = std::max(seconds, static_cast<double>(channel.times.back()));
+  }
+  constexpr double kLongest = std::numeric_limits<uint32_t>::max();  // what the wire can say
+  return std::chrono::microseconds(std::llround(std::min(seconds * 1e6, kLongest)));
+}
+
+}  // namespace gnomon::scenes::gltf
