@@ -26,6 +26,15 @@ struct TileGrid {
   friend constexpr bool operator==(const TileGrid&, const TileGrid&) = default;
 };
 
+// Rows of tiles, from the top.
+struct TileRows {
+  uint32_t first = 0;
+  uint32_t count = 0;
+
+  constexpr uint32_t end() const { return first + count; }
+  friend constexpr bool operator==(const TileRows&, const TileRows&) = default;
+};
+
 // Borrowed words of one frame; valid as long as their owner (a frame lease, a decoder) says.
 struct TileMaskView {
   TileGrid grid;

@@ -20,11 +20,14 @@ RenderLoop::RenderLoop(std::unique_ptr<scheduler::Scheduler> scheduler, RenderDe
 
 void RenderLoop::start(TimePoint now) {
   if (lost_ && in_flight_ == 0 && !stopping_ && !failure_) recover(now);
-  while (!lost_ && !failure_ && device_.renderer().free_slots() > 0) {
+  if (lost_ || failure_) return;
+  device_.renderer().begin_batch();
+  while (!lost_ && device_.renderer().free_slots() > 0) {
     const auto picked = scheduler_->pick(now);
-    if (!picked) return;
+    if (!picked) break;
     submit(sessions_.at(picked->session), *picked, now);
   }
+  device_.renderer().end_batch();
 }
 
 void RenderLoop::handle(RenderEvent event, TimePoint now) {

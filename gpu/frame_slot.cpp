@@ -15,22 +15,29 @@ Result<FrameSlot> FrameSlot::create(const DevicePtr& device, const FramePlan& pl
   if (const VkResult r = vkCreateCommandPool(device->handle(), &pool, nullptr, &pool_handle); r != VK_SUCCESS)
     return vulkan_error(r, "creating a command pool");
   slot.pool_ = {device, pool_handle};
+  if (auto added = slot.add_recording(plan); !added) return added.error();
+  return slot;
+}
+
+Result<void> FrameSlot::add_recording(const FramePlan& plan) {
+  Recording added;
   VkCommandBufferAllocateInfo allocate{};
   allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-  allocate.commandPool = pool_handle;
+  allocate.commandPool = pool_.get();
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
-  if (const VkResult r = vkAllocateCommandBuffers(device->handle(), &allocate, &slot.commands_); r != VK_SUCCESS)
+  if (const VkResult r = vkAllocateCommandBuffers(device_->handle(), &allocate, &added.commands); r != VK_SUCCESS)
     return vulkan_error(r, "allocating a command buffer");
   VkQueryPoolCreateInfo queries{};
   queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
   queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
   queries.queryCount = static_cast<uint32_t>(plan.pass_count() + 1);
-  VkQueryPool query_handle = VK_NULL_HANDLE;
-  if (const VkResult r = vkCreateQueryPool(device->handle(), &queries, nullptr, &query_handle); r != VK_SUCCESS)
+  VkQueryPool handle = VK_NULL_HANDLE;
+  if (const VkResult r = vkCreateQueryPool(device_->handle(), &queries, nullptr, &handle); r != VK_SUCCESS)
     return vulkan_error(r, "creating a query pool");
-  slot.timestamps_ = {device, query_handle};
-  return slot;
+  added.timestamps = {device_, handle};
+  recordings_.push_back(std::move(added));
+  return {};
 }
 
 Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid) {
@@ -45,31 +52,50 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
   return {};
 }
 
-Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
-                                   const TileGrid& grid) {
+Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
+                                       const TileGrid& grid, uint32_t rows) {
   FrameUniforms uniforms{};
   set_view(uniforms, camera, grid.width, grid.height);
   scene.describe(uniforms);
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
-
   if (const VkResult r = vkResetCommandPool(device_->handle(), pool_.get(), 0); r != VK_SUCCESS)
     return vulkan_error(r, "resetting a command pool");
+  grid_ = grid;
+  bands_ = 0;
+  next_row_ = 0;
+  return record_more(plan, scene, rows);
+}
+
+Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const ResidentScene& scene, uint32_t rows) {
+  if (bands_ == recordings_.size()) {
+    if (auto added = add_recording(plan); !added) return added.error();
+  }
+  const Recording& recording = recordings_[bands_];
   VkCommandBufferBeginInfo begin{};
   begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  if (const VkResult r = vkBeginCommandBuffer(commands_, &begin); r != VK_SUCCESS)
+  if (const VkResult r = vkBeginCommandBuffer(recording.commands, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
-  plan.execute(commands_, *resources_, scene, grid, timestamps_.get());
-  if (const VkResult r = vkEndCommandBuffer(commands_); r != VK_SUCCESS)
+  plan.execute(recording.commands, *resources_, scene, grid_, {next_row_, rows}, recording.timestamps.get());
+  if (const VkResult r = vkEndCommandBuffer(recording.commands); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
-  return device_->queue().submit(commands_);
+  ++bands_;
+  next_row_ += rows;
+  return RecordedBand{recording.commands, recording.timestamps.get()};
 }
 
-Result<FrameTiming> FrameSlot::timing(const FramePlan& plan) const {
+Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
+                                   const TileGrid& grid) {
+  const auto frame = record(plan, scene, camera, grid, grid.tiles_y());
+  if (!frame) return frame.error();
+  return device_->queue().submit({&frame->commands, 1});
+}
+
+Result<FrameTiming> FrameSlot::timing(const FramePlan& plan, VkQueryPool band) const {
   std::vector<uint64_t> ticks(plan.pass_count() + 1);
-  const VkResult r = vkGetQueryPoolResults(device_->handle(), timestamps_.get(), 0,
-                                           static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
-                                           ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
+  const VkResult r = vkGetQueryPoolResults(device_->handle(), band, 0, static_cast<uint32_t>(ticks.size()),
+                                           ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
+                                           VK_QUERY_RESULT_64_BIT);
   if (r != VK_SUCCESS) return vulkan_error(r, "reading timestamps");
   const auto ns = [&](uint64_t from, uint64_t to) {
     return static_cast<uint64_t>(static_cast<double>(to - from) * device_->features().timestamp_period_ns);

@@ -1,4 +1,4 @@
-// One of the frames in flight: command buffer, timestamps and the plan's resources. A slot is used again only when
+// One of the frames in flight: command buffers, timestamps and the plan's resources. A slot is used again only when
 // the queue's timeline has passed its last frame.
 #pragma once
 
@@ -14,6 +14,12 @@ struct FrameTiming {
   std::vector<StageTime> stages;
 };
 
+// One band of a frame (or all of it), ready to be submitted. Valid until the slot's next frame.
+struct RecordedBand {
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  VkQueryPool timestamps = VK_NULL_HANDLE;
+};
+
 class FrameSlot {
  public:
   static Result<FrameSlot> create(const DevicePtr& device, const FramePlan& plan);
@@ -22,22 +28,39 @@ class FrameSlot {
   // last frame has passed. Error: out of memory; then only another reserve may follow.
   Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
-  // Records and submits one frame of `grid`, which was reserved. Returns the timeline value. Error: out of memory or
-  // device lost; the slot stays usable.
+  // Records one frame of `grid`, which was reserved: all of it, or the first band of rows, the
+  // uppermost `rows`. Error: out of memory or device lost; the slot stays usable.
+  Result<RecordedBand> record(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
+                              const TileGrid& grid, uint32_t rows);
+  // Records the next band of that frame: `rows` further ones. The bands before may still be on the device.
+  Result<RecordedBand> record_more(const FramePlan& plan, const ResidentScene& scene, uint32_t rows);
+
+  // Records and submits a whole frame. Returns the timeline value.
   Result<uint64_t> submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
                           const TileGrid& grid);
 
-  // Of the frame submitted last; precondition: it has passed.
-  Result<FrameTiming> timing(const FramePlan& plan) const;
+  // Of a band that was submitted, by default the first of the frame recorded last; precondition: it has passed. Any
+  // thread.
+  Result<FrameTiming> timing(const FramePlan& plan, VkQueryPool band) const;
+  Result<FrameTiming> timing(const FramePlan& plan) const { return timing(plan, recordings_[0].timestamps.get()); }
   // Mapped memory of a host resource: written before submit, or read after the frame has passed. Valid until the next
   // reserve. Empty: the plan has no such resource.
   std::span<std::byte> host(const FramePlan& plan, std::string_view resource) const;
 
  private:
+  struct Recording {
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    Owned<VkQueryPool, vkDestroyQueryPool> timestamps;
+  };
+
+  Result<void> add_recording(const FramePlan& plan);
+
   DevicePtr device_;
   Owned<VkCommandPool, vkDestroyCommandPool> pool_;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;
-  Owned<VkQueryPool, vkDestroyQueryPool> timestamps_;
+  std::vector<Recording> recordings_;  // one for each band; as many as a frame ever had
+  TileGrid grid_;                      // of the frame recorded last
+  size_t bands_ = 0;                   // of it, recorded
+  uint32_t next_row_ = 0;
   std::optional<FrameResources> resources_;
 };
 

@@ -102,6 +102,7 @@ Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout
   if (!module) return module.error();
   VkComputePipelineCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+  create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;  // for bands of a frame
   create.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, *module);
   create.layout = layout.pipeline.get();
   VkPipeline handle = VK_NULL_HANDLE;

@@ -1,5 +1,7 @@
 #include "gpu/queue.h"
 
+#include <vector>
+
 namespace gnomon::gpu {
 
 Result<void> Queue::open(VkDevice device, uint32_t family) {
@@ -22,27 +24,29 @@ void Queue::close() {
   timeline_ = VK_NULL_HANDLE;
 }
 
-Result<uint64_t> Queue::submit(VkCommandBuffer commands) {
+Result<uint64_t> Queue::submit(std::span<const VkCommandBuffer> commands) {
   std::lock_guard lock(submitting_);
-  const uint64_t value = submitted_ + 1;
-  VkCommandBufferSubmitInfo buffer{};
-  buffer.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO;
-  buffer.commandBuffer = commands;
-  VkSemaphoreSubmitInfo signal{};
-  signal.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
-  signal.semaphore = timeline_;
-  signal.value = value;
-  signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  VkSubmitInfo2 submit{};
-  submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2;
-  submit.commandBufferInfoCount = 1;
-  submit.pCommandBufferInfos = &buffer;
-  submit.signalSemaphoreInfoCount = 1;
-  submit.pSignalSemaphoreInfos = &signal;
-  if (const VkResult r = vkQueueSubmit2(queue_, 1, &submit, VK_NULL_HANDLE); r != VK_SUCCESS)
-    return vulkan_error(r, "submitting work");
-  submitted_ = value;
-  return value;
+  const uint64_t first = submitted_ + 1;
+  std::vector<VkCommandBufferSubmitInfo> buffers(commands.size());
+  std::vector<VkSemaphoreSubmitInfo> signals(commands.size());
+  std::vector<VkSubmitInfo2> submits(commands.size());
+  for (size_t i = 0; i < commands.size(); ++i) {
+    buffers[i].sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO;
+    buffers[i].commandBuffer = commands[i];
+    signals[i].sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
+    signals[i].semaphore = timeline_;
+    signals[i].value = first + i;
+    signals[i].stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    submits[i].sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2;
+    submits[i].commandBufferInfoCount = 1;
+    submits[i].pCommandBufferInfos = &buffers[i];
+    submits[i].signalSemaphoreInfoCount = 1;
+    submits[i].pSignalSemaphoreInfos = &signals[i];
+  }
+  const VkResult r = vkQueueSubmit2(queue_, static_cast<uint32_t>(submits.size()), submits.data(), VK_NULL_HANDLE);
+  if (r != VK_SUCCESS) return vulkan_error(r, "submitting work");
+  submitted_ = first + commands.size() - 1;
+  return first;
 }
 
 Result<void> Queue::wait(uint64_t value) const {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <span>
 
 #include "common/clock.h"
 #include "common/result.h"
@@ -23,8 +24,9 @@ class Queue {
 
   uint32_t family() const { return family_; }
 
-  // The timeline value that marks the end of `commands`. Error: out of memory or device lost.
-  Result<uint64_t> submit(VkCommandBuffer commands);
+  // Starts `commands` one after the other, with one call of the driver. Returns the timeline value that marks the end
+  // of the first; the next ones follow it. Error: out of memory or device lost; nothing has started then.
+  Result<uint64_t> submit(std::span<const VkCommandBuffer> commands);
 
   // Waits until the timeline has reached `value`. Error: device lost.
   Result<void> wait(uint64_t value) const;

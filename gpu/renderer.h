@@ -35,6 +35,7 @@ struct RenderJob {
   CameraView camera;
   uint32_t width = 0;  // pixels of the traced buffer
   uint32_t height = 0;
+  uint32_t tile_rows = 0;  // what this submit traces, from the top; 0: everything
 };
 
 // A frame slot's readback memory, held until the lease is dropped. Move-only; any thread may drop it.
@@ -85,10 +86,13 @@ struct FrameDone {
   uint64_t gpu_ns = 0;            // from the first command to the last, by the device's timestamps
   uint64_t readback_ns = 0;       // of these, the copy to host memory
   std::vector<StageTime> stages;  // every pass, in order
+  bool complete = true;           // false: a band that is not the frame's last; then there is no mask yet
   FrameLease mask;
 };
 
-// submit, make_resident and evict: one thread (the render loop's).
+// A frame that costs much may be traced in bands of tile rows: submit begins it with the first ones, resume adds
+// the next, as often as it takes, and others' frames may come between. It is rasterised once and holds its slot until
+// its lease is dropped or it is abandoned. All calls: one thread (the render loop's).
 class Renderer {
  public:
   virtual ~Renderer() = default;
@@ -109,6 +113,16 @@ class Renderer {
   // Precondition: free_slots() > 0 and the scene is resident. `on_done` is called once, from the completion
   // thread, also when the device is lost. Error: out of memory or device lost; then `on_done` is not called.
   virtual Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) = 0;
+
+  // The next `tile_rows` of a frame that was begun with fewer than it has; the bands before may still be on the
+  // device. `on_done` as above; the mask comes with the last band. On an error the frame is still begun.
+  virtual Result<void> resume(JobId frame, uint32_t tile_rows, std::function<void(FrameDone)> on_done) = 0;
+  // Gives a begun frame up. Its slot is free when the bands on the device are done.
+  virtual void abandon(JobId frame) = 0;
+
+  // What is submitted between these two starts at the end, with one call of the driver.
+  virtual void begin_batch() {}
+  virtual void end_batch() {}
 };
 
 }  // namespace gnomon::gpu

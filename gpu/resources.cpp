@@ -139,7 +139,7 @@ Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommand
   vkCmdPipelineBarrier2(commands, &dependency);
   if (const VkResult r = vkEndCommandBuffer(commands); r != VK_SUCCESS)
     return vulkan_error(r, "recording commands");
-  const auto value = device->queue().submit(commands);
+  const auto value = device->queue().submit({&commands, 1});
   if (!value) return value.error();
   return device->queue().wait(*value);
 }

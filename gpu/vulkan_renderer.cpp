@@ -41,12 +41,25 @@ struct SlotPool {
   std::vector<size_t> free;
 };
 
+constexpr uint64_t kNeverStarted = UINT64_MAX;
+
+// One submit: a frame, or a band of one. Without on_done: only gives its slot back.
 struct InFlight {
   JobId id;
-  size_t slot;
-  uint64_t timeline;
+  size_t slot = 0;
+  VkQueryPool timestamps = VK_NULL_HANDLE;
+  bool last = true;
+  uint64_t timeline = kNeverStarted;
   TileGrid grid;
   std::function<void(FrameDone)> on_done;
+};
+
+// A frame of which not all rows were submitted.
+struct Begun {
+  size_t slot = 0;
+  SceneId scene;
+  TileGrid grid;
+  uint32_t next_row = 0;
 };
 
 class VulkanRenderer : public Renderer {
@@ -54,6 +67,7 @@ class VulkanRenderer : public Renderer {
   explicit VulkanRenderer(std::shared_ptr<SlotPool> pool)
       : pool_(std::move(pool)), completion_([this] { complete(); }) {}
   ~VulkanRenderer() override {
+    start_pending();
     in_flight_.close();
     completion_.join();
   }
@@ -69,7 +83,10 @@ class VulkanRenderer : public Renderer {
     scenes_[id] = std::move(*resident);
     return {};
   }
-  void evict(SceneId id) override { scenes_.erase(id); }
+  void evict(SceneId id) override {
+    start_pending();  // what it parks is freed when all that was started before has passed
+    scenes_.erase(id);
+  }
 
   SceneFootprint footprint(SceneId id) const override {
     const auto found = scenes_.find(id);
@@ -87,38 +104,96 @@ class VulkanRenderer : public Renderer {
     if (auto fits = check_size(*pool_->device, job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
     const TileGrid grid{job.width, job.height, scene->second->light_count()};
+    const uint32_t rows = job.tile_rows == 0 ? grid.tiles_y() : std::min(job.tile_rows, grid.tiles_y());
     const size_t slot = pool_->take();
-    const auto timeline = start(pool_->slots[slot], *scene->second, job.camera, grid);
-    if (!timeline) {
+    const auto band = record(pool_->slots[slot], *scene->second, job.camera, grid, rows);
+    if (!band) {
       pool_->give_back(slot);
-      return timeline.error();
+      return band.error();
     }
-    in_flight_.push({job.id, slot, *timeline, grid, std::move(on_done)});
+    const bool last = rows == grid.tiles_y();
+    if (!last) begun_[job.id] = {slot, job.scene, grid, rows};
+    pend(*band, {job.id, slot, band->timestamps, last, kNeverStarted, grid, std::move(on_done)});
     return {};
   }
 
+  Result<void> resume(JobId id, uint32_t tile_rows, std::function<void(FrameDone)> on_done) override {
+    const auto found = begun_.find(id);
+    if (found == begun_.end()) return Error{"frame " + std::to_string(id.value) + " was not begun"};
+    Begun& frame = found->second;
+    const auto scene = scenes_.find(frame.scene);
+    if (scene == scenes_.end()) return Error{"scene " + std::to_string(frame.scene.value) + " is not resident"};
+    const uint32_t rows = std::min(tile_rows, frame.grid.tiles_y() - frame.next_row);
+    const auto band = pool_->slots[frame.slot].record_more(pool_->plan, *scene->second, rows);
+    if (!band) return band.error();
+    frame.next_row += rows;
+    const bool last = frame.next_row == frame.grid.tiles_y();
+    pend(*band, {id, frame.slot, band->timestamps, last, kNeverStarted, frame.grid, std::move(on_done)});
+    if (last) begun_.erase(found);
+    return {};
+  }
+
+  void abandon(JobId id) override {
+    const auto found = begun_.find(id);
+    if (found == begun_.end()) return;
+    start_pending();  // what is recorded of it refers to its slot
+    in_flight_.push({id, found->second.slot, VK_NULL_HANDLE, true, 0, {}, nullptr});
+    begun_.erase(found);
+  }
+
+  void begin_batch() override { batching_ = true; }
+  void end_batch() override {
+    batching_ = false;
+    start_pending();
+  }
+
  private:
-  Result<uint64_t> start(FrameSlot& slot, const ResidentScene& scene, const CameraView& camera,
-                         const TileGrid& grid) const {
+  void start_pending() {
+    if (pending_.empty()) return;
+    const auto first = pool_->device->queue().submit(pending_commands_);
+    for (size_t i = 0; i < pending_.size(); ++i) {
+      if (first) pending_[i].timeline = *first + i;
+      in_flight_.push(std::move(pending_[i]));
+    }
+    pending_.clear();
+    pending_commands_.clear();
+  }
+
+  Result<RecordedBand> record(FrameSlot& slot, const ResidentScene& scene, const CameraView& camera,
+                              const TileGrid& grid, uint32_t rows) const {
     if (auto room = slot.reserve(pool_->plan, scene, grid); !room) return room.error();
-    return slot.submit(pool_->plan, scene, camera, grid);
+    return slot.record(pool_->plan, scene, camera, grid, rows);
+  }
+
+  void pend(const RecordedBand& band, InFlight frame) {
+    pending_commands_.push_back(band.commands);
+    pending_.push_back(std::move(frame));
+    if (!batching_) start_pending();
   }
 
   void complete() {
     std::vector<InFlight> batch;
     for (in_flight_.take(batch); !batch.empty(); in_flight_.take(batch))
-      for (InFlight& frame : batch) frame.on_done(finish(frame));
+      for (InFlight& frame : batch) {
+        if (frame.on_done) {
+          frame.on_done(finish(frame));
+        } else {
+          pool_->give_back(frame.slot);
+        }
+      }
   }
 
   FrameDone finish(const InFlight& frame) const {
     const FrameSlot& slot = pool_->slots[frame.slot];
     FrameDone done;
     done.id = frame.id;
+    done.complete = frame.last;
     auto release = [pool = pool_, slot = frame.slot] { pool->give_back(slot); };
-    const auto passed = pool_->device->queue().wait(frame.timeline);
-    auto timing = passed ? slot.timing(pool_->plan) : Result<FrameTiming>(passed.error());
+    const auto passed = frame.timeline == kNeverStarted ? Result<void>(Error{"the device took no work"})
+                                                        : pool_->device->queue().wait(frame.timeline);
+    auto timing = passed ? slot.timing(pool_->plan, frame.timestamps) : Result<FrameTiming>(passed.error());
     if (!timing) {
-      release();
+      if (frame.last) release();
       done.device_lost = true;
       return done;
     }
@@ -126,6 +201,7 @@ class VulkanRenderer : public Renderer {
     done.stages = std::move(timing->stages);
     for (const StageTime& stage : done.stages)
       if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;
+    if (!frame.last) return done;
     const auto bytes = slot.host(pool_->plan, resource::kHostMasks);
     const auto* words = reinterpret_cast<const uint64_t*>(bytes.data());
     done.mask = FrameLease({frame.grid, {words, frame.grid.word_count()}}, std::move(release));
@@ -134,6 +210,10 @@ class VulkanRenderer : public Renderer {
 
   std::shared_ptr<SlotPool> pool_;
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;  // the render loop's
+  std::map<JobId, Begun> begun_;
+  bool batching_ = false;
+  std::vector<InFlight> pending_;  // submitted, not started
+  std::vector<VkCommandBuffer> pending_commands_;
   Inbox<InFlight> in_flight_;
   std::thread completion_;
 };

@@ -264,18 +264,26 @@ void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resourc
 }
 
 void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-                        const TileGrid& grid, VkQueryPool timestamps) const {
+                        const TileGrid& grid, const TileRows& rows, VkQueryPool timestamps) const {
+  const bool first = rows.first == 0, last = rows.end() == grid.tiles_y();
   const auto stamp = [&](size_t query, VkPipelineStageFlags2 stage) {
     vkCmdWriteTimestamp2(commands, stage, timestamps, static_cast<uint32_t>(query));
   };
   vkCmdResetQueryPool(commands, timestamps, 0, static_cast<uint32_t>(passes_.size() + 1));
   stamp(0, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
-    wait_for(commands, resources, pass);
-    passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, grid});
+    const Share share = passes_[pass]->share();
+    // A barrier orders all later bands too; what changes a layout may stand in one of them alone.
+    if (share == Share::last_band ? last : first) wait_for(commands, resources, pass);
+    if (share == Share::every_band || (share == Share::last_band ? last : first)) {
+      // What runs once has the whole frame to itself.
+      const TileRows whole{0, grid.tiles_y()};
+      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, grid,
+                             share == Share::every_band ? rows : whole});
+    }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   }
-  wait_for(commands, resources, passes_.size());
+  if (last) wait_for(commands, resources, passes_.size());
 }
 
 }  // namespace gnomon::gpu

@@ -37,9 +37,10 @@ class FramePlan {
   // The buffer of that name; null where the plan has none.
   const Buffer* buffer(const FrameResources& resources, std::string_view name) const;
 
-  // Records every pass and its barriers, and a timestamp before the first and after each (queries 0...pass_count).
+  // Records the passes that have a share of the band `rows` and their barriers, and a timestamp before the first and
+  // after each (queries 0...pass_count). Bands follow each other from the top to the last row.
   void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-               const TileGrid& grid, VkQueryPool timestamps) const;
+               const TileGrid& grid, const TileRows& rows, VkQueryPool timestamps) const;
 
  private:
   struct Resource {

@@ -74,13 +74,17 @@ struct BoundPort {
   const Buffer* buffer = nullptr;
 };
 
-// What a pass knows while it records one frame.
+// A frame may be traced in bands of tile rows, each a submit of its own. In which of them a pass runs.
+enum class Share { first_band, every_band, last_band };
+
+// What a pass knows while it records one frame, or one band of it.
 struct FrameContext {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkDescriptorSet descriptors = VK_NULL_HANDLE;
   std::span<const BoundPort> ports;  // in the order of Pass::ports
   const ResidentScene& scene;
   TileGrid grid;  // this frame's, within the capacity
+  TileRows rows;  // this band's
 
   Capacity size() const { return frame_size(scene, grid); }
 };
@@ -92,6 +96,7 @@ class Pass {
   virtual std::string_view name() const = 0;
   virtual std::vector<Port> ports() const = 0;
   virtual const PassLayout* layout() const = 0;  // null: binds nothing
+  virtual Share share() const { return Share::first_band; }
   virtual void record(const FrameContext& frame) const = 0;
 };
 

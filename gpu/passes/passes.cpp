@@ -76,7 +76,7 @@ void bind(const FrameContext& frame, const ComputeStep& step, std::span<const st
 
 void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
   bind(frame, step, push);
-  vkCmdDispatch(frame.commands, frame.grid.tiles_x(), frame.grid.tiles_y(), 1);
+  vkCmdDispatchBase(frame.commands, 0, frame.rows.first, 0, frame.grid.tiles_x(), frame.rows.count, 1);
 }
 
 void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push) {

@@ -76,7 +76,8 @@ Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_
 
 // Binds the step, the frame's descriptors and push constants.
 void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
-// The same, then one workgroup for each 8x8 tile.
+// The same, then one workgroup for each 8x8 tile of the frame's rows: all of them, but where a pass has a share of
+// every band.
 void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
 void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push);
 

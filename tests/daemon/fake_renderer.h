@@ -54,6 +54,11 @@ class FakeRenderer : public gpu::Renderer {
     return {};
   }
 
+  Result<void> resume(JobId, uint32_t, std::function<void(gpu::FrameDone)>) override {
+    return Error{"the fake has no bands"};
+  }
+  void abandon(JobId) override {}
+
   size_t waiting() const {
     std::lock_guard lock(mutex_);
     return waiting_.size();

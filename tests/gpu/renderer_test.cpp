@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <thread>
 
 #include "tests/gpu/made_scenes.h"
 #include "tests/gpu/test_device.h"
@@ -76,6 +77,62 @@ TEST(RendererTest, SlotsComeBackWhenLeasesAreDropped) {
   EXPECT_EQ(renderer->free_slots(), 1u);
   done.clear();
   EXPECT_EQ(renderer->free_slots(), 3u);
+}
+
+std::vector<uint64_t> words_of(const FrameDone& done) {
+  return {done.mask.mask().words.begin(), done.mask.mask().words.end()};
+}
+
+// A frame in bands, others' frames between them, is bit for bit the frame in one.
+TEST(RendererTest, BandsMakeTheSameFrame) {
+  auto renderer = renderer_with_scene(3);
+  const TileGrid grid{200, 120, 1};
+  for (const uint32_t rows : {1u, 4u, 7u, grid.tiles_y() - 1}) {
+    Frames whole, banded, other;
+    ASSERT_TRUE(renderer->submit(job(1, grid.width, grid.height), whole.take()));
+    RenderJob begun = job(2, grid.width, grid.height);
+    begun.tile_rows = rows;
+    ASSERT_TRUE(renderer->submit(begun, banded.take()));
+    size_t bands = 1;
+    for (uint32_t done = rows; done < grid.tiles_y(); done += rows, ++bands) {
+      ASSERT_TRUE(renderer->submit(job(10 + bands, 64, 64, 1.0f), other.take()));
+      other.wait_for(bands).back().mask.drop();
+      ASSERT_TRUE(renderer->resume(JobId(2), rows, banded.take()));
+    }
+    const auto& done = banded.wait_for(bands);
+    for (size_t band = 0; band < bands; ++band) {
+      EXPECT_EQ(done[band].complete, band + 1 == bands);
+      EXPECT_GT(done[band].gpu_ns, 0u);
+    }
+    EXPECT_EQ(words_of(done.back()), words_of(whole.wait_for(1)[0])) << rows << " rows";
+    EXPECT_FALSE(renderer->resume(JobId(2), 1, banded.take())) << "it is complete";
+  }
+  EXPECT_EQ(renderer->free_slots(), 3u);
+}
+
+TEST(RendererTest, AnAbandonedFrameGivesItsSlotBack) {
+  auto renderer = renderer_with_scene(1);
+  Frames frames;
+  RenderJob begun = job(1, 128, 72);
+  begun.tile_rows = 2;
+  ASSERT_TRUE(renderer->submit(begun, frames.take()));
+  EXPECT_EQ(renderer->free_slots(), 0u);
+  renderer->abandon(JobId(1));
+  frames.wait_for(1);
+  EXPECT_FALSE(renderer->resume(JobId(1), 2, frames.take()));
+  while (renderer->free_slots() == 0) std::this_thread::yield();
+  ASSERT_TRUE(renderer->submit(job(2, 128, 72), frames.take()));
+  EXPECT_TRUE(frames.wait_for(2).back().complete);
+}
+
+TEST(RendererTest, ABatchStartsAtItsEnd) {
+  auto renderer = renderer_with_scene(3);
+  Frames frames;
+  renderer->begin_batch();
+  for (uint64_t i = 0; i < 3; ++i) ASSERT_TRUE(renderer->submit(job(i, 64, 64), frames.take()));
+  renderer->end_batch();
+  const auto& done = frames.wait_for(3);
+  for (uint64_t i = 0; i < 3; ++i) EXPECT_EQ(done[i].id, JobId(i));
 }
 
 TEST(RendererTest, ALeaseKeepsItsMaskWhileOtherFramesRun) {
