@@ -16,30 +16,31 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
     if (!tracer) return tracer.error();
     self->tracer_ = std::move(*tracer);
   }
-  auto plan = FramePlan::compile(*device, passes, self->tracer_.get());
-  if (!plan) return plan.error();
-  self->plan_ = std::move(*plan);
-  auto slot = FrameSlot::create(*device, self->plan_);
-  if (!slot) return slot.error();
-  self->slot_ = std::move(*slot);
+  auto lanes = Lanes::create(*device, passes, self->tracer_.get(), 1);
+  if (!lanes) return lanes.error();
+  self->lanes_ = std::move(*lanes);
   auto resident = ResidentScene::create(*device, scene, self->tracer_.get());
   if (!resident) return resident.error();
   self->scene_ = std::move(*resident);
   return self;
 }
 
-Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height) {
+Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time) {
   const TileGrid grid{width, height, scene_->light_count()};
   if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
-  if (auto room = slot_.reserve(plan_, *scene_, grid); !room) return room.error();
+  posed_ = scene_->pose(time);
+  auto lane = lanes_->lane_for(*posed_);
+  if (!lane) return lane.error();
+  lane_ = *lane;
+  if (auto room = slot().reserve(lane_->plan, *scene_, grid); !room) return room.error();
   return grid;
 }
 
 Result<FrameTiming> BlockingFrame::render(const CameraView& camera, const TileGrid& grid) {
-  const auto timeline = slot_.submit(plan_, *scene_, camera, grid);
+  const auto timeline = slot().submit(lane_->plan, *scene_, posed_, camera, grid);
   if (!timeline) return timeline.error();
   if (auto passed = device_->queue().wait(*timeline); !passed) return passed.error();
-  return slot_.timing(plan_);
+  return slot().timing(lane_->plan);
 }
 
 }  // namespace gnomon::gpu

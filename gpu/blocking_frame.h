@@ -3,10 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "gpu/frame_slot.h"
+#include "gpu/lanes.h"
 #include "gpu/tracers/tracer.h"
 #include "gpu/vulkan_renderer.h"
 
@@ -21,21 +22,27 @@ class BlockingFrame {
 
   const Device& device() const { return *device_; }
   const ResidentScene& scene() const { return *scene_; }
+  ResidentScene& scene() { return *scene_; }
+  const Tracer* tracer() const { return tracer_.get(); }
+  const DevicePtr& device_ptr() const { return device_; }
 
-  // Makes room, so that host() can be written. Error: size out of range, out of memory.
-  Result<TileGrid> reserve(uint32_t width, uint32_t height);
+  // Makes room for a frame of the scene at `time`, so that host() can be written. Error: size out of range, out of
+  // memory.
+  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {});
   // Renders what was reserved and waits. Error: device lost, out of memory.
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
   // Host memory of that resource, as FrameSlot::host.
-  std::span<std::byte> host(std::string_view resource) const { return slot_.host(plan_, resource); }
+  std::span<std::byte> host(std::string_view resource) const { return slot().host(lane_->plan, resource); }
 
  private:
   BlockingFrame() = default;
+  FrameSlot& slot() const { return lane_->slots[0]; }
 
   DevicePtr device_;
   std::unique_ptr<Tracer> tracer_;
-  FramePlan plan_;
-  FrameSlot slot_;
+  std::optional<Lanes> lanes_;
+  Lane* lane_ = nullptr;  // of the frame that was reserved last
+  PosedScenePtr posed_;   // the same
   std::unique_ptr<ResidentScene> scene_;
 };
 

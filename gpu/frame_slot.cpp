@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "gpu/passes/passes.h"
+
 namespace gnomon::gpu {
 
-Result<FrameSlot> FrameSlot::create(const DevicePtr& device, const FramePlan& plan) {
+Result<FrameSlot> FrameSlot::create(const DevicePtr& device, const FramePlan& plan, uint32_t number) {
   FrameSlot slot;
+  slot.number_ = number;
   slot.device_ = device;
   VkCommandPoolCreateInfo pool{};
   pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
@@ -52,15 +55,27 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
   return {};
 }
 
-Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
-                                       const TileGrid& grid, uint32_t rows) {
+void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera) {
   FrameUniforms uniforms{};
-  set_view(uniforms, camera, grid.width, grid.height);
-  scene.describe(uniforms);
+  set_view(uniforms, camera, grid_.width, grid_.height);
+  scene.describe(uniforms, *posed_);
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
+  if (resources_->resting_uniforms.mapped()) {
+    std::copy(posed_->resting_lights.begin(), posed_->resting_lights.end(), uniforms.lights);
+    std::memcpy(resources_->resting_uniforms.mapped(), &uniforms, sizeof(uniforms));
+  }
+  if (const auto moving = host(plan, resource::kMovingHost); !moving.empty())
+    write_moving(moving, scene, *posed_, number_);
+}
+
+Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene,
+                                       const PosedScenePtr& posed, const CameraView& camera, const TileGrid& grid,
+                                       uint32_t rows) {
+  posed_ = posed;
+  grid_ = grid;
+  write_inputs(plan, scene, camera);
   if (const VkResult r = vkResetCommandPool(device_->handle(), pool_.get(), 0); r != VK_SUCCESS)
     return vulkan_error(r, "resetting a command pool");
-  grid_ = grid;
   bands_ = 0;
   next_row_ = 0;
   return record_more(plan, scene, rows);
@@ -76,7 +91,8 @@ Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const Residen
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const VkResult r = vkBeginCommandBuffer(recording.commands, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
-  plan.execute(recording.commands, *resources_, scene, grid_, {next_row_, rows}, recording.timestamps.get());
+  plan.execute(recording.commands, *resources_, scene, *posed_, number_, grid_, {next_row_, rows},
+               recording.timestamps.get());
   if (const VkResult r = vkEndCommandBuffer(recording.commands); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
   ++bands_;
@@ -84,9 +100,9 @@ Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const Residen
   return RecordedBand{recording.commands, recording.timestamps.get()};
 }
 
-Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
-                                   const TileGrid& grid) {
-  const auto frame = record(plan, scene, camera, grid, grid.tiles_y());
+Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
+                                   const CameraView& camera, const TileGrid& grid) {
+  const auto frame = record(plan, scene, posed, camera, grid, grid.tiles_y());
   if (!frame) return frame.error();
   return device_->queue().submit({&frame->commands, 1});
 }

@@ -22,22 +22,23 @@ struct RecordedBand {
 
 class FrameSlot {
  public:
-  static Result<FrameSlot> create(const DevicePtr& device, const FramePlan& plan);
+  // `number`: among the frames in flight.
+  static Result<FrameSlot> create(const DevicePtr& device, const FramePlan& plan, uint32_t number = 0);
 
   // Makes room for frames of `scene` and `grid`: resources only grow. Precondition of this and of submit: the slot's
   // last frame has passed. Error: out of memory; then only another reserve may follow.
   Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
-  // Records one frame of `grid`, which was reserved: all of it, or the first band of rows, the
-  // uppermost `rows`. Error: out of memory or device lost; the slot stays usable.
-  Result<RecordedBand> record(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
-                              const TileGrid& grid, uint32_t rows);
+  // Records one frame of `grid`, which was reserved, of the scene as it is `posed`: all of it, or the first band of
+  // rows, the uppermost `rows`. Error: out of memory or device lost; the slot stays usable.
+  Result<RecordedBand> record(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
+                              const CameraView& camera, const TileGrid& grid, uint32_t rows);
   // Records the next band of that frame: `rows` further ones. The bands before may still be on the device.
   Result<RecordedBand> record_more(const FramePlan& plan, const ResidentScene& scene, uint32_t rows);
 
   // Records and submits a whole frame. Returns the timeline value.
-  Result<uint64_t> submit(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera,
-                          const TileGrid& grid);
+  Result<uint64_t> submit(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
+                          const CameraView& camera, const TileGrid& grid);
 
   // Of a band that was submitted, by default the first of the frame recorded last; precondition: it has passed. Any
   // thread.
@@ -54,6 +55,7 @@ class FrameSlot {
   };
 
   Result<void> add_recording(const FramePlan& plan);
+  void write_inputs(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera);
 
   DevicePtr device_;
   Owned<VkCommandPool, vkDestroyCommandPool> pool_;
@@ -62,6 +64,8 @@ class FrameSlot {
   size_t bands_ = 0;                   // of it, recorded
   uint32_t next_row_ = 0;
   std::optional<FrameResources> resources_;
+  uint32_t number_ = 0;
+  PosedScenePtr posed_;  // of the last frame, whose commands refer to it
 };
 
 // Error: the device cannot render a picture of that size.

@@ -24,7 +24,7 @@ LightColour light_colour(const scenes::Light& light) {
   return out;
 }
 
-ShadingUniforms uniforms_of(const scenes::Scene& scene, const ShadeOptions& options) {
+ShadingUniforms uniforms_of(const std::vector<scenes::Light>& lights, const ShadeOptions& options) {
   ShadingUniforms out{};
   out.ambient = options.ambient;
   out.exposure = options.exposure;
@@ -32,7 +32,7 @@ ShadingUniforms uniforms_of(const scenes::Scene& scene, const ShadeOptions& opti
   out.view = static_cast<uint32_t>(options.view);
   out.tonemap = static_cast<uint32_t>(options.tonemap);
   out.only_light = options.only_light.value_or(kEveryLight);
-  std::transform(scene.lights.begin(), scene.lights.end(), out.lights, light_colour);
+  std::transform(lights.begin(), lights.end(), out.lights, light_colour);
   return out;
 }
 
@@ -41,15 +41,14 @@ ShadingUniforms uniforms_of(const scenes::Scene& scene, const ShadeOptions& opti
 // A frame of gbuffer and shade, its host inputs filled in.
 class ReferenceView::Shader {
  public:
-  Shader(std::unique_ptr<BlockingFrame> frame, scenes::ScenePtr scene)
-      : frame_(std::move(frame)), scene_(std::move(scene)) {}
+  explicit Shader(std::unique_ptr<BlockingFrame> frame) : frame_(std::move(frame)) {}
 
-  const scenes::Scene& scene() const { return *scene_; }
+  ResidentScene& scene() { return frame_->scene(); }
 
   // Four bytes a pixel, valid until the next call.
   Result<std::span<const std::byte>> render(const CameraView& camera, const TileMaskView& masks,
-                                            const ShadingUniforms& shading) {
-    const auto grid = frame_->reserve(masks.grid.width, masks.grid.height);
+                                            const ShadingUniforms& shading, scenes::SceneTime time) {
+    const auto grid = frame_->reserve(masks.grid.width, masks.grid.height, time);
     if (!grid) return grid.error();
     if (*grid != masks.grid || masks.words.size() != grid->word_count())
       return Error{"a mask of " + std::to_string(masks.grid.lights) + " lights for a scene of " +
@@ -64,7 +63,6 @@ class ReferenceView::Shader {
 
  private:
   std::unique_ptr<BlockingFrame> frame_;
-  scenes::ScenePtr scene_;
 };
 
 ReferenceView::ReferenceView(std::unique_ptr<Shader> shader) : shader_(std::move(shader)) {}
@@ -74,26 +72,30 @@ Result<std::unique_ptr<ReferenceView>> ReferenceView::create(const RendererOptio
                                                              const scenes::ScenePtr& scene) {
   auto frame = BlockingFrame::create(options, {"gbuffer", "shade", "readback_color"}, scene);
   if (!frame) return frame.error();
-  return std::unique_ptr<ReferenceView>(new ReferenceView(std::make_unique<Shader>(std::move(*frame), scene)));
+  return std::unique_ptr<ReferenceView>(new ReferenceView(std::make_unique<Shader>(std::move(*frame))));
 }
 
 Result<RgbaImage> ReferenceView::render(const CameraView& camera, uint32_t width, uint32_t height,
                                         const TileMaskView& masks, const ShadeOptions& options) {
   if (masks.grid.width != width || masks.grid.height != height)
     return Error{"a mask of another size than the picture's"};
-  const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene(), options));
+  const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene().lights(), options), options.time);
   if (!pixels) return pixels.error();
   RgbaImage image{width, height, std::vector<uint8_t>(pixels->size())};
   std::memcpy(image.rgba.data(), pixels->data(), pixels->size());
   return image;
 }
 
+Result<void> ReferenceView::set_lights(const std::vector<scenes::Light>& lights) {
+  return shader_->scene().set_lights(lights);
+}
+
 Result<float> ReferenceView::suggest_exposure(const CameraView& camera) {
-  const TileGrid grid{160, 96, static_cast<uint32_t>(shader_->scene().lights.size())};
+  const TileGrid grid{160, 96, shader_->scene().light_count()};
   const std::vector<uint64_t> all_lit(grid.word_count(), ~uint64_t{0});
-  ShadingUniforms shading = uniforms_of(shader_->scene(), {});
+  ShadingUniforms shading = uniforms_of(shader_->scene().lights(), {});
   shading.view = kLuminanceView;
-  const auto pixels = shader_->render(camera, {grid, all_lit}, shading);
+  const auto pixels = shader_->render(camera, {grid, all_lit}, shading, {});
   if (!pixels) return pixels.error();
   std::vector<float> luminance(pixels->size() / sizeof(float));
   std::memcpy(luminance.data(), pixels->data(), pixels->size());

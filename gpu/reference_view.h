@@ -11,6 +11,7 @@
 #include "common/result.h"
 #include "common/tile_mask.h"
 #include "gpu/vulkan_renderer.h"
+#include "scenes/motion.h"
 #include "scenes/scene.h"
 
 namespace gnomon::gpu {
@@ -32,6 +33,7 @@ struct ShadeOptions {
   glm::vec3 ambient{0.0f};             // radiance that reaches every surface; 0 keeps the formula
   glm::vec3 background{0.0f};          // linear; where no surface is
   std::optional<uint32_t> only_light;  // shade with this light alone
+  scenes::SceneTime time{};            // of what moves in the scene, within its period
 };
 
 // One thread. Calls block.
@@ -45,6 +47,9 @@ class ReferenceView {
   // `masks` is of the same size and of the scene's lights. Error: it is not; size out of range; device lost.
   Result<RgbaImage> render(const CameraView& camera, uint32_t width, uint32_t height, const TileMaskView& masks,
                            const ShadeOptions& options = {});
+
+  // The lights of pictures from now on, as many as the scene has. Error: another number.
+  Result<void> set_lights(const std::vector<scenes::Light>& lights);
 
   // An exposure that suits this view: its mean luminance, every light seen everywhere, becomes a mid grey.
   Result<float> suggest_exposure(const CameraView& camera);

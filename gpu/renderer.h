@@ -17,6 +17,7 @@
 #include "common/ids.h"
 #include "common/result.h"
 #include "common/tile_mask.h"
+#include "scenes/motion.h"
 #include "scenes/scene.h"
 
 namespace gnomon::gpu {
@@ -35,7 +36,8 @@ struct RenderJob {
   CameraView camera;
   uint32_t width = 0;  // pixels of the traced buffer
   uint32_t height = 0;
-  uint32_t tile_rows = 0;  // what this submit traces, from the top; 0: everything
+  scenes::SceneTime time{};  // of what moves in the scene, within its period
+  uint32_t tile_rows = 0;    // what this submit traces, from the top; 0: everything
 };
 
 // A frame slot's readback memory, held until the lease is dropped. Move-only; any thread may drop it.

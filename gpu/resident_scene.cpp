@@ -1,8 +1,24 @@
 #include "gpu/resident_scene.h"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace gnomon::gpu {
+namespace {
+
+// Where the tracer builds for lights, it does so for those that stay: not for lights that animations move.
+std::vector<exact::TracedLight> lights_to_build_for(const Tracer& tracer, const scenes::Scene& scene,
+                                                    const std::vector<scenes::Light>& lights) {
+  std::vector<exact::TracedLight> out;
+  for (const scenes::Light& light : lights) {
+    const bool moves = light.moved_by != scenes::kNone && tracer.builds_for_lights();
+    out.push_back(moves ? silenced_light(scene.bounds) : traced_light(light, scene.bounds));
+  }
+  return out;
+}
+
+}  // namespace
+
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds) {
   exact::TracedLight traced{};
   traced.position = light.position;
@@ -21,40 +37,130 @@ exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds
 }
 
 Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& device, const scenes::ScenePtr& scene,
-                                                             const Tracer* tracer) {
+                                                             const Tracer* tracer, uint32_t slots) {
   if (scene->lights.size() > kMaxLights)
     return Error{"scene '" + scene->name + "' has " + std::to_string(scene->lights.size()) + " lights; at most " +
                  std::to_string(kMaxLights) + " are supported"};
   auto resident = std::make_unique<ResidentScene>();
   resident->scene_ = scene;
-  for (const scenes::Light& light : scene->lights) resident->lights_.push_back(traced_light(light, scene->bounds));
+  resident->lights_ = scene->lights;
+  resident->moving_size_ = scenes::moving_mesh_size(*scene);
   scenes::WorldMesh mesh = scenes::build_world_mesh(*scene);
   resident->clusters_ = make_clusters(*scene, mesh);
-  if (auto done = resident->upload_mesh(device, mesh); !done) return done.error();
+  if (auto done = resident->upload_mesh(device, mesh, slots); !done) return done.error();
   if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
   if (!tracer) return resident;
-  auto traced = tracer->build({*scene, mesh, resident->lights_, true, resident->positions_, resident->triangles_});
-  if (!traced) return traced.error();
-  resident->traced_ = std::move(*traced);
+  if (auto done = resident->build_traced(device, *tracer, mesh); !done) return done.error();
   return resident;
 }
 
-Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh) {
+Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& tracer,
+                                         const scenes::WorldMesh& mesh) {
+  built_for_lights_ = tracer.builds_for_lights();
+  traced_.built_for = lights_to_build_for(tracer, *scene_, lights_);
+  const TracerInput input{*scene_, mesh, traced_.built_for, true, positions_, triangles_};
+  auto traced = tracer.build(input);
+  if (!traced) return traced.error();
+  traced_.traced = std::move(*traced);
+  if (!needs_still_bvh(lights_)) return {};
+  auto bvh = make_bvh_tracer(device)->build(input);
+  if (!bvh) return bvh.error();
+  still_bvh_ = std::move(*bvh);
+  return {};
+}
+
+std::vector<exact::TracedLight> ResidentScene::traced_lights(const std::vector<scenes::Light>& lights) const {
+  std::vector<exact::TracedLight> out;
+  for (const scenes::Light& light : lights) out.push_back(traced_light(light, scene_->bounds));
+  return out;
+}
+
+bool ResidentScene::needs_still_bvh(const std::vector<scenes::Light>& lights) const {
+  if (!built_for_lights_ || still_bvh_) return false;
+  const std::vector<exact::TracedLight> wanted = traced_lights(lights);
+  return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
+}
+
+Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
+  if (lights.size() != lights_.size()) return Error{"a scene keeps its number of lights"};
+  if (needs_still_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
+  for (size_t i = 0; i < lights.size(); ++i) lights[i].moved_by = lights_[i].moved_by;
+  lights_ = std::move(lights);
+  posed_.reset();
+  return {};
+}
+
+void ResidentScene::give_traced(TracedLights traced) {
+  traced_ = std::move(traced);
+  posed_.reset();
+}
+
+PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
+  if (posed_ && (posed_->time == time || !scenes::moves(*scene_))) return posed_;
+  auto posed = std::make_shared<PosedScene>();
+  posed->time = time;
+  posed->mesh = scenes::build_moving_mesh(*scene_, time);
+  if (traced_.traced) posed->bvh = build_bvh(posed->mesh, 1);
+  posed->draws = draws_of(*scene_, posed->mesh);
+  posed->lights = traced_lights(scenes::lights_at(*scene_, lights_, time));
+  posed->resting_lights = posed->lights;
+  posed->traced = traced_.traced;
+  if (built_for_lights_) {
+    for (size_t i = 0; i < posed->lights.size(); ++i) {
+      if (same_light(posed->lights[i], traced_.built_for[i])) continue;
+      posed->moving_lights[i / 32] |= 1u << (i % 32);
+      posed->resting_lights[i] = silenced_light(scene_->bounds);
+    }
+  }
+  if (posed->any_light_moves()) posed->still_bvh = still_bvh_;
+  posed_ = std::move(posed);
+  return posed_;
+}
+
+Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
+                                      const std::vector<scenes::Light>& lights) {
+  scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
+  make_clusters(scene, mesh);  // for the order of the triangles
+  TracedLights built{nullptr, lights_to_build_for(tracer, scene, lights)};
+  const Buffer none;  // tracers that build for lights do so from the mesh
+  auto traced = tracer.build({scene, mesh, built.built_for, false, none, none});
+  if (!traced) return traced.error();
+  built.traced = std::move(*traced);
+  return built;
+}
+
+Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene) {
+  scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
+  make_clusters(scene, mesh);
+  const Buffer none;
+  auto traced = make_bvh_tracer(device)->build({scene, mesh, {}, false, none, none});
+  if (!traced) return traced.error();
+  return std::shared_ptr<const TracedScene>(std::move(*traced));
+}
+
+Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots) {
+  vertex_count_ = static_cast<uint32_t>(mesh.positions.size());
   triangle_count_ = static_cast<uint32_t>(mesh.triangles.size());
   const VkBufferUsageFlags build =
       device->features().ray_query ? VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR : 0;
-  const auto put = [&](Buffer& into, const auto& list, VkBufferUsageFlags usage) -> Result<void> {
-    auto buffer = upload(device, std::as_bytes(std::span(list)), usage);
+  const size_t vertices = size_t{slots} * moving_size_.vertices, triangles = size_t{slots} * moving_size_.triangles;
+  const auto put = [&](Buffer& into, const auto& list, size_t room, VkBufferUsageFlags usage) -> Result<void> {
+    std::remove_cvref_t<decltype(list)> grown;
+    if (room > 0) {
+      grown = list;
+      grown.resize(list.size() + room);
+    }
+    auto buffer = upload(device, std::as_bytes(std::span(room > 0 ? grown : list)), usage);
     if (!buffer) return buffer.error();
     into = std::move(*buffer);
     return {};
   };
-  if (auto r = put(positions_, mesh.positions, build); !r) return r;
-  if (auto r = put(normals_, mesh.normals, 0); !r) return r;
-  if (auto r = put(uvs_, mesh.uvs, 0); !r) return r;
-  if (auto r = put(triangles_, mesh.triangles, build); !r) return r;
-  return put(triangle_materials_, mesh.materials, 0);
+  if (auto r = put(positions_, mesh.positions, vertices, build); !r) return r;
+  if (auto r = put(normals_, mesh.normals, vertices, 0); !r) return r;
+  if (auto r = put(uvs_, mesh.uvs, vertices, 0); !r) return r;
+  if (auto r = put(triangles_, mesh.triangles, triangles, build); !r) return r;
+  return put(triangle_materials_, mesh.materials, triangles, 0);
 }
 
 Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
@@ -96,7 +202,8 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
 }
 
 uint64_t ResidentScene::memory_bytes() const {
-  uint64_t bytes = traced_ ? traced_->memory_bytes() : 0;
+  uint64_t bytes = traced_.traced ? traced_.traced->memory_bytes() : 0;
+  if (still_bvh_) bytes += still_bvh_->memory_bytes();
   for (const Buffer* b : {&positions_, &normals_, &uvs_, &triangles_, &triangle_materials_, &materials_,
                           &cluster_buffer_, &chunk_buffer_})
     bytes += b->bytes();
@@ -104,11 +211,11 @@ uint64_t ResidentScene::memory_bytes() const {
   return bytes;
 }
 
-void ResidentScene::describe(FrameUniforms& frame) const {
+void ResidentScene::describe(FrameUniforms& frame, const PosedScene& posed) const {
   frame.scene = {positions_.address(),          normals_.address(),  uvs_.address(), triangles_.address(),
                  triangle_materials_.address(), materials_.address()};
   frame.light_count = light_count();
-  std::copy(lights_.begin(), lights_.end(), frame.lights);
+  std::copy(posed.lights.begin(), posed.lights.end(), frame.lights);
 }
 
 }  // namespace gnomon::gpu

@@ -12,9 +12,11 @@ namespace gnomon::gpu {
 
 struct ProbedFrame {
   TileGrid grid;
-  std::vector<SurfaceSample> samples;  // row by row; their triangles by the numbers of scenes::build_world_mesh
-  std::vector<uint64_t> words;         // as common/tile_mask.h
-  std::vector<uint64_t> cares;         // of the same layout: which bits were traced
+  std::vector<SurfaceSample>
+      samples;                  // row by row; their triangles by the numbers of scenes::build_world_mesh, then
+                                // those of build_moving_mesh
+  std::vector<uint64_t> words;  // as common/tile_mask.h
+  std::vector<uint64_t> cares;  // of the same layout: which bits were traced
   FrameTiming timing;
 
   TileMaskView mask() const { return {grid, words}; }
@@ -28,7 +30,12 @@ class SurfaceProbe {
 
   const Device& device() const { return frame_->device(); }
   const ResidentScene& scene() const { return frame_->scene(); }
-  Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height);
+  Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height,
+                             scenes::SceneTime time = {});
+
+  // Lights where they are from now on; then, with `rebuild`, what the tracer builds for these.
+  Result<void> set_lights(const std::vector<scenes::Light>& lights);
+  Result<void> rebuild();
 
  private:
   std::unique_ptr<BlockingFrame> frame_;

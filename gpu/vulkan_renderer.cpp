@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "common/inbox.h"
-#include "gpu/frame_slot.h"
+#include "gpu/lanes.h"
 #include "gpu/passes/passes.h"
 #include "gpu/tracers/tracer.h"
 
@@ -15,8 +15,10 @@ namespace {
 
 // What leases share with the renderer and keep alive after it.
 struct SlotPool {
-  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, FramePlan p)
-      : device(std::move(d)), tracer(std::move(t)), plan(std::move(p)) {}
+  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, Lanes l)
+      : device(std::move(d)), tracer(std::move(t)), lanes(std::move(l)) {
+    for (size_t i = 0; i < lanes.slots(); ++i) free.push_back(i);
+  }
 
   uint32_t free_count() const {
     std::lock_guard lock(mutex);
@@ -35,8 +37,7 @@ struct SlotPool {
 
   DevicePtr device;
   std::unique_ptr<Tracer> tracer;
-  FramePlan plan;
-  std::vector<FrameSlot> slots;
+  Lanes lanes;  // the render loop's
   mutable std::mutex mutex;
   std::vector<size_t> free;
 };
@@ -47,6 +48,7 @@ constexpr uint64_t kNeverStarted = UINT64_MAX;
 struct InFlight {
   JobId id;
   size_t slot = 0;
+  Lane* lane = nullptr;
   VkQueryPool timestamps = VK_NULL_HANDLE;
   bool last = true;
   uint64_t timeline = kNeverStarted;
@@ -57,6 +59,7 @@ struct InFlight {
 // A frame of which not all rows were submitted.
 struct Begun {
   size_t slot = 0;
+  Lane* lane = nullptr;
   SceneId scene;
   TileGrid grid;
   uint32_t next_row = 0;
@@ -78,7 +81,7 @@ class VulkanRenderer : public Renderer {
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
     if (scenes_.contains(id)) return {};
-    auto resident = ResidentScene::create(pool_->device, scene, pool_->tracer.get());
+    auto resident = ResidentScene::create(pool_->device, scene, pool_->tracer.get(), pool_->lanes.slots());
     if (!resident) return resident.error();
     scenes_[id] = std::move(*resident);
     return {};
@@ -105,15 +108,18 @@ class VulkanRenderer : public Renderer {
     if (free_slots() == 0) return Error{"all frame slots are taken"};
     const TileGrid grid{job.width, job.height, scene->second->light_count()};
     const uint32_t rows = job.tile_rows == 0 ? grid.tiles_y() : std::min(job.tile_rows, grid.tiles_y());
+    const PosedScenePtr posed = scene->second->pose(job.time);
+    const auto lane = pool_->lanes.lane_for(*posed);
+    if (!lane) return lane.error();
     const size_t slot = pool_->take();
-    const auto band = record(pool_->slots[slot], *scene->second, job.camera, grid, rows);
+    const auto band = record(**lane, slot, *scene->second, posed, job.camera, grid, rows);
     if (!band) {
       pool_->give_back(slot);
       return band.error();
     }
     const bool last = rows == grid.tiles_y();
-    if (!last) begun_[job.id] = {slot, job.scene, grid, rows};
-    pend(*band, {job.id, slot, band->timestamps, last, kNeverStarted, grid, std::move(on_done)});
+    if (!last) begun_[job.id] = {slot, *lane, job.scene, grid, rows};
+    pend(*band, {job.id, slot, *lane, band->timestamps, last, kNeverStarted, grid, std::move(on_done)});
     return {};
   }
 
@@ -124,11 +130,12 @@ class VulkanRenderer : public Renderer {
     const auto scene = scenes_.find(frame.scene);
     if (scene == scenes_.end()) return Error{"scene " + std::to_string(frame.scene.value) + " is not resident"};
     const uint32_t rows = std::min(tile_rows, frame.grid.tiles_y() - frame.next_row);
-    const auto band = pool_->slots[frame.slot].record_more(pool_->plan, *scene->second, rows);
+    const auto band = frame.lane->slots[frame.slot].record_more(frame.lane->plan, *scene->second, rows);
     if (!band) return band.error();
     frame.next_row += rows;
     const bool last = frame.next_row == frame.grid.tiles_y();
-    pend(*band, {id, frame.slot, band->timestamps, last, kNeverStarted, frame.grid, std::move(on_done)});
+    pend(*band,
+         {id, frame.slot, frame.lane, band->timestamps, last, kNeverStarted, frame.grid, std::move(on_done)});
     if (last) begun_.erase(found);
     return {};
   }
@@ -137,7 +144,7 @@ class VulkanRenderer : public Renderer {
     const auto found = begun_.find(id);
     if (found == begun_.end()) return;
     start_pending();  // what is recorded of it refers to its slot
-    in_flight_.push({id, found->second.slot, VK_NULL_HANDLE, true, 0, {}, nullptr});
+    in_flight_.push({id, found->second.slot, nullptr, VK_NULL_HANDLE, true, 0, {}, nullptr});
     begun_.erase(found);
   }
 
@@ -159,10 +166,12 @@ class VulkanRenderer : public Renderer {
     pending_commands_.clear();
   }
 
-  Result<RecordedBand> record(FrameSlot& slot, const ResidentScene& scene, const CameraView& camera,
-                              const TileGrid& grid, uint32_t rows) const {
-    if (auto room = slot.reserve(pool_->plan, scene, grid); !room) return room.error();
-    return slot.record(pool_->plan, scene, camera, grid, rows);
+  static Result<RecordedBand> record(Lane& lane, size_t number, const ResidentScene& scene,
+                                     const PosedScenePtr& posed, const CameraView& camera, const TileGrid& grid,
+                                     uint32_t rows) {
+    FrameSlot& slot = lane.slots[number];
+    if (auto room = slot.reserve(lane.plan, scene, grid); !room) return room.error();
+    return slot.record(lane.plan, scene, posed, camera, grid, rows);
   }
 
   void pend(const RecordedBand& band, InFlight frame) {
@@ -184,14 +193,15 @@ class VulkanRenderer : public Renderer {
   }
 
   FrameDone finish(const InFlight& frame) const {
-    const FrameSlot& slot = pool_->slots[frame.slot];
+    const FramePlan& plan = frame.lane->plan;
+    const FrameSlot& slot = frame.lane->slots[frame.slot];
     FrameDone done;
     done.id = frame.id;
     done.complete = frame.last;
     auto release = [pool = pool_, slot = frame.slot] { pool->give_back(slot); };
     const auto passed = frame.timeline == kNeverStarted ? Result<void>(Error{"the device took no work"})
                                                         : pool_->device->queue().wait(frame.timeline);
-    auto timing = passed ? slot.timing(pool_->plan, frame.timestamps) : Result<FrameTiming>(passed.error());
+    auto timing = passed ? slot.timing(plan, frame.timestamps) : Result<FrameTiming>(passed.error());
     if (!timing) {
       if (frame.last) release();
       done.device_lost = true;
@@ -202,7 +212,7 @@ class VulkanRenderer : public Renderer {
     for (const StageTime& stage : done.stages)
       if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;
     if (!frame.last) return done;
-    const auto bytes = slot.host(pool_->plan, resource::kHostMasks);
+    const auto bytes = slot.host(plan, resource::kHostMasks);
     const auto* words = reinterpret_cast<const uint64_t*>(bytes.data());
     done.mask = FrameLease({frame.grid, {words, frame.grid.word_count()}}, std::move(release));
     return done;
@@ -226,17 +236,11 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (!device) return device.error();
   auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
   if (!tracer) return tracer.error();
-  auto plan = FramePlan::compile(*device, options.passes, tracer->get());
-  if (!plan) return plan.error();
+  auto lanes = Lanes::create(*device, options.passes, tracer->get(), options.frames_in_flight);
+  if (!lanes) return lanes.error();
   if (std::find(options.passes.begin(), options.passes.end(), "readback") == options.passes.end())
     return Error{"the pass list has no 'readback': no mask would reach the host"};
-  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*plan));
-  for (size_t i = 0; i < options.frames_in_flight; ++i) {
-    auto slot = FrameSlot::create(*device, pool->plan);
-    if (!slot) return slot.error();
-    pool->slots.push_back(std::move(*slot));
-    pool->free.push_back(i);
-  }
+  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*lanes));
   return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool)));
 }
 

@@ -37,6 +37,10 @@ LastUse touch(Use use) {
     case Use::storage_write:
       return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_IMAGE_LAYOUT_GENERAL,
               true};
+    case Use::storage_update:
+      return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+              VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_IMAGE_LAYOUT_GENERAL,
+              true};
     case Use::indirect:
       return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
               VK_IMAGE_LAYOUT_UNDEFINED, false};
@@ -76,11 +80,14 @@ bool is_image(const ResourceSpec& spec) { return spec.format != VK_FORMAT_UNDEFI
 }  // namespace
 
 Result<FramePlan> FramePlan::compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                     const Tracer* tracer) {
+                                     const Tracer* tracer, bool motion) {
   FramePlan plan;
   plan.device_ = device;
-  for (const std::string& name : passes) {
-    auto made = make_passes(name, device, tracer);
+  plan.motion_ = motion;
+  std::vector<std::string> names = passes;
+  if (motion) names.insert(names.begin(), "pose");
+  for (const std::string& name : names) {
+    auto made = make_passes(name, device, tracer, motion);
     if (!made) return made.error();
     for (auto& pass : *made) {
       plan.ports_.push_back(pass->ports());
@@ -138,10 +145,13 @@ void FramePlan::add_barrier(size_t pass, size_t resource, Use use, LastUse& last
 Result<FrameResources> FramePlan::allocate(const Capacity& capacity) const {
   FrameResources out;
   out.capacity = capacity;
-  auto uniforms =
-      Buffer::create(device_, sizeof(FrameUniforms), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryUse::upload);
-  if (!uniforms) return uniforms.error();
-  out.uniforms = std::move(*uniforms);
+  for (Buffer* buffer : {&out.uniforms, motion_ ? &out.resting_uniforms : nullptr}) {
+    if (!buffer) continue;
+    auto uniforms =
+        Buffer::create(device_, sizeof(FrameUniforms), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryUse::upload);
+    if (!uniforms) return uniforms.error();
+    *buffer = std::move(*uniforms);
+  }
   for (const Resource& resource : resources_) {
     FrameResources::Entry entry;
     if (is_image(resource.spec)) {
@@ -204,7 +214,8 @@ Result<void> FramePlan::bind(FrameResources& out) const {
     if (const VkResult r = vkAllocateDescriptorSets(device_->handle(), &allocate, &out.sets.back());
         r != VK_SUCCESS)
       return vulkan_error(r, "allocating a descriptor set");
-    const VkDescriptorBufferInfo uniforms{out.uniforms.handle(), 0, VK_WHOLE_SIZE};
+    const Buffer& seen = passes_[pass]->for_resting_lights() ? out.resting_uniforms : out.uniforms;
+    const VkDescriptorBufferInfo uniforms{seen.handle(), 0, VK_WHOLE_SIZE};
     VkWriteDescriptorSet write{};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
     write.dstSet = out.sets.back();
@@ -229,12 +240,14 @@ const Buffer* FramePlan::buffer(const FrameResources& resources, std::string_vie
   return nullptr;
 }
 
-void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resources, size_t pass) const {
+void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resources, size_t pass,
+                         bool for_images) const {
   std::vector<VkImageMemoryBarrier2> images;
   std::vector<VkBufferMemoryBarrier2> buffers;
   for (const Barrier& b : barriers_[pass]) {
     const FrameResources::Entry& entry = resources.entries[b.resource];
     if (is_image(resources_[b.resource].spec)) {
+      if (!for_images) continue;
       images.push_back({VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
                         nullptr,
                         b.from_stage,
@@ -264,7 +277,8 @@ void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resourc
 }
 
 void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-                        const TileGrid& grid, const TileRows& rows, VkQueryPool timestamps) const {
+                        const PosedScene& posed, uint32_t slot, const TileGrid& grid, const TileRows& rows,
+                        VkQueryPool timestamps) const {
   const bool first = rows.first == 0, last = rows.end() == grid.tiles_y();
   const auto stamp = [&](size_t query, VkPipelineStageFlags2 stage) {
     vkCmdWriteTimestamp2(commands, stage, timestamps, static_cast<uint32_t>(query));
@@ -273,12 +287,17 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
   stamp(0, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
     const Share share = passes_[pass]->share();
-    // A barrier orders all later bands too; what changes a layout may stand in one of them alone.
-    if (share == Share::last_band ? last : first) wait_for(commands, resources, pass);
-    if (share == Share::every_band || (share == Share::last_band ? last : first)) {
+    const bool mine = share == Share::last_band ? last : share == Share::every_band || first;
+    // A layout changes in one band alone; buffers are waited for in each.
+    if (share == Share::last_band ? last : first) {
+      wait_for(commands, resources, pass);
+    } else if (mine) {
+      wait_for(commands, resources, pass, false);
+    }
+    if (mine) {
       // What runs once has the whole frame to itself.
       const TileRows whole{0, grid.tiles_y()};
-      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, grid,
+      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, posed, slot, grid,
                              share == Share::every_band ? rows : whole});
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);

@@ -16,6 +16,7 @@ struct FrameResources {
   };
   Capacity capacity;
   Buffer uniforms;             // FrameUniforms, mapped
+  Buffer resting_uniforms;     // the same for Pass::for_resting_lights; in plans for scenes in motion
   std::vector<Entry> entries;  // as FramePlan's resources
   Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool;
   std::vector<VkDescriptorSet> sets;          // one for each pass
@@ -24,9 +25,10 @@ struct FrameResources {
 
 class FramePlan {
  public:
-  // `tracer` may be null where no pass traces. Error: see make_passes, or a pass reads what none before it writes.
+  // `tracer` may be null where no pass traces. `motion`: for scenes in which something moves. Error: see make_passes,
+  // or a pass reads what none before it writes.
   static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                   const Tracer* tracer);
+                                   const Tracer* tracer, bool motion = false);
 
   size_t pass_count() const { return passes_.size(); }
   std::string_view pass_name(size_t i) const { return passes_[i]->name(); }
@@ -40,7 +42,8 @@ class FramePlan {
   // Records the passes that have a share of the band `rows` and their barriers, and a timestamp before the first and
   // after each (queries 0...pass_count). Bands follow each other from the top to the last row.
   void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-               const TileGrid& grid, const TileRows& rows, VkQueryPool timestamps) const;
+               const PosedScene& posed, uint32_t slot, const TileGrid& grid, const TileRows& rows,
+               VkQueryPool timestamps) const;
 
  private:
   struct Resource {
@@ -58,10 +61,12 @@ class FramePlan {
 
   Result<void> wire();
   void add_barrier(size_t pass, size_t resource, Use use, struct LastUse& last);
-  void wait_for(VkCommandBuffer commands, const FrameResources& resources, size_t pass) const;
+  void wait_for(VkCommandBuffer commands, const FrameResources& resources, size_t pass,
+                bool for_images = true) const;
   Result<void> bind(FrameResources& resources) const;
 
   DevicePtr device_;
+  bool motion_ = false;
   std::vector<std::unique_ptr<Pass>> passes_;
   std::vector<std::vector<Port>> ports_;        // for each pass
   std::vector<std::vector<size_t>> wiring_;     // for each pass and port: the resource

@@ -91,6 +91,16 @@ void draw_culled(const FrameContext& frame, const Raster& raster, std::span<cons
   });
 }
 
+// What moves, after all that rests.
+void draw_moving(const FrameContext& frame, const Raster& raster) {
+  if (frame.posed.draws.empty()) return;
+  bind(frame, raster, 0);
+  const uint32_t first = frame.scene.first_moving_triangle(frame.slot);
+  draw_groups(frame, raster, frame.posed.draws, [&](const ClusterGroup& group) {
+    vkCmdDraw(frame.commands, 3 * group.triangle_count, 1, 3 * (first + group.first_triangle), 0);
+  });
+}
+
 class RasterPass : public Pass {
  public:
   explicit RasterPass(Raster raster) : raster_(std::move(raster)) {}
@@ -111,7 +121,6 @@ class RasterPass : public Pass {
   void record_culled(const FrameContext& frame, std::span<const ClusterGroup> groups) const {
     bind(frame, raster_, frame.ports[3].buffer->address());
     draw_culled(frame, raster_, groups, *frame.ports[2].buffer);
-    vkCmdEndRendering(frame.commands);
   }
 
   Raster raster_;
@@ -128,6 +137,7 @@ class OccludersPass : public RasterPass {
   void record(const FrameContext& frame) const override {
     begin_rendering(frame, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE);
     record_culled(frame, frame.scene.clusters().occluders);
+    vkCmdEndRendering(frame.commands);
   }
 };
 
@@ -140,6 +150,8 @@ class GBufferPass : public RasterPass {
   void record(const FrameContext& frame) const override {
     begin_rendering(frame, VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_DONT_CARE);
     record_culled(frame, frame.scene.clusters().others);
+    draw_moving(frame, raster_);
+    vkCmdEndRendering(frame.commands);
   }
 };
 
@@ -153,6 +165,7 @@ class GBufferAllPass : public RasterPass {
     bind(frame, raster_, 0);
     draw_all(frame, raster_, frame.scene.clusters().occluders);
     draw_all(frame, raster_, frame.scene.clusters().others);
+    draw_moving(frame, raster_);
     vkCmdEndRendering(frame.commands);
   }
 };

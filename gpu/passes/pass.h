@@ -23,6 +23,7 @@ enum class Use {
   sampled,
   storage_read,
   storage_write,
+  storage_update,  // read and written
   indirect,
   vertex_read,
   copy_source,
@@ -31,21 +32,28 @@ enum class Use {
 
 constexpr bool writes(Use use) {
   return use == Use::color_target || use == Use::depth_target || use == Use::storage_write ||
-         use == Use::copy_target;
+         use == Use::storage_update || use == Use::copy_target;
 }
 
 // The largest frame that a slot's resources can hold.
 struct Capacity {
   uint32_t width = 0, height = 0, lights = 0;
-  uint32_t cluster_chunks = 0, triangles = 0;  // of the scene
+  uint32_t cluster_chunks = 0, triangles = 0;          // of what rests in the scene
+  uint32_t moving_vertices = 0, moving_triangles = 0;  // of what moves
 
   bool holds(const Capacity& other) const {
     return width >= other.width && height >= other.height && lights >= other.lights &&
-           cluster_chunks >= other.cluster_chunks && triangles >= other.triangles;
+           cluster_chunks >= other.cluster_chunks && triangles >= other.triangles &&
+           moving_vertices >= other.moving_vertices && moving_triangles >= other.moving_triangles;
   }
   Capacity grown_to(const Capacity& other) const {
-    return {std::max(width, other.width), std::max(height, other.height), std::max(lights, other.lights),
-            std::max(cluster_chunks, other.cluster_chunks), std::max(triangles, other.triangles)};
+    return {std::max(width, other.width),
+            std::max(height, other.height),
+            std::max(lights, other.lights),
+            std::max(cluster_chunks, other.cluster_chunks),
+            std::max(triangles, other.triangles),
+            std::max(moving_vertices, other.moving_vertices),
+            std::max(moving_triangles, other.moving_triangles)};
   }
   TileGrid grid() const { return {width, height, lights}; }
 };
@@ -60,7 +68,13 @@ struct ResourceSpec {
 
 // What one frame needs.
 inline Capacity frame_size(const ResidentScene& scene, const TileGrid& grid) {
-  return {grid.width, grid.height, grid.lights, scene.clusters().chunk_count(), scene.triangle_count()};
+  return {grid.width,
+          grid.height,
+          grid.lights,
+          scene.clusters().chunk_count(),
+          scene.triangle_count(),
+          scene.moving_size().vertices,
+          scene.moving_size().triangles};
 }
 
 struct Port {
@@ -83,8 +97,10 @@ struct FrameContext {
   VkDescriptorSet descriptors = VK_NULL_HANDLE;
   std::span<const BoundPort> ports;  // in the order of Pass::ports
   const ResidentScene& scene;
-  TileGrid grid;  // this frame's, within the capacity
-  TileRows rows;  // this band's
+  const PosedScene& posed;  // the scene at this frame's time
+  uint32_t slot = 0;        // of the frames in flight
+  TileGrid grid;            // this frame's, within the capacity
+  TileRows rows;            // this band's
 
   Capacity size() const { return frame_size(scene, grid); }
 };
@@ -97,14 +113,17 @@ class Pass {
   virtual std::vector<Port> ports() const = 0;
   virtual const PassLayout* layout() const = 0;  // null: binds nothing
   virtual Share share() const { return Share::first_band; }
+  // Sees the lights that move as lights that reach nothing. Only in plans for scenes in motion.
+  virtual bool for_resting_lights() const { return false; }
   virtual void record(const FrameContext& frame) const = 0;
 };
 
 class Tracer;
 
-// Makes the pass of that name; some names stand for several steps. `tracer` may be null where nothing is traced.
+// Makes the pass of that name; some names stand for several steps, and more of them where scenes are in `motion`.
+// `tracer` may be null where nothing is traced.
 // Error: no such pass, with the names there are; or a pass that traces without a tracer.
 using Passes = std::vector<std::unique_ptr<Pass>>;
-Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer);
+Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, bool motion);
 
 }  // namespace gnomon::gpu

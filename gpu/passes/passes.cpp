@@ -12,11 +12,13 @@ struct Recipe {
   std::vector<Make> steps;
 };
 
-std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer) {
+std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool motion) {
   const auto trace = [&]() -> Result<std::unique_ptr<Pass>> {
     if (!tracer) return Error{"pass 'trace' needs a tracer"};
-    return make_trace_pass(device, *tracer);
+    return make_trace_pass(device, *tracer, motion);
   };
+  std::vector<Make> trace_steps{trace};
+  if (motion) trace_steps.push_back([&] { return make_trace_moving_pass(device); });
   const auto read = [](std::string_view name, std::string_view source, std::string_view target) {
     return [=] { return make_readback_pass(name, source, target); };
   };
@@ -27,7 +29,8 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer) {
         [&] { return make_depth_tiles_pass(device); }, [&] { return make_cull_hidden_pass(device); },
         [&] { return make_gbuffer_pass(device); }}},
       {"gbuffer_all", {[&] { return make_gbuffer_all_pass(device); }}},
-      {"trace", {trace}},
+      {"pose", {[] { return make_pose_pass(); }}},
+      {"trace", trace_steps},
       {"readback", {read("readback", kMasks, kHostMasks)}},
       {"readback_cares", {read("readback_cares", kCares, kHostCares)}},
       {"surface", {[&] { return make_surface_pass(device); }}},
@@ -41,9 +44,9 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer) {
 
 }  // namespace
 
-Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer) {
+Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, bool motion) {
   std::string names;
-  for (const Recipe& recipe : recipes(device, tracer)) {
+  for (const Recipe& recipe : recipes(device, tracer, motion)) {
     names += (names.empty() ? "" : ", ") + std::string(recipe.name);
     if (recipe.name != name) continue;
     Passes passes;

@@ -1,5 +1,7 @@
 // The passes there are, the resources that they share, and what compute passes have in common.
 //
+//   pose      -> moving_bvh; first in plans for scenes in motion: from the host moving_host to the slot's part of the
+//             scene's buffers, and the hierarchy over it
 //   gbuffer   -> triangle_id (uint32: 0 none, else 1 + the triangle's number in the resident scene), depth
 //             in these steps:
 //     cull         -> occluder_draws, drawn_occluders: what of the large triangles may show
@@ -11,6 +13,9 @@
 //   trace     triangle_id -> masks (tile words, see common/tile_mask.h), cares (words of the same layout: 1 where the
 //             pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever hides
 //             the light)
+//             in plans for scenes in motion in two steps:
+//     trace         as above, for the lights that rest and the geometry that rests
+//     trace_moving  moving_bvh -> masks, cares: lights that move, and what geometry that moves hides from all
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
 //   readback  masks -> host_masks        readback_cares    cares -> host_cares
@@ -23,6 +28,8 @@
 namespace gnomon::gpu {
 
 namespace resource {
+inline constexpr std::string_view kMovingHost = "moving_host";
+inline constexpr std::string_view kMovingBvh = "moving_bvh";
 inline constexpr std::string_view kTriangleId = "triangle_id";
 inline constexpr std::string_view kDepth = "depth";
 inline constexpr std::string_view kOccluderDraws = "occluder_draws";
@@ -53,13 +60,18 @@ struct SurfaceSample {
 };
 static_assert(sizeof(SurfaceSample) == 32);
 
+Result<std::unique_ptr<Pass>> make_pose_pass();
+// Writes what `pose` copies. `into`: the host memory of moving_host.
+void write_moving(std::span<std::byte> into, const ResidentScene& scene, const PosedScene& posed, uint32_t slot);
+
 Result<std::unique_ptr<Pass>> make_cull_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_occluders_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_depth_tiles_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_cull_hidden_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_gbuffer_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_gbuffer_all_pass(const DevicePtr& device);
-Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer);
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
+Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
 

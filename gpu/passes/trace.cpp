@@ -12,11 +12,12 @@ namespace {
 
 class TracePass : public Pass {
  public:
-  explicit TracePass(ComputeStep step) : step_(std::move(step)) {}
+  TracePass(ComputeStep step, bool motion) : step_(std::move(step)), motion_(motion) {}
 
   std::string_view name() const override { return "trace"; }
   const PassLayout* layout() const override { return &step_.layout; }
   Share share() const override { return Share::every_band; }
+  bool for_resting_lights() const override { return motion_; }
   std::vector<Port> ports() const override {
     const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
     return {{resource::kTriangleId, Use::sampled},
@@ -28,7 +29,7 @@ class TracePass : public Pass {
   void record(const FrameContext& frame) const override {
     std::array<std::byte, kPushConstantBytes> push{};
     const std::array words{frame.ports[1].buffer->address(), frame.ports[2].buffer->address()};
-    const std::span<const std::byte> tracer = frame.scene.traced().push_constants();
+    const std::span<const std::byte> tracer = frame.posed.traced->push_constants();
     std::memcpy(push.data(), words.data(), sizeof(words));
     std::copy(tracer.begin(), tracer.end(), push.begin() + sizeof(words));
     dispatch_tiles(frame, step_, push);
@@ -36,14 +37,15 @@ class TracePass : public Pass {
 
  private:
   ComputeStep step_;
+  bool motion_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer) {
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
   auto step = make_compute_step(device, 1, tracer.shader());
   if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<TracePass>(std::move(*step)));
+  return std::unique_ptr<Pass>(std::make_unique<TracePass>(std::move(*step), motion));
 }
 
 }  // namespace gnomon::gpu

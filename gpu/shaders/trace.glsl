@@ -2,13 +2,13 @@
 // bits and a word that says which of them were asked for.
 //
 // The includer has defined, before: TRACER_PUSH, the members of the tracer's push constants; after this file's
-// declarations: bool occluded(vec3 origin, vec3 direction).
+// declarations: bool occluded(vec3 origin, vec3 direction); or, with TRACE_COMBINES, answer and store themselves.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "frame.glsl"
 #include "surface.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer TileWords { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer TileWords { uvec2 at[]; };
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
@@ -16,18 +16,28 @@ layout(push_constant, scalar) uniform Push {
   TRACER_PUSH
 } push;
 
-bool occluded(vec3 origin, vec3 direction);
+// The pixel's bits of a tile's four halves of words: lit, asked for.
+uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit);
+void store(uint light, uint word, uvec4 halves);
 
 const uint kLightsAtATime = 32;
 // Of each light: the lit bits' two halves, then those of the pairs traced.
 shared uint tile_words[4 * kLightsAtATime];
 
-// The pixel's bits of a tile's four halves of words.
-uvec4 answer(SurfacePoint surface, uint light, uvec2 my_bit) {
+#ifndef TRACE_COMBINES
+bool occluded(vec3 origin, vec3 direction);
+
+uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit) {
   ShadowSegment segment = shadow_segment(frame.camera, surface, frame.lights[light]);
   if (!segment.traced) return uvec4(0u);
   return uvec4(occluded(segment.origin, segment.direction) ? uvec2(0u) : my_bit, my_bit);
 }
+
+void store(uint light, uint word, uvec4 halves) {
+  push.masks.at[word] = halves.xy;
+  push.cares.at[word] = halves.zw;
+}
+#endif
 
 void main() {
   uint invocation = gl_LocalInvocationIndex;
@@ -47,16 +57,16 @@ void main() {
     barrier();
     for (uint light = 0u; light < lights; ++light) {
       uvec4 bits = uvec4(0u);
-      if (id != 0u) bits = answer(surface, first + light, my_bit);
+      if (id != 0u) bits = answer(surface, first + light, (first + light) * frame.tile_count + tile, my_bit);
       bits = subgroupOr(bits);
       if (subgroupElect())
         for (uint i = 0u; i < 4u; ++i) atomicOr(tile_words[4u * light + i], bits[i]);
     }
     barrier();
     if (invocation < lights) {
-      uint word = (first + invocation) * frame.tile_count + tile;
-      push.masks.at[word] = uvec2(tile_words[4u * invocation], tile_words[4u * invocation + 1u]);
-      push.cares.at[word] = uvec2(tile_words[4u * invocation + 2u], tile_words[4u * invocation + 3u]);
+      uint i = 4u * invocation, light = first + invocation;
+      store(light, light * frame.tile_count + tile,
+            uvec4(tile_words[i], tile_words[i + 1u], tile_words[i + 2u], tile_words[i + 3u]));
     }
     barrier();
   }

@@ -112,6 +112,29 @@ scenes::ScenePtr triangle_soup(uint32_t seed, uint32_t triangles, uint32_t light
   return make_scene(std::move(positions), std::move(faces), std::move(all));
 }
 
+scenes::MovingNode swing(glm::vec3 from, glm::vec3 to) {
+  scenes::MovingNode node;
+  node.channels.push_back(
+      {.path = scenes::Channel::Path::translation, .times = {0, 1, 2}, .values = {{from, 0}, {to, 0}, {from, 0}}});
+  node.channels.push_back({.path = scenes::Channel::Path::rotation,
+                           .times = {0, 1, 2},
+                           .values = {{0, 0, 0, 1}, {0, 0.6f, 0, 0.8f}, {0, 0, 0, 1}}});
+  return node;
+}
+
+scenes::ScenePtr swinging_soup(uint32_t seed, WhatMoves what) {
+  auto scene = std::make_shared<scenes::Scene>(*triangle_soup(seed, 200, 4));
+  scene->moving_nodes = {swing({-0.1f, 0, 0}, {0.3f, 0.2f, 0.1f}), swing({0.2f, 1.4f, 0.5f}, {0.9f, 1.2f, 0.3f})};
+  scene->period = std::chrono::seconds(2);
+  if (what.body) {
+    scene->meshes.push_back(triangle_soup(seed + 100, 60, 1)->meshes[0]);
+    scene->instances.push_back({1, glm::mat4(1.0f), 0});
+  }
+  if (what.light) scene->lights[0].moved_by = 1;
+  scene->bounds = scenes::moved_bounds(*scene, scene->bounds);
+  return scene;
+}
+
 scenes::ScenePtr square_over_floor(const scenes::Light& light) { return two_squares(light, 0.5f); }
 
 scenes::ScenePtr checks_over_floor(const scenes::Light& light, uint32_t cells, scenes::AlphaMode mode) {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "scenes/scene.h"
+#include "scenes/motion.h"
 
 namespace gnomon::test {
 
@@ -17,6 +17,16 @@ scenes::Light sun(glm::vec3 direction);
 
 // Triangles of every shape within the unit cube, slivers and needles among them, around a few lights of every kind.
 scenes::ScenePtr triangle_soup(uint32_t seed, uint32_t triangles, uint32_t lights);
+
+struct WhatMoves {
+  bool body = false, light = false;
+};
+
+// Moves from one place to another and back within two seconds, and turns.
+scenes::MovingNode swing(glm::vec3 from, glm::vec3 to);
+
+// A soup that rests and, where asked, one that swings through it and a first light that swings above it.
+scenes::ScenePtr swinging_soup(uint32_t seed, WhatMoves what);
 
 // The square |x|, |z| < 0.5 at height 1 over the floor |x|, |z| < 4 at height 0, under `light`.
 scenes::ScenePtr square_over_floor(const scenes::Light& light);

@@ -45,11 +45,18 @@ void render_some(Renderer& renderer, SceneId scene, uint32_t width, uint32_t hei
     auto arrived = std::make_shared<std::promise<void>>();
     arrivals.push_back(arrived->get_future());
     const CameraView camera = look_at({0.5f, 0.6f, 2.2f}, {0.5f, 0.5f, 0.5f}, 0.8f, width, height);
-    const auto submitted = renderer.submit({JobId(i), scene, camera, width, height}, [arrived](FrameDone done) {
+    const RenderJob job{JobId(i),       scene, camera, width, height, std::chrono::milliseconds(250 * i),
+                        i % 2 ? 2u : 0u};
+    const auto on_done = [arrived](FrameDone done) {
+      if (!done.complete) return;
       done.mask.drop();
       arrived->set_value();
-    });
+    };
+    const auto submitted = renderer.submit(job, on_done);
     ASSERT_TRUE(submitted) << submitted.error().message;
+    if (job.tile_rows > 0) {
+      ASSERT_TRUE(renderer.resume(job.id, height, on_done));
+    }
   }
   for (auto& a : arrivals) a.wait();
 }
@@ -80,7 +87,8 @@ TEST(Validation, FramesOfEveryTracerAreClean) {
       ASSERT_TRUE((*renderer)->make_resident(
           SceneId(2), checks_over_floor(point_light({0.3f, 3.0f, 0.2f}), 8, scenes::AlphaMode::mask)));
       ASSERT_TRUE((*renderer)->make_resident(SceneId(3), triangle_soup(2, 0, 0)));
-      for (const uint32_t scene : {1u, 2u, 3u}) render_some(**renderer, SceneId(scene), 100, 60);
+      ASSERT_TRUE((*renderer)->make_resident(SceneId(4), swinging_soup(3, {.body = true, .light = true})));
+      for (const uint32_t scene : {1u, 2u, 3u, 4u}) render_some(**renderer, SceneId(scene), 100, 60);
       render_some(**renderer, SceneId(1), 333, 200);
       (*renderer)->evict(SceneId(1));
       render_some(**renderer, SceneId(2), 64, 64);

@@ -1,5 +1,6 @@
 // Walks a bounding volume hierarchy without a stack: nodes lie in depth-first order, a miss follows `skip`
 // (gpu/tracers/bvh_build.h). Bit-identical to testing every triangle: boxes are met whenever their triangles are.
+// The includer has defined struct Hierarchy; first_triangle is added to the numbers of its triangles.
 #include "tracers/alpha.glsl"
 
 struct BvhNode {
@@ -19,25 +20,25 @@ struct BvhTriangle {
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhNodes { BvhNode at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhTriangles { BvhTriangle at[]; };
 
-bool triangle_blocks(BvhTriangle t, vec3 origin, vec3 direction) {
+bool triangle_blocks(BvhTriangle t, uint first_triangle, vec3 origin, vec3 direction) {
   if (!segment_meets_triangle(origin, direction, t.p0, t.p1, t.p2)) return false;
-  return t.masked == 0u || blocks_by_alpha(t.triangle, origin, direction, t.p0, t.p1, t.p2);
+  return t.masked == 0u || blocks_by_alpha(first_triangle + t.triangle, origin, direction, t.p0, t.p1, t.p2);
 }
 
-bool leaf_blocks(uint leaf, vec3 origin, vec3 direction) {
+bool leaf_blocks(Hierarchy h, uint leaf, vec3 origin, vec3 direction) {
   uint first = leaf >> 4, count = leaf & 15u;
   for (uint i = 0u; i < count; ++i)
-    if (triangle_blocks(BvhTriangles(push.triangles).at[first + i], origin, direction)) return true;
+    if (triangle_blocks(BvhTriangles(h.triangles).at[first + i], h.first_triangle, origin, direction)) return true;
   return false;
 }
 
-bool occluded(vec3 origin, vec3 direction) {
+bool meets(Hierarchy h, vec3 origin, vec3 direction) {
   // No component is zero, so no product below is 0 * infinity.
   vec3 tiny = vec3(1e-20);
   vec3 slope = 1.0 / mix(direction, tiny, lessThan(abs(direction), tiny));
   uint n = 0u;
-  while (n < push.node_count) {
-    BvhNode node = BvhNodes(push.nodes).at[n];
+  while (n < h.node_count) {
+    BvhNode node = BvhNodes(h.nodes).at[n];
     // A hit may lie outside its triangle's box by 1/4096 of the box's farthest coordinate, seen from the origin
     // (segment_meets_triangle): the box is widened by a little more, rounding included.
     vec3 lo = node.lo - origin, hi = node.hi - origin;
@@ -49,7 +50,7 @@ bool occluded(vec3 origin, vec3 direction) {
     float enter = max(max(near.x, near.y), max(near.z, 0.0));
     float leave = min(min(far.x, far.y), min(far.z, 1.0));
     bool met = enter <= leave * 1.000001;
-    if (met && node.leaf != 0u && leaf_blocks(node.leaf, origin, direction)) return true;
+    if (met && node.leaf != 0u && leaf_blocks(h, node.leaf, origin, direction)) return true;
     n = met ? n + 1u : node.skip;
   }
   return false;

@@ -1,0 +1,68 @@
+// What moves, after the tracer has answered for all that rests.
+#include <array>
+#include <cstring>
+
+#include "gpu/passes/passes.h"
+#include "gpu/tracers/tracer.h"
+#include "spirv/trace_moving_comp.h"
+
+namespace gnomon::gpu {
+namespace {
+
+// As shaders/trace_moving.comp declares it.
+struct Hierarchy {
+  VkDeviceAddress nodes = 0;
+  VkDeviceAddress triangles = 0;
+  uint32_t node_count = 0;
+  uint32_t first_triangle = 0;
+};
+struct Push {
+  VkDeviceAddress masks, cares;
+  Hierarchy still, moving;
+  std::array<uint32_t, kMaxLights / 32> moving_lights;
+};
+static_assert(sizeof(Push) <= kPushConstantBytes);
+
+class TraceMovingPass : public Pass {
+ public:
+  explicit TraceMovingPass(ComputeStep step) : step_(std::move(step)) {}
+
+  std::string_view name() const override { return "trace_moving"; }
+  const PassLayout* layout() const override { return &step_.layout; }
+  Share share() const override { return Share::every_band; }
+  std::vector<Port> ports() const override {
+    return {{resource::kTriangleId, Use::sampled},
+            {resource::kMasks, Use::storage_update},
+            {resource::kCares, Use::storage_update},
+            {resource::kMovingBvh, Use::storage_read}};
+  }
+
+  void record(const FrameContext& frame) const override {
+    if (frame.posed.at_rest()) return;
+    Push push{
+        frame.ports[1].buffer->address(), frame.ports[2].buffer->address(), {}, {}, frame.posed.moving_lights};
+    if (frame.posed.still_bvh) {
+      const std::span<const std::byte> bytes = frame.posed.still_bvh->push_constants();
+      std::memcpy(&push.still, bytes.data(), std::min(bytes.size(), sizeof(push.still)));
+    }
+    const uint64_t most_nodes = 2 * uint64_t{frame.scene.moving_size().triangles};
+    push.moving.nodes = frame.ports[3].buffer->address();
+    push.moving.triangles = push.moving.nodes + most_nodes * sizeof(BvhNode);
+    push.moving.node_count = static_cast<uint32_t>(frame.posed.bvh.nodes.size());
+    push.moving.first_triangle = frame.scene.first_moving_triangle(frame.slot);
+    dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)));
+  }
+
+ private:
+  ComputeStep step_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device) {
+  auto step = make_compute_step(device, 1, trace_moving_comp);
+  if (!step) return step.error();
+  return std::unique_ptr<Pass>(std::make_unique<TraceMovingPass>(std::move(*step)));
+}
+
+}  // namespace gnomon::gpu
