@@ -61,14 +61,24 @@ struct EncodeConfig {
 
 struct SchedulerConfig {
   std::string policy = "fair";
-  uint32_t priority_floor_percent = 0;  // under `priority`: of the device, for the classes below the highest
+  uint32_t priority_floor_percent = 0;    // under `priority`: of the device, for the classes below the highest
+  std::chrono::microseconds slice{4000};  // frames that cost more are rendered in bands; 0: never
+  uint32_t admit_percent = 1000;  // of the device, that sessions with a rate may ask for together; 0: no limit
 };
 
 struct TenantConfig {
   std::string name;
   uint32_t weight = 1;
   uint32_t priority = 0;
-  uint32_t max_sessions = 0;  // 0: as many as the server takes
+  // 0: no limit of its own.
+  uint32_t max_sessions = 0;
+  uint32_t max_vbps = 0;         // visibility buffers a second, of all its sessions
+  uint64_t max_bits_per_s = 0;   // visibility bits: pixels x lights
+  uint64_t max_bytes_per_s = 0;  // of datagrams to its clients
+  uint32_t max_gpu_percent = 0;  // of the device's time
+  uint16_t max_width = 0;        // of a buffer, pixels
+  uint16_t max_height = 0;
+  uint32_t max_memory_mb = 0;  // of its sessions' buffers on the device, MiB
 };
 
 struct LogConfig {

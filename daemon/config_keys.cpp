@@ -12,6 +12,7 @@ namespace {
 using namespace schema;
 
 constexpr int64_t kHourMs = 3'600'000;
+constexpr const char* kNoLimit = " (0: no limit of its own)";
 constexpr const char* kNameRule = "1 to 64 letters, digits, '_', '-' or '.'";
 
 bool is_name(const std::string& text) {
@@ -156,12 +157,21 @@ Keys<Config> all_keys() {
   Keys<SchedulerConfig> scheduler{
       choice("policy", &SchedulerConfig::policy, policies()),
       integer("priority_floor_percent", &SchedulerConfig::priority_floor_percent, 0, 99),
+      integer("slice_us", &SchedulerConfig::slice, 0, 1'000'000, " (0: frames are never cut)"),
+      integer("admit_percent", &SchedulerConfig::admit_percent, 0, 1'000'000, " (0: no limit)"),
   };
   Keys<TenantConfig> tenant{
       name_key(&TenantConfig::name),
       integer("weight", &TenantConfig::weight, 1, 1000),
       integer("priority", &TenantConfig::priority, 0, 100),
-      integer("max_sessions", &TenantConfig::max_sessions, 0, 1'000'000, " (0: no limit of its own)"),
+      integer("max_sessions", &TenantConfig::max_sessions, 0, 1'000'000, kNoLimit),
+      integer("max_vbps", &TenantConfig::max_vbps, 0, 1'000'000, kNoLimit),
+      integer("max_bits_per_s", &TenantConfig::max_bits_per_s, 0, int64_t{1} << 50, kNoLimit),
+      integer("max_bytes_per_s", &TenantConfig::max_bytes_per_s, 0, int64_t{1} << 40, kNoLimit),
+      integer("max_gpu_percent", &TenantConfig::max_gpu_percent, 0, 100, kNoLimit),
+      integer("max_width", &TenantConfig::max_width, 0, protocol::kMaxSide, kNoLimit),
+      integer("max_height", &TenantConfig::max_height, 0, protocol::kMaxSide, kNoLimit),
+      integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
   };
   return {
       section("server", &Config::server, server_keys()),

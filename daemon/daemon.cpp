@@ -5,19 +5,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr auto kSharesInterval = 1s;
+
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
   std::vector<std::string> names;
   for (const T& item : items) names.push_back(item.name);
   return names;
-}
-
-std::unique_ptr<scheduler::Scheduler> make_scheduler(const Config& config) {
-  auto made = scheduler::make_scheduler(config.scheduler.policy, config.scheduler.priority_floor_percent / 100.0);
-  for (uint32_t i = 0; i < config.tenants.size(); ++i) {
-    made->set_tenant(TenantId{i}, {config.tenants[i].weight, config.tenants[i].priority});
-  }
-  return made;
 }
 
 }  // namespace
@@ -65,7 +59,7 @@ Result<void> Daemon::open_device() {
   device_status_.publish({renderer.device_name(), renderer.driver_name(), tracer_});
   encode_pool_ = std::make_unique<EncodePool>(options_.config.encode.threads, metrics_,
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
-  loop_ = std::make_unique<RenderLoop>(make_scheduler(options_.config), *device_, inbox_, metrics_,
+  loop_ = std::make_unique<RenderLoop>(terms_of(options_.config), *device_, inbox_, metrics_,
                                        [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); });
   render_thread_ = std::thread([this] { render(); });
   return {};
@@ -86,10 +80,19 @@ void Daemon::render() {
     loop_->start(Clock::now());
     health_.device_up = loop_->device_up();
     if (loop_->finished()) break;
-    inbox_.take(batch, Clock::now() + 1s);
+    publish_shares(Clock::now());
+    inbox_.take(batch, std::min(next_shares_, loop_->wake_at()));
     for (RenderEvent& event : batch) loop_->handle(std::move(event), Clock::now());
   }
   if (loop_->failure() && options_.on_failure) options_.on_failure(*loop_->failure());
+}
+
+void Daemon::publish_shares(TimePoint now) {
+  if (now < next_shares_) return;
+  next_shares_ = now + kSharesInterval;
+  const ShareReport report = loop_->shares();
+  metrics_.shares(report);
+  shares_.publish(report);
 }
 
 void Daemon::drain() {

@@ -43,6 +43,7 @@ class Daemon {
   Result<void> open_device();
   Result<void> load_scenes();
   void render();
+  void publish_shares(TimePoint now);
   void stop();
   Admin::Pages pages();
   std::string status_json() const;
@@ -55,6 +56,8 @@ class Daemon {
   Seats seats_;
   RenderInbox inbox_;
   Published<DeviceStatus> device_status_;
+  Published<ShareReport> shares_;
+  TimePoint next_shares_{};  // the render thread's
   std::string tracer_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;

@@ -23,6 +23,14 @@ json to_json(const DeviceStatus& device, bool up) {
   return {{"name", device.name}, {"driver", device.driver}, {"tracer", device.tracer}, {"up", up}};
 }
 
+json to_json(const TenantReport& tenant) {
+  return {{"gpu_seconds", to_seconds(tenant.service)},
+          {"share", tenant.share},
+          {"expected_share", tenant.expected_share},
+          {"lag_ms", to_milliseconds(tenant.lag)},
+          {"cost_error", tenant.predicted_error}};
+}
+
 // Ids are 64 bits: as text, for readers whose numbers are doubles.
 json to_json(const SessionStatus& session, const std::string& tenant) {
   return {{"id", std::to_string(session.id.value)},
@@ -43,18 +51,24 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
 std::string Daemon::status_json() const {
   const auto& tenants = options_.config.tenants;
   const std::vector<SessionStatus> sessions = server_->sessions();
+  const auto shares = shares_.get();
   json status{{"version", options_.version},
               {"ready", health_.ready()},
               {"draining", health_.draining.load()},
               {"devices", json::array({to_json(*device_status_.get(), health_.device_up)})},
               {"scenes", json::array()},
+              {"policy", options_.config.scheduler.policy},
+              {"jain", shares->jain},
+              {"worst_lag_ms", to_milliseconds(shares->worst_lag)},
               {"tenants", json::array()},
               {"sessions", json::array()}};
   for (const auto& [name, scene] : scenes_->resident()) status["scenes"].push_back(to_json(name, scene));
   for (uint32_t i = 0; i < tenants.size(); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
-    status["tenants"].push_back({{"name", tenants[i].name}, {"weight", tenants[i].weight}, {"sessions", open}});
+    json row{{"name", tenants[i].name}, {"weight", tenants[i].weight}, {"sessions", open}};
+    if (i < shares->tenants.size()) row.update(to_json(shares->tenants[i]));
+    status["tenants"].push_back(std::move(row));
   }
   for (const SessionStatus& session : sessions) {
     status["sessions"].push_back(to_json(session, tenants[session.tenant.value].name));

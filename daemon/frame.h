@@ -15,7 +15,8 @@ struct ViewRequest {
   SessionId session;
   FrameId frame;
   gpu::CameraView camera;
-  TimePoint arrival;  // of the datagram
+  TimePoint arrival;                      // of the datagram
+  TimePoint deadline = TimePoint::max();  // of use until then; max: not said
 };
 
 // What later stages need to know of a frame, and when each was done with it.
@@ -27,6 +28,7 @@ struct FrameMeta {
   TileGrid grid;
   uint32_t coalesced = 0;  // views of this session replaced since its last frame
   TimePoint arrival;
+  TimePoint deadline = TimePoint::max();
   TimePoint submitted;
   TimePoint rendered;
   TimePoint encode_began;

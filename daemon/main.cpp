@@ -55,14 +55,21 @@ Result<Config> load_config(const Arguments& arguments) {
   return config;
 }
 
-RendererFactory vulkan_renderers(const RenderConfig& render) {
+// Each tenant may have one frame in bands beside those that are done at once; unused slots take no memory.
+uint32_t frame_slots(const Config& config) {
+  constexpr size_t kMostInBands = 16;
+  return config.render.frames_in_flight + static_cast<uint32_t>(std::min(config.tenants.size(), kMostInBands));
+}
+
+RendererFactory vulkan_renderers(const Config& config) {
+  const RenderConfig& render = config.render;
   gpu::RendererOptions options;
   if (render.device != "auto") options.device = render.device;
   options.tracer = render.tracer;
   options.tracer_options.cache_folder = render.cache_folder;
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   options.passes = render.passes;
-  options.frames_in_flight = render.frames_in_flight;
+  options.frames_in_flight = frame_slots(config);
   return [options] { return gpu::make_renderer(options); };
 }
 
@@ -92,7 +99,7 @@ int serve(const Config& config) {
       events.stop();
     });
   };
-  auto daemon = Daemon::start({config, vulkan_renderers(config.render), GNOMON_VERSION, failed});
+  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, failed});
   if (!daemon) return fail(daemon.error());
   asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
   signals.async_wait([](asio::error_code, int) {});

@@ -66,6 +66,13 @@ struct TenantSeries {
   Stages stages;
   Counter& coalesced;
   Counter& bytes_sent;
+  Counter& gpu_seconds;
+  Counter& late;
+  Counter& hopeless;
+  Gauge& share;
+  Gauge& expected_share;
+  Gauge& lag;
+  Gauge& cost_error;
   Gauge& sessions;
   std::map<std::string, SceneCounters> scenes;
 };
@@ -87,6 +94,25 @@ struct Metrics::Families {
                                       "Datagrams that were not a view of a session, by reason.");
   Family<Counter>& refusals =
       counter(registry, "gnomon_refusals_total", "Connections that got no session, by reason.");
+  Family<Counter>& gpu_seconds =
+      counter(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
+  Family<Counter>& late =
+      counter(registry, "gnomon_frames_late_total", "Frames sent after the time until which they were of use.");
+  Family<Counter>& hopeless =
+      counter(registry, "gnomon_frames_hopeless_total", "Views dropped because they could not be ready in time.");
+  Family<Gauge>& share =
+      gauge(registry, "gnomon_tenant_share_ratio", "The tenant's part of the device time of the last second.");
+  Family<Gauge>& expected_share = gauge(registry, "gnomon_tenant_expected_share_ratio",
+                                        "Its part by weight, if it had work all through the last second.");
+  Family<Gauge>& lag = gauge(registry, "gnomon_tenant_lag_seconds",
+                             "Device time that the policy owes the tenant; negative: it had some in advance.");
+  Family<Gauge>& cost_error = gauge(registry, "gnomon_tenant_cost_error_ratio",
+                                    "Mean error of predicted costs, relative to real ones, in the last second.");
+  Gauge& jain = gauge(registry, "gnomon_fairness_jain_index",
+                      "Jain's index of device time by weight, of the tenants that always had work: 1 is fair.")
+                    .Add({});
+  Gauge& worst_lag =
+      gauge(registry, "gnomon_fairness_worst_lag_seconds", "The largest lag of any tenant, either way.").Add({});
   Family<Gauge>& sessions = gauge(registry, "gnomon_sessions", "Open sessions.");
   Family<Gauge>& load_seconds =
       gauge(registry, "gnomon_scene_load_seconds", "Time that reading the scene took, when it was last loaded.");
@@ -127,6 +153,13 @@ struct Metrics::Families {
     auto series = std::make_unique<TenantSeries>(TenantSeries{{stages, name},
                                                               coalesced.Add({{"tenant", name}}),
                                                               bytes.Add({{"tenant", name}}),
+                                                              gpu_seconds.Add({{"tenant", name}}),
+                                                              late.Add({{"tenant", name}}),
+                                                              hopeless.Add({{"tenant", name}}),
+                                                              share.Add({{"tenant", name}}),
+                                                              expected_share.Add({{"tenant", name}}),
+                                                              lag.Add({{"tenant", name}}),
+                                                              cost_error.Add({{"tenant", name}}),
                                                               sessions.Add({{"tenant", name}}),
                                                               {}});
     for (const std::string& scene : scenes) {
@@ -172,12 +205,35 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   counters.bits->Increment(double(meta.grid.width) * meta.grid.height * meta.grid.lights);
   series.bytes_sent.Increment(static_cast<double>(bytes));
   series.stages.observe(meta, sent);
+  if (sent > meta.deadline) series.late.Increment();
 }
 
 void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coalesced.Increment(); }
 void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]->sessions.Increment(); }
 void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
-void Metrics::device_busy(Nanoseconds gpu_time) { families_->device_busy.Increment(to_seconds(gpu_time)); }
+
+void Metrics::device_busy(TenantId tenant, Nanoseconds gpu_time) {
+  families_->device_busy.Increment(to_seconds(gpu_time));
+  families_->tenants[tenant.value]->gpu_seconds.Increment(to_seconds(gpu_time));
+}
+
+void Metrics::dropped(TenantId tenant, Fault fault) {
+  report(fault);
+  if (fault == Fault::view_hopeless) families_->tenants[tenant.value]->hopeless.Increment();
+}
+
+void Metrics::shares(const ShareReport& report) {
+  for (size_t i = 0; i < report.tenants.size(); ++i) {
+    const TenantReport& tenant = report.tenants[i];
+    TenantSeries& series = *families_->tenants[i];
+    series.share.Set(tenant.share);
+    series.expected_share.Set(tenant.expected_share);
+    series.lag.Set(to_seconds(tenant.lag));
+    series.cost_error.Set(tenant.predicted_error);
+  }
+  families_->jain.Set(report.jain);
+  families_->worst_lag.Set(to_seconds(report.worst_lag));
+}
 
 void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                              const gpu::SceneFootprint& on_device) {

@@ -12,6 +12,7 @@
 #include "common/ids.h"
 #include "daemon/faults.h"
 #include "daemon/frame.h"
+#include "daemon/share_account.h"
 #include "scenes/registry.h"
 
 namespace gnomon::daemon {
@@ -35,7 +36,10 @@ class Metrics {
   void coalesced(TenantId tenant);
   void session_opened(TenantId tenant);
   void session_closed(TenantId tenant);
-  void device_busy(Nanoseconds gpu_time);
+  void device_busy(TenantId tenant, Nanoseconds gpu_time);
+  // A view or frame of a tenant came to nothing.
+  void dropped(TenantId tenant, Fault fault);
+  void shares(const ShareReport& report);
   // Of a configured scene; others have no series.
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                       const gpu::SceneFootprint& on_device);

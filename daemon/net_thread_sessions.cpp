@@ -89,7 +89,7 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
                  [this, id](const std::string& why) { close_session(id, why); });
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
   shared_.inbox.push(SessionOpened{id, accepted.tenant, scene.id, accepted.width, accepted.height, lights,
-                                   accepted.codec, index_});
+                                   accepted.codec, index_, accepted.rate_hz});
   shared_.metrics.session_opened(accepted.tenant);
 
   protocol::Welcome welcome;

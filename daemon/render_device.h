@@ -24,7 +24,7 @@ class RenderDevice {
  public:
   static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory);
 
-  gpu::Renderer& renderer() { return *renderer_; }
+  gpu::Renderer& renderer() const { return *renderer_; }
 
   // Blocking: uploads the scene and builds what the tracer needs.
   Result<gpu::SceneFootprint> add_scene(const scenes::LoadedScene& scene);

@@ -8,7 +8,9 @@
 
 #include "common/inbox.h"
 #include "daemon/frame.h"
+#include "daemon/terms.h"
 #include "scenes/registry.h"
+#include "scheduler/cost_model.h"
 #include "scheduler/scheduler.h"
 
 namespace gnomon::daemon {
@@ -22,6 +24,7 @@ struct SessionOpened {
   uint32_t lights = 0;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   uint32_t net_thread = 0;
+  double rate_hz = 0;  // granted; 0: no limit
 };
 
 struct SessionClosed {
@@ -33,18 +36,29 @@ struct SceneArrived {
   std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
 };
 
-struct FrameFinished {
+// A submit is done: a frame or a band of one.
+struct JobFinished {
   scheduler::Ticket ticket;
+  uint64_t policy = 0;  // number of the policy that gave the ticket out
+  SceneId scene;
+  scheduler::Work work;
+  Nanoseconds model_cost{};  // 0: a guess of a model that knew nothing
   Nanoseconds gpu{};
+  Nanoseconds trace{};  // of it, the part that grows with the bits
   bool device_lost = false;
 };
 
 struct LeaseDropped {};  // a frame slot may be free again
 
+// The device is shared on other terms from now on. Tenants are never fewer than before.
+struct TermsChanged {
+  Terms terms;
+};
+
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
-using RenderEvent = std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, FrameFinished,
-                                 LeaseDropped, StopRendering>;
+using RenderEvent = std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, JobFinished, LeaseDropped,
+                                 TermsChanged, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

@@ -8,54 +8,97 @@ namespace {
 // A renderer that refuses this many submits in a row is treated as lost: it may have been lost between frames.
 constexpr uint32_t kFailedSubmitsAreALoss = 8;
 
+Nanoseconds trace_time(const gpu::FrameDone& done) {
+  uint64_t ns = 0;
+  for (const gpu::StageTime& stage : done.stages) {
+    if (stage.pass == "trace") ns += stage.gpu_ns;
+  }
+  return Nanoseconds(done.stages.empty() ? done.gpu_ns : ns);
+}
+
+FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoint now) {
+  FrameMeta meta;
+  meta.session = view.session;
+  meta.net_thread = session.opened.net_thread;
+  meta.frame = view.frame;
+  meta.codec = session.opened.codec;
+  meta.grid = session.grid();
+  meta.coalesced = session.coalesced;
+  meta.arrival = view.arrival;
+  meta.deadline = view.deadline;
+  meta.submitted = now;
+  return meta;
+}
+
 }  // namespace
 
-RenderLoop::RenderLoop(std::unique_ptr<scheduler::Scheduler> scheduler, RenderDevice& device, RenderInbox& inbox,
-                       Metrics& metrics, std::function<void(RenderedFrame)> rendered)
-    : scheduler_(std::move(scheduler)),
-      device_(device),
-      inbox_(inbox),
-      metrics_(metrics),
-      rendered_(std::move(rendered)) {}
+RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+                       std::function<void(RenderedFrame)> rendered)
+    : device_(device), inbox_(inbox), metrics_(metrics), rendered_(std::move(rendered)) {
+  apply(terms, TimePoint{});
+}
 
 void RenderLoop::start(TimePoint now) {
-  if (lost_ && in_flight_ == 0 && !stopping_ && !failure_) recover(now);
+  if (lost_ && in_flight_ == 0 && submits_ == 0 && !stopping_ && !failure_) recover(now);
   if (lost_ || failure_) return;
+  release_held(now);
+  if (!has_room()) return;
+  account_.look();
   device_.renderer().begin_batch();
-  while (!lost_ && device_.renderer().free_slots() > 0) {
-    const auto picked = scheduler_->pick(now);
-    if (!picked) break;
-    submit(sessions_.at(picked->session), *picked, now);
+  while (!lost_ && has_room()) {
+    drop_hopeless(now);
+    const auto ticket = scheduler_->pick(now);
+    if (!ticket) break;
+    submit(sessions_.at(ticket->session), *ticket, now);
   }
   device_.renderer().end_batch();
+}
+
+// Of work on the device there is never more than a slice, as far as predictions go, so that whoever comes next waits
+// for no more than that; of frames no more than the encoders can take.
+bool RenderLoop::has_room() const {
+  if (device_.renderer().free_slots() == 0 || in_flight_ - begun_ >= terms_.frames_in_flight) return false;
+  return submits_ == 0 || terms_.slice <= Nanoseconds{} || predicted_ <= terms_.slice / 2;
 }
 
 void RenderLoop::handle(RenderEvent event, TimePoint now) {
   std::visit([&](const auto& e) { on(e, now); }, event);
 }
 
+TimePoint RenderLoop::wake_at() const { return held_.empty() ? TimePoint::max() : held_.begin()->first; }
+
+ShareReport RenderLoop::shares() { return account_.report(*scheduler_); }
+
 void RenderLoop::on(const ViewRequest& view, TimePoint now) {
   if (stopping_) return metrics_.report(Fault::view_draining);
   const auto found = sessions_.find(view.session);
   if (found == sessions_.end()) return metrics_.report(Fault::session_gone);
-  Session& session = found->second;
+  RenderSession& session = found->second;
   if (session.newest) {
     ++session.coalesced;
     metrics_.coalesced(session.opened.tenant);
   }
   session.newest = view;
-  scheduler_->make_ready(view.session, {session.cost}, now);
+  if (!session.begun && !session.held) ask_when_allowed(session, now);
 }
 
 void RenderLoop::on(const SessionOpened& opened, TimePoint) {
-  sessions_.emplace(opened.session, Session{opened, std::nullopt});
+  RenderSession session;
+  session.opened = opened;
+  // A camera that comes a little early is no offence.
+  const std::chrono::duration<double> early(opened.rate_hz > 0 ? 1.5 / opened.rate_hz : 0);
+  session.rate = scheduler::RateLimit(opened.rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
+  sessions_.emplace(opened.session, std::move(session));
   scheduler_->add_session(opened.session, opened.tenant);
 }
 
 void RenderLoop::on(const SessionClosed& closed, TimePoint) {
   const auto found = sessions_.find(closed.session);
   if (found == sessions_.end()) return;
-  if (found->second.newest) metrics_.report(Fault::session_gone);
+  RenderSession& session = found->second;
+  if (session.has_work()) metrics_.report(Fault::session_gone);
+  if (session.asked) account_.left_queue(session.opened.tenant);
+  if (session.begun) abandon(session);
   scheduler_->remove_session(closed.session);
   sessions_.erase(found);
 }
@@ -65,70 +108,208 @@ void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
   arrived.resident(device_.add_scene(arrived.scene));
 }
 
-void RenderLoop::on(const FrameFinished& finished, TimePoint now) {
-  scheduler_->charge(finished.ticket, finished.gpu, now);
-  const auto found = sessions_.find(finished.ticket.session);
-  if (found != sessions_.end() && !finished.device_lost) found->second.cost = finished.gpu;
-  metrics_.device_busy(finished.gpu);
-  if (!finished.device_lost) return;
-  metrics_.report(Fault::device_lost, {{"session", finished.ticket.session.value}});
-  lost_ = true;
+void RenderLoop::on(const JobFinished& job, TimePoint now) {
+  --submits_;
+  predicted_ -= job.ticket.predicted;
+  if (job.policy == policy_) scheduler_->charge(job.ticket, job.gpu, now);
+  account_.finished(job.ticket.tenant, job.ticket.predicted, job.gpu, now);
+  metrics_.device_busy(job.ticket.tenant, job.gpu);
+  if (job.device_lost) {
+    metrics_.report(Fault::device_lost, {{"session", job.ticket.session.value}});
+    return lose_device();
+  }
+  scheduler::CostModel& model = models_[job.scene];
+  const auto found = sessions_.find(job.ticket.session);
+  if (found != sessions_.end() && job.model_cost.count() > 0) found->second.view.learn(job.model_cost, job.gpu);
+  model.learn(job.work, job.gpu, job.trace);
 }
 
 void RenderLoop::on(const LeaseDropped&, TimePoint) { --in_flight_; }
 
+void RenderLoop::on(const TermsChanged& changed, TimePoint now) { apply(changed.terms, now); }
+
 void RenderLoop::on(const StopRendering&, TimePoint) {
   stopping_ = true;
   for (auto& [id, session] : sessions_) {
-    if (session.newest) metrics_.report(Fault::view_draining);
+    if (session.has_work()) metrics_.report(Fault::view_draining);
+    if (session.asked) account_.left_queue(session.opened.tenant);
+    if (session.begun) abandon(session);
     scheduler_->remove_session(id);
   }
   sessions_.clear();
 }
 
-void RenderLoop::submit(Session& session, const scheduler::Ticket& ticket, TimePoint now) {
-  const ViewRequest view = *std::exchange(session.newest, std::nullopt);
-  const SessionOpened& opened = session.opened;
-  FrameMeta meta;
-  meta.session = view.session;
-  meta.net_thread = opened.net_thread;
-  meta.frame = view.frame;
-  meta.codec = opened.codec;
-  meta.grid = {opened.width, opened.height, opened.lights};
-  meta.coalesced = std::exchange(session.coalesced, 0);
-  meta.arrival = view.arrival;
-  meta.submitted = now;
-
-  const gpu::RenderJob job{JobId{next_job_++}, opened.scene, view.camera, opened.width, opened.height};
-  const auto submitted = device_.renderer().submit(job, completion(meta, ticket));
-  if (submitted) {
-    ++in_flight_;
-    failed_submits_ = 0;
-    return;
+// Another policy starts with everybody who waits; what was charged before is not held against anybody.
+void RenderLoop::apply(const Terms& terms, TimePoint now) {
+  const bool other_policy =
+      !scheduler_ || terms.policy != terms_.policy || terms.priority_floor != terms_.priority_floor;
+  terms_ = terms;
+  account_.set_terms(terms);
+  if (other_policy) {
+    scheduler_ = scheduler::make_scheduler(terms.policy, terms.priority_floor);
+    ++policy_;
   }
-  scheduler_->charge(ticket, Nanoseconds{}, now);
-  metrics_.report(Fault::submit_failed, {{"session", view.session.value}, {"why", submitted.error().message}});
-  if (++failed_submits_ >= kFailedSubmitsAreALoss) lost_ = true;
+  for (uint32_t i = 0; i < terms.tenants.size(); ++i) {
+    scheduler_->set_tenant(TenantId{i}, terms.tenants[i].terms);
+  }
+  if (!other_policy) return;
+  for (auto& [id, session] : sessions_) {
+    scheduler_->add_session(id, session.opened.tenant);
+    if (session.asked) ask(session, now);
+  }
 }
 
-// Runs on the completion thread: the mask goes on to be encoded, the news comes back here. However the lease ends,
+void RenderLoop::ask_when_allowed(RenderSession& session, TimePoint now) {
+  const TimePoint from = std::max(account_.open_at(session.opened.tenant), session.rate.open_at());
+  if (from <= now) return ask(session, now);
+  session.held = true;
+  held_.emplace(from, session.opened.session);
+}
+
+void RenderLoop::release_held(TimePoint now) {
+  while (!held_.empty() && held_.begin()->first <= now) {
+    const auto found = sessions_.find(held_.begin()->second);
+    held_.erase(held_.begin());
+    if (found == sessions_.end()) continue;
+    found->second.held = false;
+    if (found->second.newest && !found->second.begun) ask_when_allowed(found->second, now);
+  }
+}
+
+void RenderLoop::ask(RenderSession& session, TimePoint now) {
+  session.next = next_job(session, models_[session.opened.scene], terms_.slice);
+  const TimePoint deadline = session.begun ? session.begun->meta.deadline : session.newest->deadline;
+  scheduler_->make_ready(session.opened.session, {session.next.cost, deadline, session.begun.has_value()}, now);
+  if (!std::exchange(session.asked, true)) account_.asked(session.opened.tenant);
+}
+
+void RenderLoop::drop_hopeless(TimePoint now) {
+  while (const auto id = scheduler_->take_hopeless(now)) {
+    RenderSession& session = sessions_.at(*id);
+    session.asked = false;
+    session.newest.reset();
+    account_.left_queue(session.opened.tenant);
+    metrics_.dropped(session.opened.tenant, Fault::view_hopeless);
+  }
+}
+
+void RenderLoop::submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
+  session.asked = false;
+  account_.left_queue(session.opened.tenant);
+  if (session.begun) return resume(session, ticket, now);
+  if (account_.open_at(session.opened.tenant) > now) {  // others of its tenant were faster
+    scheduler_->charge(ticket, Nanoseconds{}, now);
+    return ask_when_allowed(session, now);
+  }
+  begin(session, ticket, now);
+}
+
+// The camera is the newest there is at this moment.
+void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
+  const ViewRequest view = *std::exchange(session.newest, std::nullopt);
+  const uint32_t all_rows = session.grid().tiles_y();
+  // A frame that is cut holds a slot for long: the last one is for those that are done at once.
+  if (session.next.rows.count < all_rows && device_.renderer().free_slots() < 2) {
+    session.next = next_job(session, models_[session.opened.scene], Nanoseconds{});
+  }
+  const uint32_t rows = session.next.rows.count;
+  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, now), 0, std::make_shared<Nanoseconds>()};
+  gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
+  job.tile_rows = rows < all_rows ? rows : 0;
+  const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
+  if (!submitted) return not_started(session, ticket, now, submitted.error());
+  session.coalesced = 0;
+  session.rate.spend(1, now);
+  ++in_flight_;
+  ++begun_;
+  session.begun = std::move(frame);
+  started(session, ticket, now);
+}
+
+void RenderLoop::resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
+  const BegunFrame& frame = *session.begun;
+  const auto submitted =
+      device_.renderer().resume(frame.job, session.next.rows.count, completion(session, ticket, frame));
+  if (submitted) return started(session, ticket, now);
+  abandon(session);
+  not_started(session, ticket, now, submitted.error());
+}
+
+void RenderLoop::started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
+  ++submits_;
+  predicted_ += ticket.predicted;
+  failed_submits_ = 0;
+  const scheduler::Work& work = session.next.work;
+  account_.started(session.opened.tenant, work.begins, work.bits, now);
+  session.begun->next_row += session.next.rows.count;
+  if (session.begun->next_row < session.grid().tiles_y()) return ask(session, now);
+  session.begun.reset();
+  --begun_;
+  if (session.newest) ask_when_allowed(session, now);
+}
+
+void RenderLoop::not_started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now,
+                             const Error& error) {
+  scheduler_->charge(ticket, Nanoseconds{}, now);
+  metrics_.report(Fault::submit_failed, {{"session", ticket.session.value}, {"why", error.message}});
+  if (++failed_submits_ >= kFailedSubmitsAreALoss) return lose_device();
+  if (session.newest) ask_when_allowed(session, now);
+}
+
+// Runs on the completion thread: the news comes back here, the mask goes on to be encoded. However the lease ends,
 // encoded or thrown away, its end is an event of ours: it is what makes a slot free.
-std::function<void(gpu::FrameDone)> RenderLoop::completion(const FrameMeta& meta, const scheduler::Ticket& ticket) {
-  return [meta, ticket, &inbox = inbox_, &rendered = rendered_](gpu::FrameDone done) {
-    inbox.push(FrameFinished{ticket, Nanoseconds(done.gpu_ns), done.device_lost});
+std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& session,
+                                                           const scheduler::Ticket& ticket,
+                                                           const BegunFrame& frame) {
+  JobFinished job;
+  job.ticket = ticket;
+  job.policy = policy_;
+  job.scene = session.opened.scene;
+  job.work = session.next.work;
+  job.model_cost = session.next.model_cost;
+  return [job, meta = frame.meta, so_far = frame.gpu, &inbox = inbox_,
+          &rendered = rendered_](gpu::FrameDone done) mutable {
+    job.gpu = Nanoseconds(done.gpu_ns);
+    job.trace = trace_time(done);
+    job.device_lost = done.device_lost;
+    *so_far += job.gpu;
+    inbox.push(job);
+    if (!done.complete) return;
     auto slot = std::make_shared<gpu::FrameLease>(std::move(done.mask));
-    const TileMaskView mask = slot->mask();
+    const auto mask = slot->mask();
     gpu::FrameLease lease(mask, [slot = std::move(slot), &inbox] {
       slot->drop();
       inbox.push(LeaseDropped{});
     });
     if (done.device_lost) return;
-    RenderedFrame frame{meta, std::move(lease)};
-    frame.meta.rendered = Clock::now();
-    frame.meta.gpu = Nanoseconds(done.gpu_ns);
-    frame.meta.readback = Nanoseconds(done.readback_ns);
-    rendered(std::move(frame));
+    RenderedFrame whole{meta, std::move(lease)};
+    whole.meta.rendered = Clock::now();
+    whole.meta.gpu = *so_far;
+    whole.meta.readback = Nanoseconds(done.readback_ns);
+    rendered(std::move(whole));
   };
+}
+
+// Its bands on the device are done, but nobody will see them.
+void RenderLoop::abandon(RenderSession& session) {
+  device_.renderer().abandon(session.begun->job);
+  session.begun.reset();
+  --begun_;
+  --in_flight_;
+}
+
+// Frames in bands are lost with it; whoever has a newer view asks again.
+void RenderLoop::lose_device() {
+  lost_ = true;
+  for (auto& [id, session] : sessions_) {
+    if (!session.begun) continue;
+    abandon(session);
+    if (std::exchange(session.asked, false)) {
+      account_.left_queue(session.opened.tenant);
+      scheduler_->withdraw(id);
+    }
+    if (session.newest && !session.held) ask_when_allowed(session, TimePoint::max());
+  }
 }
 
 void RenderLoop::recover(TimePoint now) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -12,52 +13,73 @@
 #include "daemon/metrics.h"
 #include "daemon/render_device.h"
 #include "daemon/render_inbox.h"
-#include "scheduler/scheduler.h"
+#include "daemon/render_session.h"
+#include "daemon/share_account.h"
+#include "daemon/terms.h"
 
 namespace gnomon::daemon {
 
 class RenderLoop {
  public:
   // `rendered` is called from the renderer's completion thread. All references outlive the loop and its leases.
-  RenderLoop(std::unique_ptr<scheduler::Scheduler> scheduler, RenderDevice& device, RenderInbox& inbox,
-             Metrics& metrics, std::function<void(RenderedFrame)> rendered);
+  RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+             std::function<void(RenderedFrame)> rendered);
 
   void start(TimePoint now);                      // start what capacity allows
   void handle(RenderEvent event, TimePoint now);  // then react to one event
+  TimePoint wake_at() const;                      // start again then, even if nothing happens
 
-  bool finished() const { return failure_ || (stopping_ && in_flight_ == 0); }
+  bool finished() const { return failure_ || (stopping_ && in_flight_ == 0 && submits_ == 0); }
   const std::optional<Error>& failure() const { return failure_; }  // the device is beyond repair
   bool device_up() const { return !lost_; }
 
- private:
-  struct Session {
-    SessionOpened opened;
-    std::optional<ViewRequest> newest;
-    uint32_t coalesced = 0;                           // since its last frame
-    Nanoseconds cost = std::chrono::milliseconds(1);  // of its last frame
-  };
+  ShareReport shares();  // since the last call
 
+ private:
   void on(const ViewRequest& view, TimePoint now);
   void on(const SessionOpened& opened, TimePoint now);
   void on(const SessionClosed& closed, TimePoint now);
   void on(const SceneArrived& arrived, TimePoint now);
-  void on(const FrameFinished& finished, TimePoint now);
+  void on(const JobFinished& finished, TimePoint now);
   void on(const LeaseDropped&, TimePoint now);
+  void on(const TermsChanged& changed, TimePoint now);
   void on(const StopRendering&, TimePoint now);
 
-  void submit(Session& session, const scheduler::Ticket& ticket, TimePoint now);
+  void apply(const Terms& terms, TimePoint now);
+  bool has_room() const;
+  void ask(RenderSession& session, TimePoint now);
+  void ask_when_allowed(RenderSession& session, TimePoint now);
+  void release_held(TimePoint now);
+  void drop_hopeless(TimePoint now);
+  void submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
+  void begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
+  void resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
+  void started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
+  void not_started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now, const Error& error);
+  void abandon(RenderSession& session);
+  void lose_device();
   void recover(TimePoint now);
-  std::function<void(gpu::FrameDone)> completion(const FrameMeta& meta, const scheduler::Ticket& ticket);
+  std::function<void(gpu::FrameDone)> completion(const RenderSession& session, const scheduler::Ticket& ticket,
+                                                 const BegunFrame& frame);
 
-  std::unique_ptr<scheduler::Scheduler> scheduler_;
   RenderDevice& device_;
   RenderInbox& inbox_;
   Metrics& metrics_;
   std::function<void(RenderedFrame)> rendered_;
 
-  std::unordered_map<SessionId, Session> sessions_;
+  Terms terms_;
+  std::unique_ptr<scheduler::Scheduler> scheduler_;
+  uint64_t policy_ = 0;  // counts the schedulers that there were
+  ShareAccount account_;
+  std::map<SceneId, scheduler::CostModel> models_;
+  std::unordered_map<SessionId, RenderSession> sessions_;
+  std::multimap<TimePoint, SessionId> held_;  // until then they may not ask
+
   uint64_t next_job_ = 1;
-  uint32_t in_flight_ = 0;       // submits whose lease has not come back
+  uint32_t in_flight_ = 0;       // frames whose lease has not come back, those begun included
+  uint32_t begun_ = 0;           // of these, not all submitted
+  uint32_t submits_ = 0;         // not done
+  Nanoseconds predicted_{};      // of these
   uint32_t failed_submits_ = 0;  // in a row
   bool lost_ = false;
   bool stopping_ = false;

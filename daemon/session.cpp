@@ -34,7 +34,10 @@ Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp
   if (newest_ == update->frame) return {};
   if (newest_ && !is_newer(update->frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
   newest_ = update->frame;
-  return {ViewRequest{id_, update->frame, to_gpu(update->camera), now}, std::nullopt};
+  // The client's clock is not ours: its deadline counts from the arrival.
+  const auto until = std::chrono::microseconds(update->display_deadline_us);
+  const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
+  return {ViewRequest{id_, update->frame, to_gpu(update->camera), now, deadline}, std::nullopt};
 }
 
 void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {

@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <map>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -23,6 +24,8 @@ class FakeRenderer : public gpu::Renderer {
   struct Waiting {
     gpu::RenderJob job;
     std::function<void(gpu::FrameDone)> on_done;
+    bool last = true;   // of the frame's bands
+    uint32_t rows = 0;  // of tiles, that it traces
   };
 
   explicit FakeRenderer(uint32_t slots, uint32_t lights = 2) : lights_(lights), free_(slots) {}
@@ -49,15 +52,34 @@ class FakeRenderer : public gpu::Renderer {
     if (refuse_submits) return Error{"refused by the test"};
     if (free_ == 0 || !resident_.contains(job.scene)) std::abort();  // a broken precondition is a bug
     --free_;
-    waiting_.push_back({job, std::move(on_done)});
+    const uint32_t all = TileGrid{job.width, job.height, 0}.tiles_y();
+    const bool last = job.tile_rows == 0 || job.tile_rows >= all;
+    if (!last) begun_[job.id] = job;
+    waiting_.push_back({job, std::move(on_done), last, last ? all : job.tile_rows});
     changed_.notify_all();
     return {};
   }
 
-  Result<void> resume(JobId, uint32_t, std::function<void(gpu::FrameDone)>) override {
-    return Error{"the fake has no bands"};
+  Result<void> resume(JobId id, uint32_t rows, std::function<void(gpu::FrameDone)> on_done) override {
+    std::lock_guard lock(mutex_);
+    const auto found = begun_.find(id);
+    if (refuse_submits || found == begun_.end()) return Error{"refused"};
+    gpu::RenderJob& job = found->second;
+    job.tile_rows += rows;
+    const bool last = job.tile_rows >= TileGrid{job.width, job.height, 0}.tiles_y();
+    waiting_.push_back({job, std::move(on_done), last, rows});
+    if (last) begun_.erase(found);
+    changed_.notify_all();
+    return {};
   }
-  void abandon(JobId) override {}
+  void abandon(JobId id) override {
+    std::lock_guard lock(mutex_);
+    free_ += static_cast<uint32_t>(begun_.erase(id));
+  }
+  size_t begun() const {
+    std::lock_guard lock(mutex_);
+    return begun_.size();
+  }
 
   size_t waiting() const {
     std::lock_guard lock(mutex_);
@@ -66,6 +88,10 @@ class FakeRenderer : public gpu::Renderer {
   gpu::RenderJob job(size_t index) const {
     std::lock_guard lock(mutex_);
     return waiting_.at(index).job;
+  }
+  uint32_t rows(size_t index) const {
+    std::lock_guard lock(mutex_);
+    return waiting_.at(index).rows;
   }
   std::set<SceneId> resident() const {
     std::lock_guard lock(mutex_);
@@ -84,6 +110,8 @@ class FakeRenderer : public gpu::Renderer {
     done.id = frame.job.id;
     done.gpu_ns = static_cast<uint64_t>(gpu_time.count());
     done.device_lost = lost;
+    done.complete = frame.last;
+    if (!frame.last) return frame.on_done(std::move(done));
     if (lost) {
       free_slot();
     } else {
@@ -115,6 +143,7 @@ class FakeRenderer : public gpu::Renderer {
   uint32_t lights_;
   uint32_t free_;
   std::set<SceneId> resident_;
+  std::map<JobId, gpu::RenderJob> begun_;
 };
 
 // Completes every frame by itself, from a completion thread, each after `delay`.

@@ -25,8 +25,9 @@ class RenderLoopTest : public testing::Test {
       fake_ = made.get();
       return std::unique_ptr<gpu::Renderer>(std::move(made));
     }));
-    loop_ = std::make_unique<RenderLoop>(make_policy(), *device_, inbox_, metrics_,
-                                         [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); });
+    loop_ = std::make_unique<RenderLoop>(
+        Terms{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_, inbox_,
+        metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); });
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
                                [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
                   now_);
@@ -36,12 +37,6 @@ class RenderLoopTest : public testing::Test {
   void TearDown() override {
     rendered_.clear();
     device_.reset();
-  }
-
-  static std::unique_ptr<scheduler::Scheduler> make_policy() {
-    auto made = scheduler::make_round_robin();
-    made->set_tenant(kTenant, {});
-    return made;
   }
 
   void open(SessionId session) {
@@ -74,7 +69,7 @@ class RenderLoopTest : public testing::Test {
   }
 
   TimePoint now_ = TimePoint(std::chrono::hours(1));
-  Metrics metrics_{{"default"}, {}, "test"};
+  Metrics metrics_{{"default", "other"}, {}, "test"};
   RenderInbox inbox_;
   int renderers_made_ = 0;
   bool no_more_renderers_ = false;
@@ -272,6 +267,188 @@ TEST_F(RenderLoopTest, ARefusedSubmitCostsOneFrameAndManyInARowTheDevice) {
     settle();
   }
   EXPECT_EQ(renderers_made_, 2);
+}
+
+// Frames of 16x800 pixels, 100 rows of tiles, that cost 1 us a row.
+class SlicedTest : public RenderLoopTest {
+ protected:
+  static constexpr uint32_t kHeight = 800;
+
+  void SetUp() override {
+    RenderLoopTest::SetUp();
+    Terms terms = terms_of({});
+    terms.slice = Nanoseconds(0);
+    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SessionClosed{kA}, now_);
+    loop_->handle(SessionClosed{kB}, now_);
+    loop_->handle(SessionOpened{kA, kTenant, kScene, 16, kHeight, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+    loop_->handle(SessionOpened{kB, kTenant, kScene, 16, kHeight, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+    view(kA, 1);  // teaches what a frame costs
+    settle();
+    fake_->complete(100us);
+    rendered_.clear();
+    settle();
+    terms.slice = 50us;
+    loop_->handle(TermsChanged{terms}, now_);
+  }
+
+  void complete_one() { fake_->complete(fake_->rows(0) * 1us); }
+
+  // Completes what is on the device, each band for what it costs, and starts what follows. How many submits it took.
+  size_t run_to_the_end() {
+    size_t submits = 0;
+    for (settle(); fake_->waiting() > 0; settle(), ++submits) complete_one();
+    return submits;
+  }
+};
+
+TEST_F(SlicedTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
+  view(kA, 2);
+  EXPECT_EQ(run_to_the_end(), 4u) << "100 us in pieces of half a slice";
+  ASSERT_EQ(rendered_.size(), 1u);
+  EXPECT_EQ(rendered_[0].meta.gpu, Nanoseconds(100us));
+  EXPECT_EQ(rendered_[0].mask.mask().grid.height, kHeight);
+}
+
+TEST_F(SlicedTest, NoMoreThanASliceIsOnTheDevice) {
+  view(kA, 2);
+  settle();
+  EXPECT_EQ(fake_->waiting(), 2u);
+  EXPECT_EQ(run_to_the_end(), 4u);
+}
+
+TEST_F(SlicedTest, OthersPassBetweenBands) {
+  view(kA, 2);
+  settle();
+  loop_->handle(SessionOpened{SessionId{44}, kTenant, kScene, 8, 8, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  Terms two = terms_of({});
+  two.slice = 50us;
+  two.tenants.push_back({});
+  loop_->handle(TermsChanged{two}, now_);
+  loop_->handle(SessionOpened{SessionId{55}, TenantId{1}, kScene, 8, 8, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  view(SessionId{55}, 1);
+  for (int done = 0; done < 3; ++done) {
+    complete_one();
+    settle();
+  }
+  ASSERT_EQ(rendered_.size(), 1u);
+  EXPECT_EQ(rendered_[0].meta.session, SessionId{55});
+}
+
+TEST_F(SlicedTest, ANewerViewWaitsForTheFrameThatWasBegun) {
+  view(kA, 2);
+  settle();
+  view(kA, 3);
+  run_to_the_end();
+  EXPECT_EQ(rendered_frames_of(kA), (std::vector<uint32_t>{2, 3}));
+}
+
+TEST_F(SlicedTest, ASessionThatClosesGivesItsBegunFrameUp) {
+  view(kA, 2);
+  settle();
+  EXPECT_EQ(fake_->begun(), 1u);
+  loop_->handle(SessionClosed{kA}, now_);
+  EXPECT_EQ(fake_->begun(), 0u);
+  run_to_the_end();
+  EXPECT_TRUE(rendered_.empty());
+  view(kB, 1);
+  run_to_the_end();
+  EXPECT_EQ(rendered_frames_of(kB), std::vector<uint32_t>{1});
+}
+
+TEST_F(SlicedTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
+  view(kA, 2);
+  settle();
+  view(kA, 3);
+  fake_->complete(25us, true);
+  fake_->complete(25us, true);
+  settle();
+  EXPECT_EQ(renderers_made_, 2);
+  run_to_the_end();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{3});
+}
+
+TEST_F(SlicedTest, TheLastFreeSlotIsForFramesThatAreDoneAtOnce) {
+  Terms both = terms_of({});
+  both.slice = 50us;
+  both.policy = "deadline";
+  loop_->handle(TermsChanged{both}, now_);
+  view(kA, 2);
+  settle();
+  EXPECT_EQ(fake_->begun(), 1u);
+  run_to_the_end();
+  rendered_.clear();
+  view(kA, 3);
+  view(kB, 3);
+  settle();
+  EXPECT_EQ(fake_->begun(), 1u) << "there are two slots";
+  run_to_the_end();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{3});
+  EXPECT_EQ(rendered_frames_of(kB), std::vector<uint32_t>{3});
+}
+
+TEST_F(RenderLoopTest, APolicyChangesWithViewsWaitingAndOnTheDevice) {
+  for (const char* policy : {"fair", "priority", "deadline", "round_robin"}) {
+    view(kA, 1);
+    settle();
+    view(kB, 1);
+    Terms terms = terms_of({});
+    terms.policy = policy;
+    loop_->handle(TermsChanged{terms}, now_);
+    settle();
+    while (fake_->waiting() > 0) {
+      fake_->complete();
+      settle();
+    }
+    EXPECT_EQ(rendered_frames_of(kA).size(), 1u) << policy;
+    EXPECT_EQ(rendered_frames_of(kB).size(), 1u) << policy;
+    rendered_.clear();
+    settle();
+  }
+}
+
+TEST_F(RenderLoopTest, ATenantsRateIsKept) {
+  Terms terms = terms_of({});
+  terms.tenants[0].rates.buffers_per_second = 50;
+  loop_->handle(TermsChanged{terms}, now_);
+  const TimePoint begin = now_;
+  size_t frames = 0;
+  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
+    view(kA, frame);
+    settle();
+    while (fake_->waiting() > 0) fake_->complete();
+    frames += std::exchange(rendered_, {}).size();
+    settle();
+  }
+  EXPECT_NEAR(static_cast<double>(frames), 2 * 50 + 5, 2) << "and a burst of 100 ms";
+  EXPECT_LT(loop_->wake_at(), TimePoint::max());
+}
+
+TEST_F(RenderLoopTest, AGrantedRateIsKept) {
+  const SessionId slow{77};
+  loop_->handle(SessionOpened{slow, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0, 20.0}, now_);
+  const TimePoint begin = now_;
+  size_t frames = 0;
+  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
+    view(slow, frame);
+    settle();
+    while (fake_->waiting() > 0) fake_->complete();
+    frames += std::exchange(rendered_, {}).size();
+    settle();
+  }
+  EXPECT_NEAR(static_cast<double>(frames), 2 * 20 + 1, 2);
+}
+
+TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
+  Terms terms = terms_of({});
+  terms.policy = "deadline";
+  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(ViewRequest{kA, FrameId{1}, {}, now_, now_ - 1ms}, now_);
+  loop_->handle(ViewRequest{kB, FrameId{1}, {}, now_, now_ + 1s}, now_);
+  settle();
+  EXPECT_EQ(fake_->waiting(), 1u);
+  EXPECT_EQ(metrics_.count_of(Fault::view_hopeless), 1u);
+  EXPECT_NE(metrics_.text().find("gnomon_frames_hopeless_total{tenant=\"default\"} 1"), std::string::npos);
 }
 
 TEST(RenderInbox, BoundsWaitingViewsAndNothingElse) {

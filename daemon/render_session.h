@@ -1,0 +1,49 @@
+// What the render loop knows of one session: its newest view, the frame that was begun, and what the next piece of
+// work is.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "daemon/render_inbox.h"
+#include "scheduler/cost_model.h"
+#include "scheduler/rate_limit.h"
+
+namespace gnomon::daemon {
+
+// A frame of which not all rows were submitted.
+struct BegunFrame {
+  JobId job;
+  FrameMeta meta;
+  uint32_t next_row = 0;
+  std::shared_ptr<Nanoseconds> gpu;  // of its bands so far; the completion thread's
+};
+
+// The next job of a session: a whole frame, or some rows of tiles.
+struct NextJob {
+  TileRows rows;
+  scheduler::Work work;
+  Nanoseconds model_cost{};  // what the model says; 0: it knows nothing yet
+  Nanoseconds cost{};        // what it says for this session's view
+};
+
+struct RenderSession {
+  SessionOpened opened;
+  std::optional<ViewRequest> newest;
+  uint32_t coalesced = 0;  // views replaced since its last frame
+  std::optional<BegunFrame> begun;
+  bool asked = false;  // stands in the scheduler's queue with `next`
+  bool held = false;   // waits until its tenant's or its own rate lets it ask
+  NextJob next;
+  scheduler::ViewFactor view;
+  scheduler::RateLimit rate;  // granted to it
+
+  TileGrid grid() const { return {opened.width, opened.height, opened.lights}; }
+  bool has_work() const { return begun || newest; }
+};
+
+// Cuts what remains of a frame so that no piece costs more than half a slice, as far as whole rows allow: two pieces
+// on the device keep it busy, and nobody waits for more than a slice. slice 0: no cuts.
+NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice);
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,88 @@
+#include "scheduler/cost_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::scheduler {
+namespace {
+
+constexpr double kForget = 0.98;      // weight of what is one measurement older: about 50 count
+constexpr double kOutlier = 4;        // times the usual error
+constexpr double kLeastError = 0.05;  // of the value itself: what is nearer is usual
+constexpr uint64_t kTrusting = 8;     // measurements that are believed as they are
+constexpr double kGuessPerBit = 0.5;  // ns; between a GPU and a CPU
+
+constexpr double kViewForget = 0.7;
+constexpr double kViewRange = 4;  // a view costs no more and no less than so many times the model's
+
+double in_ns(Nanoseconds d) { return static_cast<double>(d.count()); }
+Nanoseconds from_ns(double ns) { return Nanoseconds(static_cast<int64_t>(std::max(1.0, ns))); }
+
+double mean(double old, double value, uint64_t measurements) {
+  const double share = std::max(1 - kForget, 1.0 / static_cast<double>(measurements));
+  return old + share * (value - old);
+}
+
+}  // namespace
+
+void RobustLine::learn(double x, double y) {
+  const double off = y - at(x);
+  const double usual = std::max(usual_error_, kLeastError * at(x));
+  const bool outlier = measurements_ >= kTrusting && std::abs(off) > kOutlier * usual;
+  const double moved = outlier ? at(x) + std::copysign(kOutlier * usual, off) : y;
+  ++measurements_;
+  if (measurements_ > 1) usual_error_ = mean(usual_error_, std::abs(moved - at(x)), measurements_ - 1);
+  n_ = kForget * n_ + 1;
+  x_ = kForget * x_ + x;
+  y_ = kForget * y_ + moved;
+  xx_ = kForget * xx_ + x * x;
+  xy_ = kForget * xy_ + x * moved;
+  fit();
+}
+
+void RobustLine::fit() {
+  const double spread = n_ * xx_ - x_ * x_;
+  const double through_origin = xx_ > 0 ? xy_ / xx_ : 0;
+  if (spread < 0.01 * n_ * xx_) {  // sizes that hardly differ say nothing of a constant
+    slope_ = std::max(0.0, through_origin);
+    constant_ = xx_ > 0 ? 0 : y_ / n_;
+    return;
+  }
+  slope_ = (n_ * xy_ - x_ * y_) / spread;
+  constant_ = (y_ - slope_ * x_) / n_;
+  if (slope_ < 0) {
+    slope_ = 0;
+    constant_ = y_ / n_;
+  } else if (constant_ < 0) {
+    constant_ = 0;
+    slope_ = through_origin;
+  }
+}
+
+Nanoseconds CostModel::predict(const Work& work) const {
+  const double bits = static_cast<double>(work.bits);
+  if (!knows()) return from_ns(kGuessPerBit * bits);
+  const double begin = work.begins ? begin_.at(static_cast<double>(work.pixels)) : 0;
+  return from_ns(begin + trace_.at(bits));
+}
+
+void CostModel::learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace) {
+  if (gpu_time <= Nanoseconds{}) return;
+  const double error = std::abs(in_ns(predict(work) - gpu_time)) / in_ns(gpu_time);
+  if (knows()) relative_error_ = mean(relative_error_, error, ++measurements_);
+  trace_.learn(static_cast<double>(work.bits), in_ns(trace));
+  if (work.begins) begin_.learn(static_cast<double>(work.pixels), in_ns(gpu_time - trace));
+}
+
+Nanoseconds CostModel::constant() const {
+  return Nanoseconds(static_cast<int64_t>(begin_.constant() + trace_.constant()));
+}
+
+Nanoseconds ViewFactor::apply(Nanoseconds predicted) const { return from_ns(in_ns(predicted) * factor_); }
+
+void ViewFactor::learn(Nanoseconds predicted_by_model, Nanoseconds real) {
+  const double ratio = std::clamp(in_ns(real) / in_ns(predicted_by_model), 1 / kViewRange, kViewRange);
+  factor_ = kViewForget * factor_ + (1 - kViewForget) * ratio;
+}
+
+}  // namespace gnomon::scheduler

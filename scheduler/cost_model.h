@@ -1,0 +1,71 @@
+// What a job will cost, learned from what jobs did cost. One model for each device, scene and tracer.
+//
+//   cost = (constant + per pixel * pixels of the frame, for the job that begins it)
+//        + (constant + per bit * visibility bits that the job traces)
+//
+// Both parts are lines fitted by least squares with forgetting. A measurement far off the line moves it no more than
+// one at the edge of the usual (Huber): a frame that a busy machine held up teaches little, a real change is learned
+// within some tens of frames.
+#pragma once
+
+#include <cstdint>
+
+#include "common/clock.h"
+
+namespace gnomon::scheduler {
+
+struct Work {
+  uint64_t pixels = 0;  // of the whole frame
+  uint64_t bits = 0;    // pixels x lights that this job traces
+  bool begins = true;   // the frame: its first band, or all of it
+};
+
+// A line through measurements, from the origin while they are all alike. Not negative anywhere.
+class RobustLine {
+ public:
+  double at(double x) const { return constant_ + slope_ * x; }
+  void learn(double x, double y);
+  bool knows() const { return measurements_ > 0; }
+  double constant() const { return constant_; }
+  double slope() const { return slope_; }
+
+ private:
+  void fit();
+
+  uint64_t measurements_ = 0;
+  double constant_ = 0, slope_ = 0;
+  double usual_error_ = 0;                          // mean of |y - line|, forgetting
+  double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;  // sums, forgetting
+};
+
+class CostModel {
+ public:
+  // Before anything was measured: a guess, so that the first job is neither free nor a flood.
+  Nanoseconds predict(const Work& work) const;
+
+  // `trace`: the part of `gpu_time` that depends on the bits.
+  void learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace);
+
+  bool knows() const { return trace_.knows(); }
+  double ns_per_bit() const { return trace_.slope(); }
+  Nanoseconds constant() const;                              // of a frame, its pixels aside
+  double relative_error() const { return relative_error_; }  // mean of |predicted - real| / real, forgetting
+
+ private:
+  RobustLine begin_, trace_;
+  double relative_error_ = 0;
+  uint64_t measurements_ = 0;
+};
+
+// How one session's frames differ from the model's: what its camera shows costs more or less than others see, and
+// changes slowly.
+class ViewFactor {
+ public:
+  Nanoseconds apply(Nanoseconds predicted) const;
+  void learn(Nanoseconds predicted_by_model, Nanoseconds real);
+
+ private:
+  double factor_ = 1;
+};
+
+}  // namespace gnomon::scheduler

@@ -1,0 +1,110 @@
+#include "scheduler/cost_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace gnomon::scheduler {
+namespace {
+
+// A device whose costs are known: some noise, and now and then a frame that was held up.
+class Device {
+ public:
+  explicit Device(double noise, double held_up = 0) : noise_(noise), held_up_(held_up) {}
+
+  double begin_ns = 300'000, ns_per_pixel = 0.5, ns_per_bit = 0.2;
+
+  double trace_ns(const Work& work) const { return ns_per_bit * static_cast<double>(work.bits); }
+  double cost_ns(const Work& work) const {
+    return (work.begins ? begin_ns + ns_per_pixel * static_cast<double>(work.pixels) : 0) + trace_ns(work);
+  }
+
+  void run(CostModel& model, const Work& work) {
+    const double factor = 1 + noise_ * std::uniform_real_distribution<>(-1, 1)(random_);
+    const double stall = std::bernoulli_distribution(held_up_)(random_) ? 50e6 : 0;
+    model.learn(work, ns(cost_ns(work) * factor + stall), ns(trace_ns(work) * factor + stall));
+  }
+
+  Work any_frame() {
+    const uint64_t pixels = 64'000 << (random_() % 5);
+    return {pixels, pixels * 8, true};
+  }
+
+ private:
+  static Nanoseconds ns(double value) { return Nanoseconds(static_cast<int64_t>(value)); }
+
+  double noise_, held_up_;
+  std::mt19937 random_{5};
+};
+
+double predicted(const CostModel& model, const Work& work) {
+  return static_cast<double>(model.predict(work).count());
+}
+
+TEST(CostModel, GuessesBeforeItKnows) {
+  const CostModel model;
+  EXPECT_FALSE(model.knows());
+  EXPECT_GT(predicted(model, {1000, 8000, true}), 1);
+}
+
+TEST(CostModel, LearnsASizeFromOneFrame) {
+  CostModel model;
+  Device device(0);
+  const Work work{64'000, 512'000, true};
+  device.run(model, work);
+  EXPECT_NEAR(predicted(model, work) / device.cost_ns(work), 1, 1e-6);
+}
+
+TEST(CostModel, TellsTheConstantsFromThePartsThatGrow) {
+  CostModel model;
+  Device device(0.05);
+  for (int i = 0; i < 400; ++i) device.run(model, device.any_frame());
+  EXPECT_NEAR(model.ns_per_bit(), 0.2, 0.01);
+  for (const uint64_t pixels : {64'000u, 500'000u, 2'000'000u}) {
+    const Work frame{pixels, pixels * 8, true}, band{pixels, pixels, false};
+    EXPECT_NEAR(predicted(model, frame) / device.cost_ns(frame), 1, 0.06) << pixels;
+    EXPECT_NEAR(predicted(model, band) / device.cost_ns(band), 1, 0.2) << pixels;
+  }
+  EXPECT_LT(model.relative_error(), 0.06);
+}
+
+TEST(CostModel, FramesThatWereHeldUpTeachLittle) {
+  CostModel model;
+  Device device(0.05, 0.05);
+  for (int i = 0; i < 400; ++i) device.run(model, device.any_frame());
+  const Work frame{256'000, 2'048'000, true};
+  EXPECT_NEAR(predicted(model, frame) / device.cost_ns(frame), 1, 0.3);
+}
+
+TEST(CostModel, ARealChangeIsLearned) {
+  CostModel model;
+  Device device(0.05);
+  for (int i = 0; i < 400; ++i) device.run(model, device.any_frame());
+  device.ns_per_bit *= 3;
+  for (int i = 0; i < 200; ++i) device.run(model, device.any_frame());
+  const Work frame{256'000, 2'048'000, true};
+  EXPECT_NEAR(predicted(model, frame) / device.cost_ns(frame), 1, 0.1);
+}
+
+TEST(CostModel, NeverPredictsLessThanNothing) {
+  CostModel model;
+  std::mt19937 random(9);
+  for (int i = 0; i < 10'000; ++i) {
+    const Work work{random() % 5'000'000, random() % 50'000'000, random() % 2 == 0};
+    const auto trace = Nanoseconds(random() % 10'000'000);
+    model.learn(work, trace + Nanoseconds(random() % 10'000'000), trace);
+    ASSERT_GE(model.predict({random() % 5'000'000, random() % 50'000'000, true}).count(), 1);
+  }
+}
+
+TEST(ViewFactor, FollowsASessionsOwnView) {
+  ViewFactor view;
+  for (int i = 0; i < 20; ++i) view.learn(Nanoseconds(1000), Nanoseconds(1700));
+  EXPECT_NEAR(static_cast<double>(view.apply(Nanoseconds(1000)).count()), 1700, 10);
+  view.learn(Nanoseconds(1000), Nanoseconds(1'000'000));
+  EXPECT_LT(view.apply(Nanoseconds(1000)).count(), 2500) << "one frame that was held up";
+}
+
+}  // namespace
+}  // namespace gnomon::scheduler
