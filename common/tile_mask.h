@@ -2,8 +2,9 @@
 //
 // A frame of `lights` lights has words()[light * tile_count + tile_y * tiles_x + tile_x]; within a word, the bit of
 // pixel (x, y) of the tile is number y * 8 + x, counted from the least significant. 1: the light sees the surface.
-// Pixels beyond the right and lower edge of a picture whose size is no multiple of 8, and pixels that show no
-// surface, are 0.
+// Of a tracer, the bits of pixels beyond the right and lower edge of a picture whose size is no multiple of 8, of
+// pixels that show no surface, and of lights that do not shine on it (behind it, out of range or cone) are 0. Once
+// packed they may have any value (common/packed_mask.h).
 #pragma once
 
 #include <cstddef>

@@ -33,6 +33,8 @@ class BlockingFrame {
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
   // Host memory of that resource, as FrameSlot::host.
   std::span<std::byte> host(std::string_view resource) const { return slot().host(lane_->plan, resource); }
+  // As FrameSlot::packed.
+  PackedMaskView packed(const TileGrid& grid) const { return slot().packed(lane_->plan, grid); }
 
  private:
   BlockingFrame() = default;

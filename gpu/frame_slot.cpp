@@ -129,6 +129,13 @@ std::span<std::byte> FrameSlot::host(const FramePlan& plan, std::string_view res
   return {buffer->mapped(), buffer->bytes()};
 }
 
+PackedMaskView FrameSlot::packed(const FramePlan& plan, const TileGrid& grid) const {
+  const auto* classes = reinterpret_cast<const uint32_t*>(host(plan, resource::kHostClasses).data());
+  const auto* mixed = reinterpret_cast<const uint64_t*>(host(plan, resource::kHostMixed).data());
+  const auto* count = reinterpret_cast<const uint32_t*>(host(plan, resource::kHostMixedCount).data());
+  return {grid, {classes, PackedMaskView::class_words(grid)}, {mixed, *count}};
+}
+
 Result<void> check_size(const Device& device, uint32_t width, uint32_t height) {
   const uint32_t most = device.features().max_image_side;
   if (width >= 1 && height >= 1 && width <= most && height <= most) return {};

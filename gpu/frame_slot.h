@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/packed_mask.h"
 #include "gpu/passes/frame_plan.h"
 
 namespace gnomon::gpu {
@@ -47,6 +48,8 @@ class FrameSlot {
   // Mapped memory of a host resource: written before submit, or read after the frame has passed. Valid until the next
   // reserve. Empty: the plan has no such resource.
   std::span<std::byte> host(const FramePlan& plan, std::string_view resource) const;
+  // What the pass 'readback' left of a frame of `grid`. As host(); precondition: the plan has that pass.
+  PackedMaskView packed(const FramePlan& plan, const TileGrid& grid) const;
 
  private:
   struct Recording {

@@ -1,4 +1,4 @@
-// The one GPU seam: views go in, tile masks come out. Knows no tenant and no session.
+// The one GPU seam: views go in, packed tile masks come out. Knows no tenant and no session.
 //
 //   render loop -submit-> [frame slot: raster, trace, pack, read back] -completion thread-> on_done(FrameDone)
 #pragma once
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "common/ids.h"
+#include "common/packed_mask.h"
 #include "common/result.h"
-#include "common/tile_mask.h"
 #include "scenes/motion.h"
 #include "scenes/scene.h"
 
@@ -44,7 +44,7 @@ struct RenderJob {
 class FrameLease {
  public:
   FrameLease() = default;
-  FrameLease(TileMaskView mask, std::function<void()> release) : mask_(mask), release_(std::move(release)) {}
+  FrameLease(PackedMaskView mask, std::function<void()> release) : mask_(mask), release_(std::move(release)) {}
   FrameLease(FrameLease&& other) noexcept { *this = std::move(other); }
   FrameLease& operator=(FrameLease&& other) noexcept {
     if (this != &other) {
@@ -56,13 +56,13 @@ class FrameLease {
   }
   ~FrameLease() { drop(); }
 
-  const TileMaskView& mask() const { return mask_; }  // valid until dropped
+  const PackedMaskView& mask() const { return mask_; }  // valid until dropped
   void drop() {
     if (auto release = std::exchange(release_, nullptr)) release();
   }
 
  private:
-  TileMaskView mask_;
+  PackedMaskView mask_;
   std::function<void()> release_;
 };
 
@@ -86,7 +86,7 @@ struct FrameDone {
   JobId id;
   bool device_lost = false;       // then there is no mask
   uint64_t gpu_ns = 0;            // from the first command to the last, by the device's timestamps
-  uint64_t readback_ns = 0;       // of these, the copy to host memory
+  uint64_t readback_ns = 0;       // of these, writing to host memory
   std::vector<StageTime> stages;  // every pass, in order
   bool complete = true;           // false: a band that is not the frame's last; then there is no mask yet
   FrameLease mask;

@@ -16,7 +16,7 @@ std::vector<T> copied(std::span<const std::byte> bytes, size_t count) {
 
 Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const scenes::ScenePtr& scene) {
   auto frame = BlockingFrame::create(
-      options, {"gbuffer", "trace", "surface", "readback", "readback_cares", "readback_surface"}, scene);
+      options, {"gbuffer", "trace", "surface", "readback_masks", "readback_cares", "readback_surface"}, scene);
   if (!frame) return frame.error();
   SurfaceProbe probe;
   probe.frame_ = std::move(*frame);

@@ -212,9 +212,7 @@ class VulkanRenderer : public Renderer {
     for (const StageTime& stage : done.stages)
       if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;
     if (!frame.last) return done;
-    const auto bytes = slot.host(plan, resource::kHostMasks);
-    const auto* words = reinterpret_cast<const uint64_t*>(bytes.data());
-    done.mask = FrameLease({frame.grid, {words, frame.grid.word_count()}}, std::move(release));
+    done.mask = FrameLease(slot.packed(plan, frame.grid), std::move(release));
     return done;
   }
 

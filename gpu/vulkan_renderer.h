@@ -16,7 +16,7 @@ struct RendererOptions {
   std::string device;           // "" the best one, an index, a type (cpu, discrete, ...) or part of a name
   std::string tracer = "auto";  // see make_tracer
   TracerOptions tracer_options;
-  std::vector<std::string> passes{"gbuffer", "trace", "readback"};
+  std::vector<std::string> passes{"gbuffer", "trace", "pack", "readback"};
   uint32_t frames_in_flight = 3;
   ValidationOptions validation;
 };

@@ -40,7 +40,8 @@ struct FrameEncoder::Workspace {
   size_t limit = 0;  // bytes of a payload
   double ratio = 1;  // payload bytes for a range's weight, as the last trial had it
   LZ4_stream_t lz4;
-  CodedTiles coded;  // of tiles_lz4
+  CodedTiles coded;             // of tiles_lz4
+  std::vector<uint64_t> words;  // of a packed frame, for raw32_lz4
   std::vector<uint8_t> plain;
   std::vector<uint8_t> trial;  // the payload tried last
   std::vector<uint8_t> best;   // the longest so far that fits
@@ -178,14 +179,34 @@ FrameEncoder::FrameEncoder(FrameEncoder&&) noexcept = default;
 
 Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes,
                                   EncodedFrame& out) {
-  assert(max_payload_bytes >= kMinPayloadBytes && frame.words.size() == frame.grid.word_count());
+  assert(frame.words.size() == frame.grid.word_count());
+  workspace_->frame = frame;
+  if (codec == CodecId::tiles_lz4) workspace_->coded.code(frame.words);
+  return cut(codec, max_payload_bytes, out);
+}
+
+Result<void> FrameEncoder::encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes,
+                                  EncodedFrame& out) {
+  Workspace& work = *workspace_;
+  work.frame = {frame.grid, {}};
+  if (codec == CodecId::tiles_lz4) {
+    work.coded.code(frame);
+  } else {
+    work.words.resize(frame.grid.word_count());
+    unpack(frame, work.words);
+    work.frame.words = work.words;
+  }
+  return cut(codec, max_payload_bytes, out);
+}
+
+// What the workspace's frame and, for tiles_lz4, its coded tiles say.
+Result<void> FrameEncoder::cut(CodecId codec, size_t max_payload_bytes, EncodedFrame& out) {
+  assert(max_payload_bytes >= kMinPayloadBytes);
   clear(out);
   out.codec = codec;
   Workspace& work = *workspace_;
-  work.frame = frame;
   work.codec = codec;
   work.limit = max_payload_bytes;
-  if (codec == CodecId::tiles_lz4) work.coded.code(frame.words);
   const bool all_cut = work.cut_frame(out);
   work.frame = {};
   if (!all_cut) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/packed_mask.h"
 #include "common/tile_mask.h"
 #include "protocol/tile_code.h"
 
@@ -28,9 +29,16 @@ struct CodedTiles {
   std::vector<uint32_t> starts;  // word i has bytes[starts[i] .. starts[i + 1])
 
   void code(std::span<const uint64_t> words);
+  void code(const PackedMaskView& packed);
   size_t bytes_between(size_t first_word, size_t words) const {
     return starts[first_word + words] - starts[first_word];
   }
+
+ private:
+  void begin(size_t words);
+  void add_uniform(size_t index, bool lit);
+  void add_mixed(size_t index, uint64_t word);
+  size_t used_ = 0;  // of bytes
 };
 
 // Pack: replace `plain`; false when it would exceed kMaxPlainBytes.

@@ -24,20 +24,41 @@ void pack_classes(std::span<const TileClass> classes, uint8_t* out) {
 
 }  // namespace
 
-void CodedTiles::code(std::span<const uint64_t> words) {
-  classes.resize(words.size());
-  starts.resize(words.size() + 1);
+void CodedTiles::begin(size_t words) {
+  classes.resize(words);
+  starts.resize(words + 1);
   if (bytes.empty()) bytes.resize(4096);
-  size_t used = 0;
+  used_ = 0;
+}
+
+void CodedTiles::add_uniform(size_t index, bool lit) {
+  starts[index] = static_cast<uint32_t>(used_);
+  classes[index] = lit ? TileClass::lit : TileClass::dark;
+}
+
+void CodedTiles::add_mixed(size_t index, uint64_t word) {
+  starts[index] = static_cast<uint32_t>(used_);
+  if (bytes.size() - used_ < kMaxTileBytes) bytes.resize(2 * bytes.size());
+  uint8_t* end = bytes.data() + used_;
+  classes[index] = encode_tile(word, end);
+  used_ = static_cast<size_t>(end - bytes.data());
+}
+
+void CodedTiles::code(std::span<const uint64_t> words) {
+  begin(words.size());
   for (size_t i = 0; i < words.size(); ++i) {
-    starts[i] = static_cast<uint32_t>(used);
-    if (bytes.size() - used < kMaxTileBytes) bytes.resize(2 * bytes.size());
     const bool uniform = words[i] + 1 <= 1;  // no bit set, or every one
-    uint8_t* end = bytes.data() + used;
-    classes[i] = uniform ? static_cast<TileClass>(words[i] & 1) : encode_tile(words[i], end);
-    used = static_cast<size_t>(end - bytes.data());
+    uniform ? add_uniform(i, words[i] & 1) : add_mixed(i, words[i]);
   }
-  starts[words.size()] = static_cast<uint32_t>(used);
+  starts[words.size()] = static_cast<uint32_t>(used_);
+}
+
+void CodedTiles::code(const PackedMaskView& packed) {
+  begin(packed.grid.word_count());
+  for_each_word(
+      packed, [this](size_t i, bool lit) { add_uniform(i, lit); },
+      [this](size_t i, uint64_t word) { add_mixed(i, word); });
+  starts[packed.grid.word_count()] = static_cast<uint32_t>(used_);
 }
 
 bool pack_tiles(const CodedTiles& coded, const TileGrid& grid, const SliceRange& range,

@@ -16,9 +16,13 @@
 //             in plans for scenes in motion in two steps:
 //     trace         as above, for the lights that rest and the geometry that rests
 //     trace_moving  moving_bvh -> masks, cares: lights that move, and what geometry that moves hides from all
+//   pack      in these steps, which common/packed_mask.h explains:
+//     pack_classes  masks, cares -> classes, mixed_places (for now counts)
+//     pack_places   mixed_places -> mixed_places (for each group of words where its mixed ones go; then their number)
+//   readback  masks, cares, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
-//   readback  masks -> host_masks        readback_cares    cares -> host_cares
+//   readback_masks  masks -> host_masks  readback_cares    cares -> host_cares
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
 //   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
 #pragma once
@@ -43,6 +47,11 @@ inline constexpr std::string_view kMasks = "masks";
 inline constexpr std::string_view kHostMasks = "host_masks";
 inline constexpr std::string_view kCares = "cares";
 inline constexpr std::string_view kHostCares = "host_cares";
+inline constexpr std::string_view kClasses = "classes";
+inline constexpr std::string_view kMixedPlaces = "mixed_places";
+inline constexpr std::string_view kHostClasses = "host_classes";
+inline constexpr std::string_view kHostMixed = "host_mixed";
+inline constexpr std::string_view kHostMixedCount = "host_mixed_count";
 inline constexpr std::string_view kSurface = "surface";
 inline constexpr std::string_view kHostSurface = "host_surface";
 inline constexpr std::string_view kGivenMasks = "given_masks";
@@ -72,6 +81,9 @@ Result<std::unique_ptr<Pass>> make_gbuffer_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_gbuffer_all_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
 Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
 

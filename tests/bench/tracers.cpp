@@ -23,6 +23,7 @@ constexpr int kRasterRepeats = 3;  // of which the fastest counts
 // What Embree made of one camera's surface points: the truth of the robust single rays, the pace of the packets.
 struct PeerFrame {
   std::vector<uint64_t> oracle;
+  std::vector<uint64_t> cares;  // the bits that were traced; the frame's others are free
   std::vector<uint64_t> packets;
   double ms = 0;
   uint64_t bits = 0;  // pixels with a surface times lights
@@ -112,6 +113,7 @@ class TracersSuite : public Suite {
       PeerFrame out;
       for (const gpu::SurfaceSample& sample : frame->samples) out.bits += sample.triangle != 0;
       out.bits *= frame->grid.lights;
+      out.cares = frame->cares;
       out.oracle = oracle.trace(camera, frame->grid, frame->samples, EmbreeQuery::single, kEmbreeThreads);
       const TimePoint start = Clock::now();
       out.packets = peer.trace(camera, frame->grid, frame->samples, EmbreeQuery::packets16, kEmbreeThreads);
@@ -194,15 +196,19 @@ class TracersSuite : public Suite {
     if (!grid) return grid.error();
     if (auto warm = (*frame)->render(cameras[0], *grid); !warm) return warm.error();
     Series series;
+    std::vector<double> readback_bytes;
     for (size_t i = 0; i < cameras.size(); ++i) {
       const auto timing = (*frame)->render(cameras[i], *grid);
       if (!timing) return timing.error();
       series.add(static_cast<double>(timing->total_ns) / 1e6, peers[i]);
-      const auto bytes = (*frame)->host(gpu::resource::kHostMasks);
-      const auto* words = reinterpret_cast<const uint64_t*>(bytes.data());
-      series.differing += differing_bits({words, words + grid->word_count()}, peers[i].oracle);
+      const PackedMaskView packed = (*frame)->packed(*grid);
+      std::vector<uint64_t> words = unpacked(packed);
+      for (size_t w = 0; w < words.size(); ++w) words[w] &= peers[i].cares[w];
+      series.differing += differing_bits(words, peers[i].oracle);
+      readback_bytes.push_back(static_cast<double>(packed.bytes()));
     }
     ordered_json row = row_of(*scene, "frame", series);
+    row["readback_bytes"] = median(readback_bytes);
     row["memory_bytes"] = (*frame)->scene().memory_bytes();
     report_.rows.push_back(std::move(row));
     return {};

@@ -125,9 +125,11 @@ class FakeRenderer : public gpu::Renderer {
  protected:
   gpu::FrameLease answer(const gpu::RenderJob& job) {
     const TileGrid grid{job.width, job.height, lights_};
-    auto words = std::make_shared<std::vector<uint64_t>>(grid.word_count());
-    for (size_t i = 0; i < words->size(); ++i) (*words)[i] = fake_word(job.camera, i);
-    return gpu::FrameLease({grid, *words}, [this, words] { free_slot(); });
+    std::vector<uint64_t> words(grid.word_count());
+    for (size_t i = 0; i < words.size(); ++i) words[i] = fake_word(job.camera, i);
+    const std::vector<uint64_t> care(words.size(), ~uint64_t{0});
+    auto packed = std::make_shared<PackedMask>(TileMaskView{grid, words}, care);
+    return gpu::FrameLease(packed->view(), [this, packed] { free_slot(); });
   }
 
   void free_slot() {

@@ -143,7 +143,7 @@ TEST_F(RenderLoopTest, FramesCarryWhatLaterStagesNeed) {
   EXPECT_EQ(meta.grid, rendered_[0].mask.mask().grid);
   gpu::CameraView camera;
   camera.position.x = 7;
-  EXPECT_EQ(rendered_[0].mask.mask().words[0], fake_word(camera, 0));
+  EXPECT_EQ(unpacked(rendered_[0].mask.mask())[0], fake_word(camera, 0));
 }
 
 TEST_F(RenderLoopTest, AClosedSessionsViewIsDropped) {

@@ -48,7 +48,7 @@ class Served : public testing::Test {
     config_.server.drain_timeout = std::chrono::milliseconds(0);
     config_.scenes.list = {{kScene, folder_ / "triangle.gltf", ""}};
     config_.scenes.allow_files = {folder_ / "files"};
-    config_.render.passes = {"gbuffer", "trace", "readback"};
+    config_.render.passes = {"gbuffer", "trace", "pack", "readback"};
     config_.render.max_width = 640;
     config_.render.max_height = 480;
   }

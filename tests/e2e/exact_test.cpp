@@ -24,10 +24,8 @@ std::vector<uint64_t> render(gpu::Renderer& renderer, const protocol::CameraView
   job.camera = client::to_gpu(camera);
   job.width = size.traced_width();
   job.height = size.traced_height();
-  const auto submitted = renderer.submit(job, [words](gpu::FrameDone done) {
-    const auto mask = done.mask.mask().words;
-    words->set_value({mask.begin(), mask.end()});
-  });
+  const auto submitted =
+      renderer.submit(job, [words](gpu::FrameDone done) { words->set_value(unpacked(done.mask.mask())); });
   EXPECT_TRUE(submitted) << submitted.error().message;
   return submitted ? words->get_future().get() : std::vector<uint64_t>{};
 }

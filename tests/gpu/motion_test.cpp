@@ -124,9 +124,7 @@ TEST(Motion, FramesInFlightHaveTheirOwnTimes) {
   std::vector<std::promise<std::vector<uint64_t>>> arrivals(3);
   const auto deliver = [&](size_t i) {
     return [&arrivals, i](FrameDone done) {
-      if (!done.complete) return;
-      const auto words = done.mask.mask().words;
-      arrivals[i].set_value({words.begin(), words.end()});
+      if (done.complete) arrivals[i].set_value(unpacked(done.mask.mask()));
     };
   };
   const auto job = [&](size_t i) {
@@ -142,7 +140,7 @@ TEST(Motion, FramesInFlightHaveTheirOwnTimes) {
   for (size_t i = 0; i < arrivals.size(); ++i) {
     const auto frame = probe->render(camera(), kWidth, kHeight, job(i).time);
     ASSERT_TRUE(frame);
-    EXPECT_EQ(arrivals[i].get_future().get(), frame->words) << i;
+    EXPECT_EQ(arrivals[i].get_future().get(), unpacked(PackedMask(frame->mask(), frame->cares).view())) << i;
   }
 }
 

@@ -51,9 +51,9 @@ std::unique_ptr<Renderer> renderer_with_scene(uint32_t frames_in_flight = 3) {
   return std::move(*renderer);
 }
 
-size_t lit_bits(const TileMaskView& mask) {
+size_t lit_bits(const PackedMaskView& mask) {
   size_t bits = 0;
-  for (const uint64_t word : mask.words) bits += static_cast<size_t>(__builtin_popcountll(word));
+  for (const uint64_t word : unpacked(mask)) bits += static_cast<size_t>(__builtin_popcountll(word));
   return bits;
 }
 
@@ -79,9 +79,7 @@ TEST(RendererTest, SlotsComeBackWhenLeasesAreDropped) {
   EXPECT_EQ(renderer->free_slots(), 3u);
 }
 
-std::vector<uint64_t> words_of(const FrameDone& done) {
-  return {done.mask.mask().words.begin(), done.mask.mask().words.end()};
-}
+std::vector<uint64_t> words_of(const FrameDone& done) { return unpacked(done.mask.mask()); }
 
 // A frame in bands, others' frames between them, is bit for bit the frame in one.
 TEST(RendererTest, BandsMakeTheSameFrame) {
@@ -139,13 +137,13 @@ TEST(RendererTest, ALeaseKeepsItsMaskWhileOtherFramesRun) {
   auto renderer = renderer_with_scene(2);
   Frames held, others;
   ASSERT_TRUE(renderer->submit(job(0, 160, 90), held.take()));
-  const TileMaskView mask = held.wait_for(1)[0].mask.mask();
-  const std::vector<uint64_t> before(mask.words.begin(), mask.words.end());
+  const PackedMaskView mask = held.wait_for(1)[0].mask.mask();
+  const std::vector<uint64_t> before = unpacked(mask);
   for (uint64_t i = 1; i <= 6; ++i) {
     ASSERT_TRUE(renderer->submit(job(i, 200, 120, static_cast<float>(i)), others.take()));
     others.wait_for(i).back().mask.drop();
   }
-  EXPECT_TRUE(std::equal(before.begin(), before.end(), mask.words.begin()));
+  EXPECT_EQ(unpacked(mask), before);
 }
 
 TEST(RendererTest, LeasesOutliveTheRenderer) {
@@ -179,8 +177,7 @@ TEST(RendererTest, EverySizeGetsItsOwnMask) {
     ASSERT_TRUE(fresh->submit(job(0, width, height), fresh_frames.take()));
     const auto a = frames.wait_for(1)[0].mask.mask(), b = fresh_frames.wait_for(1)[0].mask.mask();
     EXPECT_EQ(a.grid, (TileGrid{width, height, 1}));
-    ASSERT_EQ(a.words.size(), b.words.size());
-    EXPECT_TRUE(std::equal(a.words.begin(), a.words.end(), b.words.begin())) << width << "x" << height;
+    EXPECT_EQ(unpacked(a), unpacked(b)) << width << "x" << height;
   }
 }
 
@@ -246,12 +243,12 @@ TEST(RendererTest, OptionsThatDoNotFitAreErrors) {
   EXPECT_NE(refused.error().message.find("bvh"), std::string::npos) << "names the tracers there are";
 
   options = device_options();
-  options.passes = {"gbuffer", "sharpen", "readback"};
+  options.passes = {"gbuffer", "sharpen", "pack", "readback"};
   refused = make_renderer(options);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("sharpen"), std::string::npos);
 
-  options.passes = {"trace", "gbuffer", "readback"};
+  options.passes = {"trace", "gbuffer", "pack", "readback"};
   refused = make_renderer(options);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("triangle_id"), std::string::npos) << "names what is missing";

@@ -128,6 +128,26 @@ TEST(Codec, RandomWordsComeBackAsTheyWere) {
   }
 }
 
+// The bytes are those of the frame unpacked.
+TEST(Codec, PackedFramesAreCodedAsTheyUnpack) {
+  std::mt19937_64 random(4);
+  for (const Mask& mask : {tests::foliage({300, 170, 3}, 1), tests::noise({123, 77, 2}, 2),
+                           tests::all_lit({64, 64, 1}), tests::all_dark({640, 480, 0})}) {
+    std::vector<uint64_t> care(mask.words.size());
+    for (uint64_t& c : care) c = random() % 3 == 0 ? 0 : random() % 2 == 0 ? ~uint64_t{0} : random();
+    const PackedMask packed(mask.view(), care);
+    const Mask filled{mask.grid, unpacked(packed.view())};
+    for (const CodecId codec : kCodecs) {
+      FrameEncoder encoder;
+      EncodedFrame frame;
+      ASSERT_TRUE(encoder.encode(packed.view(), codec, kMaxSlicePayloadBytes, frame));
+      EXPECT_EQ(frame.bytes, encoded(filled, codec).bytes);
+      expect_sound(frame, codec, kMaxSlicePayloadBytes);
+      expect_comes_back(filled, frame);
+    }
+  }
+}
+
 TEST(Codec, AFrameWithoutLightsHasNoSlices) {
   for (const CodecId codec : kCodecs) {
     EXPECT_TRUE(encoded(tests::all_dark({640, 480, 0}), codec).slices.empty());

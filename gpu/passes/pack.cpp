@@ -1,0 +1,117 @@
+// From masks and cares to what the host reads of them (common/packed_mask.h).
+#include <algorithm>
+
+#include "common/packed_mask.h"
+#include "gpu/passes/passes.h"
+#include "spirv/pack_classes_comp.h"
+#include "spirv/pack_places_comp.h"
+#include "spirv/readback_comp.h"
+
+namespace gnomon::gpu {
+namespace {
+
+constexpr uint32_t kWorkgroup = 64;
+
+uint32_t words_of(const FrameContext& frame) { return static_cast<uint32_t>(frame.grid.word_count()); }
+uint64_t groups_of(const Capacity& c) { return PackedMaskView::class_words(c.grid()); }
+uint64_t classes_bytes(const Capacity& c) { return groups_of(c) * sizeof(uint32_t); }
+uint64_t places_bytes(const Capacity& c) { return (groups_of(c) + 1) * sizeof(uint32_t); }
+uint64_t mixed_bytes(const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); }
+
+// An invocation for each group of words; at least one.
+void dispatch_groups(const FrameContext& frame) {
+  const auto groups = static_cast<uint32_t>(groups_of(frame.size()));
+  vkCmdDispatch(frame.commands, std::max(1u, (groups + kWorkgroup - 1) / kWorkgroup), 1, 1);
+}
+
+class ComputePass : public Pass {
+ public:
+  explicit ComputePass(ComputeStep step) : step_(std::move(step)) {}
+  const PassLayout* layout() const override { return &step_.layout; }
+  Share share() const override { return Share::last_band; }
+
+ protected:
+  ComputeStep step_;
+};
+
+class PackClassesPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::string_view name() const override { return "pack_classes"; }
+  std::vector<Port> ports() const override {
+    return {{resource::kMasks, Use::storage_read},
+            {resource::kCares, Use::storage_read},
+            {resource::kClasses, Use::storage_write, {{}, classes_bytes}},
+            {resource::kMixedPlaces, Use::storage_write, {{}, places_bytes}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const struct {
+      VkDeviceAddress masks, cares, classes, mixed_counts;
+      uint32_t words;
+    } push{frame.ports[0].buffer->address(), frame.ports[1].buffer->address(), frame.ports[2].buffer->address(),
+           frame.ports[3].buffer->address(), words_of(frame)};
+    bind(frame, step_, std::as_bytes(std::span(&push, 1)));
+    dispatch_groups(frame);
+  }
+};
+
+class PackPlacesPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::string_view name() const override { return "pack_places"; }
+  std::vector<Port> ports() const override { return {{resource::kMixedPlaces, Use::storage_write}}; }
+  void record(const FrameContext& frame) const override {
+    const struct {
+      VkDeviceAddress counts;
+      uint32_t words;
+    } push{frame.ports[0].buffer->address(), words_of(frame)};
+    bind(frame, step_, std::as_bytes(std::span(&push, 1)));
+    vkCmdDispatch(frame.commands, 1, 1, 1);
+  }
+};
+
+class ReadbackPackedPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::string_view name() const override { return "readback"; }
+  std::vector<Port> ports() const override {
+    const auto count_bytes = [](const Capacity&) { return uint64_t{sizeof(uint32_t)}; };
+    return {{resource::kMasks, Use::storage_read},
+            {resource::kCares, Use::storage_read},
+            {resource::kClasses, Use::storage_read},
+            {resource::kMixedPlaces, Use::storage_read},
+            {resource::kHostClasses, Use::storage_write, {{}, classes_bytes, MemoryUse::readback}},
+            {resource::kHostMixed, Use::storage_write, {{}, mixed_bytes, MemoryUse::readback}},
+            {resource::kHostMixedCount, Use::storage_write, {{}, count_bytes, MemoryUse::readback}}};
+  }
+  void record(const FrameContext& frame) const override {
+    struct {
+      VkDeviceAddress addresses[7];
+      uint32_t words;
+    } push{{}, words_of(frame)};
+    for (size_t i = 0; i < std::size(push.addresses); ++i) push.addresses[i] = frame.ports[i].buffer->address();
+    bind(frame, step_, std::as_bytes(std::span(&push, 1)));
+    dispatch_groups(frame);
+  }
+};
+
+template <class Made>
+Result<std::unique_ptr<Pass>> make(const DevicePtr& device, std::span<const uint32_t> shader) {
+  auto step = make_compute_step(device, 0, shader);
+  if (!step) return step.error();
+  return std::unique_ptr<Pass>(std::make_unique<Made>(std::move(*step)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device) {
+  return make<PackClassesPass>(device, pack_classes_comp);
+}
+Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device) {
+  return make<PackPlacesPass>(device, pack_places_comp);
+}
+Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device) {
+  return make<ReadbackPackedPass>(device, readback_comp);
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,15 @@
+// How masks are packed: common/packed_mask.h says what it means and does the same in C++.
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x = 64) in;
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer TileWords { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
+
+// An invocation packs so many words: their classes are one uint.
+const uint kClassesInWord = 16u;
+const uint kDark = 0u, kLit = 1u, kMixed = 2u, kFree = 3u;
+
+uint groups_of(uint words) { return (words + kClassesInWord - 1u) / kClassesInWord; }

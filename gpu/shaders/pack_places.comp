@@ -1,0 +1,29 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "pack.glsl"
+
+// Where each group's mixed words go: the sum of all counts before it; behind the last, of all. One workgroup, of
+// which each invocation adds up a share of neighbouring groups.
+layout(push_constant, scalar) uniform Push {
+  Uints counts;  // become places
+  uint words;
+} push;
+
+shared uint sums[64];
+
+void main() {
+  uint groups = groups_of(push.words), share = (groups + 63u) / 64u;
+  uint me = gl_LocalInvocationID.x, first = min(me * share, groups), end = min(first + share, groups);
+  uint sum = 0u;
+  for (uint g = first; g < end; ++g) sum += push.counts.at[g];
+  sums[me] = sum;
+  barrier();
+  uint place = 0u;
+  for (uint i = 0u; i < me; ++i) place += sums[i];
+  for (uint g = first; g < end; ++g) {
+    uint count = push.counts.at[g];
+    push.counts.at[g] = place;
+    place += count;
+  }
+  if (me == 63u) push.counts.at[groups] = place;
+}

@@ -1,0 +1,66 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "pack.glsl"
+
+// Writes what the host reads: classes, and the mixed words side by side. Straight into host memory, so that no more
+// than there is crosses the bus.
+layout(push_constant, scalar) uniform Push {
+  TileWords masks;
+  TileWords cares;
+  Uints classes;
+  Uints mixed_places;
+  Uints host_classes;
+  TileWords host_mixed;
+  Uints host_mixed_count;
+  uint words;
+} push;
+
+// Towards higher bits if positive; whole rows are multiples of 8.
+uvec2 shifted(uvec2 v, int by) {
+  if (by == 32) return uvec2(0u, v.x);
+  if (by == -32) return uvec2(v.y, 0u);
+  if (by > 0) return uvec2(v.x << by, (v.y << by) | (v.x >> (32 - by)));
+  return uvec2((v.x >> -by) | (v.y << (32 + by)), v.y >> -by);
+}
+
+// Columns that a shift along the row may reach.
+uvec2 kept(uvec2 v, uint columns) { return v & uvec2(columns); }
+
+// Bits not known yet take the value of the known ones `by` away.
+void take(inout uvec2 value, inout uvec2 known, int by, uint columns) {
+  uvec2 from = kept(shifted(known, by), columns) & ~known;
+  value |= shifted(value, by) & from;
+  known |= from;
+}
+
+uvec2 filled(uvec2 lit, uvec2 care) {
+  uvec2 value = lit & care, known = care;
+  take(value, known, 8, 0xffffffffu);
+  take(value, known, 16, 0xffffffffu);
+  take(value, known, 32, 0xffffffffu);
+  take(value, known, -8, 0xffffffffu);
+  take(value, known, -16, 0xffffffffu);
+  take(value, known, -32, 0xffffffffu);
+  take(value, known, 1, 0xfefefefeu);
+  take(value, known, 2, 0xfcfcfcfcu);
+  take(value, known, 4, 0xf0f0f0f0u);
+  take(value, known, -1, 0x7f7f7f7fu);
+  take(value, known, -2, 0x3f3f3f3fu);
+  take(value, known, -4, 0x0f0f0f0fu);
+  return value;
+}
+
+void main() {
+  uint group = gl_GlobalInvocationID.x, first = group * kClassesInWord;
+  if (group == 0u) push.host_mixed_count.at[0] = push.mixed_places.at[groups_of(push.words)];
+  if (first >= push.words) return;
+  uint classes = push.classes.at[group];
+  push.host_classes.at[group] = classes;
+  uint place = push.mixed_places.at[group];
+  // Bit 2i: word i is mixed, class 2.
+  for (uint mixed = (classes >> 1) & ~classes & 0x55555555u; mixed != 0u; mixed &= mixed - 1u) {
+    uint word = first + uint(findLSB(mixed)) / 2u;
+    push.host_mixed.at[place] = filled(push.masks.at[word], push.cares.at[word]);
+    ++place;
+  }
+}
