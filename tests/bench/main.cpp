@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
   std::vector<Command> commands;
   commands.push_back({"tracers", "shadow tracers beside Embree, over the same shadow segments",
                       gnomon::bench::make_tracers_suite()});
+  commands.push_back({"scheduler", "what a pick costs as sessions grow, and how close shares come to the promise",
+                      gnomon::bench::make_scheduler_suite()});
   for (Command& command : commands) {
     command.app = app.add_subcommand(command.name, command.about);
     command.app->add_option("--json", json_file, "write the results to this file");

@@ -17,5 +17,6 @@ class Suite {
 };
 
 std::unique_ptr<Suite> make_tracers_suite();
+std::unique_ptr<Suite> make_scheduler_suite();
 
 }  // namespace gnomon::bench
