@@ -110,6 +110,14 @@ Result<void> find_files(Config& config, const std::filesystem::path& config_fold
   return {};
 }
 
+bool needs_restart(const Config& next, const Config& running) {
+  ServerConfig server = next.server;
+  server.max_sessions = running.server.max_sessions;
+  server.max_sessions_per_address = running.server.max_sessions_per_address;
+  return server != running.server || next.admin != running.admin || next.scenes != running.scenes ||
+         next.render != running.render || next.encode != running.encode || next.log.format != running.log.format;
+}
+
 std::vector<std::string> known_keys() { return schema::all_paths(config_keys()); }
 
 }  // namespace gnomon::daemon

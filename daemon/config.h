@@ -25,22 +25,26 @@ struct ServerConfig {
   uint32_t max_half_open = 256;  // connections without a session; a further one replaces the oldest
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
+  friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 
 struct AdminConfig {
   std::string listen = "127.0.0.1";
   uint16_t port = 7601;  // HTTP; 0: a free one
+  friend bool operator==(const AdminConfig&, const AdminConfig&) = default;
 };
 
 struct SceneFile {
   std::string name;
   std::filesystem::path file;  // absolute after find_files
   std::string place;           // where the configuration names it, for error messages
+  friend bool operator==(const SceneFile&, const SceneFile&) = default;
 };
 
 struct ScenesConfig {
   std::vector<SceneFile> list;
   std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
+  friend bool operator==(const ScenesConfig&, const ScenesConfig&) = default;
 };
 
 struct RenderConfig {
@@ -52,11 +56,13 @@ struct RenderConfig {
   uint32_t frames_in_flight = 3;
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
+  friend bool operator==(const RenderConfig&, const RenderConfig&) = default;
 };
 
 struct EncodeConfig {
   uint32_t threads = 1;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;  // for clients that name none
+  friend bool operator==(const EncodeConfig&, const EncodeConfig&) = default;
 };
 
 struct SchedulerConfig {
@@ -112,6 +118,10 @@ Result<Config> parse_config(const std::string& text, const std::string& name,
 // place in the configuration and where was looked.
 Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
                         const std::filesystem::path& share_folder);
+
+// True: they differ in what a running daemon cannot change. Limits of sessions, tenants, the scheduler's keys and the
+// log level it can.
+bool needs_restart(const Config& next, const Config& running);
 
 // Every key that read_config knows, dotted ("server.listen", "tenants.name").
 std::vector<std::string> known_keys();

@@ -34,8 +34,10 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
 
 // Ports first: they fail at once, a scene may take seconds. Clients are taken when everything is there.
 Result<void> Daemon::bring_up() {
+  terms_.publish(terms_of(options_.config));
   scenes_ = std::make_unique<SceneHost>(catalog_, inbox_, metrics_);
-  auto server = Server::open({options_.config, tracer_, catalog_, health_, *scenes_, seats_, inbox_, metrics_});
+  auto server =
+      Server::open({options_.config, tracer_, catalog_, health_, *scenes_, seats_, costs_, inbox_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
   auto admin = Admin::start(options_.config.admin, pages());
@@ -87,12 +89,27 @@ void Daemon::render() {
   if (loop_->failure() && options_.on_failure) options_.on_failure(*loop_->failure());
 }
 
+Result<void> Daemon::reload(const Config& next) {
+  if (names_of(next.tenants) != names_of(options_.config.tenants)) {
+    return Error{"tenants: other names, or another order, than at the start; allowed: the same ones"};
+  }
+  if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
+  const Terms terms = terms_of(next);
+  terms_.publish(terms);
+  seats_.set_limits(next);
+  log::set_level(next.log.level);
+  inbox_.push(TermsChanged{terms});
+  log::info("configuration reloaded", {{"policy", terms.policy}});
+  return {};
+}
+
 void Daemon::publish_shares(TimePoint now) {
   if (now < next_shares_) return;
   next_shares_ = now + kSharesInterval;
   const ShareReport report = loop_->shares();
   metrics_.shares(report);
   shares_.publish(report);
+  costs_.publish(loop_->costs());
 }
 
 void Daemon::drain() {

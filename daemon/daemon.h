@@ -31,6 +31,11 @@ class Daemon {
   // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
   void drain();
 
+  // Shares the device on the terms of `next` from now on and takes its limits and log level; no session is dropped.
+  // Error: it names other tenants than we started with, and nothing has changed. What else differs needs a restart,
+  // which the log says. The main thread.
+  Result<void> reload(const Config& next);
+
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }
@@ -56,7 +61,9 @@ class Daemon {
   Seats seats_;
   RenderInbox inbox_;
   Published<DeviceStatus> device_status_;
+  Published<Terms> terms_;
   Published<ShareReport> shares_;
+  Published<CostModels> costs_;
   TimePoint next_shares_{};  // the render thread's
   std::string tracer_;
   std::unique_ptr<Server> server_;

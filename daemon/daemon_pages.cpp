@@ -52,12 +52,13 @@ std::string Daemon::status_json() const {
   const auto& tenants = options_.config.tenants;
   const std::vector<SessionStatus> sessions = server_->sessions();
   const auto shares = shares_.get();
+  const auto terms = terms_.get();
   json status{{"version", options_.version},
               {"ready", health_.ready()},
               {"draining", health_.draining.load()},
               {"devices", json::array({to_json(*device_status_.get(), health_.device_up)})},
               {"scenes", json::array()},
-              {"policy", options_.config.scheduler.policy},
+              {"policy", terms->policy},
               {"jain", shares->jain},
               {"worst_lag_ms", to_milliseconds(shares->worst_lag)},
               {"tenants", json::array()},
@@ -66,7 +67,7 @@ std::string Daemon::status_json() const {
   for (uint32_t i = 0; i < tenants.size(); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
-    json row{{"name", tenants[i].name}, {"weight", tenants[i].weight}, {"sessions", open}};
+    json row{{"name", tenants[i].name}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
     if (i < shares->tenants.size()) row.update(to_json(shares->tenants[i]));
     status["tenants"].push_back(std::move(row));
   }

@@ -90,7 +90,18 @@ void leave_at(TimePoint deadline) {
   }).detach();
 }
 
-int serve(const Config& config) {
+// SIGHUP: the file and the command line are read again. A mistake in them changes nothing.
+void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
+  hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
+    if (error) return;
+    const auto config = load_config(arguments);
+    const auto done = config ? daemon.reload(*config) : Result<void>(config.error());
+    if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
+    reload_on_hangup(hangup, daemon, arguments);
+  });
+}
+
+int serve(const Config& config, const Arguments& arguments) {
   asio::io_context events;
   std::optional<Error> failure;
   const auto failed = [&](const Error& error) {
@@ -103,6 +114,8 @@ int serve(const Config& config) {
   if (!daemon) return fail(daemon.error());
   asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
   signals.async_wait([](asio::error_code, int) {});
+  asio::signal_set hangup(events, SIGHUP);
+  reload_on_hangup(hangup, **daemon, arguments);
   print_ready_line(**daemon, config);
   events.run();  // until the first signal or a failure
   std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
@@ -124,7 +137,7 @@ int run(const Arguments& arguments) {
     return EXIT_SUCCESS;
   }
   log::configure(config->log.level, config->log.format);
-  return serve(*config);
+  return serve(*config, arguments);
 }
 
 }  // namespace

@@ -137,6 +137,10 @@ struct Metrics::Families {
   Counter& device_busy =
       counter(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.").Add({});
 
+  Family<Counter>& limit_refusals =
+      counter(registry, "gnomon_tenant_refusals_total", "Sessions refused a tenant, by the limit that they met.");
+
+  std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
   std::vector<Counter*> faults;  // by Fault
 
@@ -167,6 +171,7 @@ struct Metrics::Families {
       series->scenes[scene] = {&buffers.Add(labels), &bits.Add(labels)};
     }
     tenants.push_back(std::move(series));
+    names.push_back(name);
   }
 };
 
@@ -220,6 +225,12 @@ void Metrics::device_busy(TenantId tenant, Nanoseconds gpu_time) {
 void Metrics::dropped(TenantId tenant, Fault fault) {
   report(fault);
   if (fault == Fault::view_hopeless) families_->tenants[tenant.value]->hopeless.Increment();
+}
+
+void Metrics::refused(TenantId tenant, scheduler::Limit limit) {
+  const prometheus::Labels labels{{"tenant", families_->names[tenant.value]},
+                                  {"limit", std::string(to_string(limit))}};
+  families_->limit_refusals.Add(labels).Increment();
 }
 
 void Metrics::shares(const ShareReport& report) {

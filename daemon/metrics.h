@@ -14,6 +14,7 @@
 #include "daemon/frame.h"
 #include "daemon/share_account.h"
 #include "scenes/registry.h"
+#include "scheduler/admission.h"
 
 namespace gnomon::daemon {
 
@@ -40,6 +41,7 @@ class Metrics {
   // A view or frame of a tenant came to nothing.
   void dropped(TenantId tenant, Fault fault);
   void shares(const ShareReport& report);
+  void refused(TenantId tenant, scheduler::Limit limit);
   // Of a configured scene; others have no series.
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                       const gpu::SceneFootprint& on_device);

@@ -37,6 +37,7 @@ struct NetShared {
   const Health& health;
   SceneHost& scenes;
   Seats& seats;
+  const Published<CostModels>& costs;
   RenderInbox& inbox;
   Metrics& metrics;
 };
@@ -70,6 +71,8 @@ class NetThread {
   void admit(const std::shared_ptr<ControlStream>& stream, const protocol::Hello& hello);
   void open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,
                     const scenes::LoadedScene& scene);
+  bool book(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat& seat,
+            const scenes::LoadedScene& scene);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused);
   void hear_client(SessionId id, Result<protocol::Message> message);
   void close_session(SessionId id, const std::string& why);

@@ -13,6 +13,17 @@ using namespace std::chrono_literals;
 
 constexpr auto kShowOutTime = 1s;  // for a client to read our last words and close
 
+protocol::Refused refusal_of(const scheduler::Misfit& misfit) {
+  const bool size = misfit.limit == scheduler::Limit::size;
+  std::string text("beyond the limit of ");
+  text.append(to_string(misfit.limit));
+  protocol::Refused refused = refusal(size ? RefusalCode::bad_size : RefusalCode::over_capacity, text);
+  refused.fit_width = static_cast<uint16_t>(misfit.fit_width);
+  refused.fit_height = static_cast<uint16_t>(misfit.fit_height);
+  refused.fit_rate_hz = static_cast<float>(misfit.fit_rate_hz);
+  return refused;
+}
+
 }  // namespace
 
 void NetThread::adopt(asio::ip::tcp::socket socket) {
@@ -73,9 +84,25 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
       const auto waiting = weak.lock();
       if (!waiting || !lobby_.hosts(waiting.get())) return;
       if (!scene) return refuse(waiting, refusal(RefusalCode::scene_unavailable, scene.error().message));
-      open_session(waiting, accepted, std::move(*kept_seat), *scene);
+      if (book(waiting, accepted, *kept_seat, *scene)) {
+        open_session(waiting, accepted, std::move(*kept_seat), *scene);
+      }
     });
   });
+}
+
+// False: refused.
+bool NetThread::book(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat& seat,
+                     const scenes::LoadedScene& scene) {
+  const auto costs = shared_.costs.get();
+  const auto known = costs->find(scene.id);
+  const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
+  const auto misfit = shared_.seats.book(seat, {accepted.width, accepted.height, lights, accepted.rate_hz},
+                                         known == costs->end() ? scheduler::CostModel() : known->second);
+  if (!misfit) return true;
+  shared_.metrics.refused(accepted.tenant, misfit->limit);
+  refuse(stream, refusal_of(*misfit));
+  return false;
 }
 
 void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,

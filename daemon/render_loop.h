@@ -15,6 +15,7 @@
 #include "daemon/render_inbox.h"
 #include "daemon/render_session.h"
 #include "daemon/share_account.h"
+#include "daemon/status.h"
 #include "daemon/terms.h"
 
 namespace gnomon::daemon {
@@ -33,6 +34,7 @@ class RenderLoop {
   const std::optional<Error>& failure() const { return failure_; }  // the device is beyond repair
   bool device_up() const { return !lost_; }
 
+  const CostModels& costs() const { return models_; }
   ShareReport shares();  // since the last call
 
  private:
@@ -71,7 +73,7 @@ class RenderLoop {
   std::unique_ptr<scheduler::Scheduler> scheduler_;
   uint64_t policy_ = 0;  // counts the schedulers that there were
   ShareAccount account_;
-  std::map<SceneId, scheduler::CostModel> models_;
+  CostModels models_;
   std::unordered_map<SessionId, RenderSession> sessions_;
   std::multimap<TimePoint, SessionId> held_;  // until then they may not ask
 

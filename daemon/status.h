@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "common/ids.h"
 #include "protocol/messages.h"
+#include "scheduler/cost_model.h"
 
 namespace gnomon::daemon {
 
@@ -18,6 +20,9 @@ struct DeviceStatus {
   std::string driver;
   std::string tracer;
 };
+
+// What is known of the scenes' costs.
+using CostModels = std::map<SceneId, scheduler::CostModel>;
 
 struct SessionStatus {
   SessionId id;

@@ -127,6 +127,51 @@ TEST_F(Served, ARefusedSizeSaysWhatWouldFit) {
   EXPECT_EQ(refused->fit_height, 100);
 }
 
+TEST_F(Served, ARefusalForATenantsLimitSaysWhatWouldFit) {
+  config_.tenants = {{.name = kDefaultTenant, .max_vbps = 50, .max_width = 200}};
+  start();
+  protocol::Hello hello = TestClient::hello(kScene);
+  hello.rate_hz = 30;
+  TestClient first = client(), second = client(), third = client();
+  ASSERT_TRUE(first.join(hello));
+  second.send(hello);
+  const auto refused = second.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::over_capacity);
+  EXPECT_EQ(refused->fit_rate_hz, 20);
+  EXPECT_EQ(refused->fit_width, 0) << "no size would help";
+  EXPECT_NE(refused->text.find("visibility buffers"), std::string::npos);
+  hello.rate_hz = refused->fit_rate_hz;
+  EXPECT_TRUE(third.join(hello));
+
+  TestClient wide = client();
+  wide.send(TestClient::hello(kScene, 400, 100));
+  const auto too_wide = wide.receive_a<protocol::Refused>();
+  ASSERT_TRUE(too_wide);
+  EXPECT_EQ(too_wide->code, RefusalCode::bad_size);
+  EXPECT_EQ(too_wide->fit_width, 200);
+}
+
+TEST_F(Served, AReloadChangesTermsAndLimitsAndDropsNobody) {
+  config_.tenants = {{.name = kDefaultTenant}};
+  start();
+  TestClient stays = client(), late = client();
+  ASSERT_TRUE(stays.join(TestClient::hello(kScene)));
+  Config next = config_;
+  next.scheduler.policy = "priority";
+  next.tenants[0].max_sessions = 1;
+  ASSERT_TRUE(daemon_->reload(next));
+  late.send(TestClient::hello(kScene));
+  const auto refused = late.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::too_many_sessions);
+  stays.send_view(1, 2);
+  EXPECT_TRUE(is_frame_of(stays, stays.receive_frame(1), 2)) << "under the new policy";
+
+  next.tenants.push_back({.name = "stranger"});
+  EXPECT_FALSE(daemon_->reload(next));
+}
+
 TEST_F(Served, LimitsSessionsAndGivesSeatsBack) {
   config_.tenants = {{.name = kDefaultTenant}, {.name = "small", .max_sessions = 1}};
   config_.server.max_sessions = 3;

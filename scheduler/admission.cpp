@@ -1,0 +1,112 @@
+#include "scheduler/admission.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::scheduler {
+namespace {
+
+// On the device, for each session: triangle ids and depth, and the masks there and on the host.
+constexpr uint64_t kBytesPerPixel = 8;
+constexpr uint64_t kCopiesOfMasks = 2;
+
+constexpr uint32_t kTileSide = 8;
+constexpr int kSizesTried = 15;  // sixteenths of the asked size
+constexpr double kLeastRate = 1;
+
+uint64_t bits_of(const Demand& d) { return uint64_t{d.width} * d.height * d.lights; }
+
+Booking booking_of(const Demand& d, const CostModel& model) {
+  const uint64_t pixels = uint64_t{d.width} * d.height;
+  const Nanoseconds cost = model.knows() ? model.predict({pixels, bits_of(d), true}) : Nanoseconds{};
+  return {d.rate_hz, d.rate_hz * static_cast<double>(bits_of(d)), d.rate_hz * to_seconds(cost),
+          pixels * kBytesPerPixel + bits_of(d) / 8 * kCopiesOfMasks};
+}
+
+void add(Booking& sum, const Booking& b, int sign) {
+  sum.buffers_per_second += sign * b.buffers_per_second;
+  sum.bits_per_second += sign * b.bits_per_second;
+  sum.load += sign * b.load;
+  sum.memory_bytes += sign > 0 ? b.memory_bytes : 0 - b.memory_bytes;
+}
+
+// Sums of what was added and taken off again differ from 0 by roundings.
+bool beyond(double sum, double limit) { return limit > 0 && sum > limit * (1 + 1e-9); }
+
+uint32_t scaled(uint32_t side, int sixteenths) {
+  return std::max(kTileSide, side * static_cast<uint32_t>(sixteenths) / 16 / kTileSide * kTileSide);
+}
+
+}  // namespace
+
+std::string_view to_string(Limit limit) {
+  switch (limit) {
+    case Limit::sessions: return "sessions";
+    case Limit::size: return "size";
+    case Limit::buffers: return "visibility buffers a second";
+    case Limit::bits: return "visibility bits a second";
+    case Limit::gpu_share: return "share of the device";
+    case Limit::memory: return "memory";
+    case Limit::capacity: return "capacity of the device";
+  }
+  return "";
+}
+
+void Admission::set_limits(double capacity, std::vector<TenantLimits> tenants) {
+  capacity_ = capacity;
+  limits_ = std::move(tenants);
+  booked_.resize(std::max(booked_.size(), limits_.size()));
+}
+
+std::optional<Limit> Admission::obstacle(TenantId tenant, const Demand& demand, const CostModel& model) const {
+  const TenantLimits& most = limits_[tenant.value];
+  const Booked& has = booked_[tenant.value];
+  Booking sum = has.sum;
+  const Booking more = booking_of(demand, model);
+  add(sum, more, +1);
+  const bool too_wide = most.width > 0 && demand.width > most.width;
+  const bool too_high = most.height > 0 && demand.height > most.height;
+  if (most.sessions > 0 && has.sessions >= most.sessions) return Limit::sessions;
+  if (too_wide || too_high) return Limit::size;
+  if (most.memory_bytes > 0 && sum.memory_bytes > most.memory_bytes) return Limit::memory;
+  if (demand.rate_hz <= 0) return std::nullopt;
+  if (beyond(sum.buffers_per_second, most.buffers_per_second)) return Limit::buffers;
+  if (beyond(sum.bits_per_second, most.bits_per_second)) return Limit::bits;
+  if (beyond(sum.load, most.gpu_share)) return Limit::gpu_share;
+  if (beyond(load_ + more.load, capacity_)) return Limit::capacity;
+  return std::nullopt;
+}
+
+std::variant<Booking, Misfit> Admission::book(TenantId tenant, const Demand& demand, const CostModel& model) {
+  const auto limit = obstacle(tenant, demand, model);
+  if (!limit) {
+    const Booking booking = booking_of(demand, model);
+    ++booked_[tenant.value].sessions;
+    add(booked_[tenant.value].sum, booking, +1);
+    load_ += booking.load;
+    return booking;
+  }
+  Misfit misfit{*limit, 0, 0, 0};
+  Demand smaller = demand;
+  for (int size = kSizesTried; size > 0 && misfit.fit_width == 0; --size) {
+    smaller.width = scaled(demand.width, size);
+    smaller.height = scaled(demand.height, size);
+    if (obstacle(tenant, smaller, model)) continue;
+    misfit.fit_width = smaller.width;
+    misfit.fit_height = smaller.height;
+  }
+  Demand slower = demand;
+  for (double rate = std::floor(demand.rate_hz); rate >= kLeastRate && misfit.fit_rate_hz == 0; --rate) {
+    slower.rate_hz = rate;
+    if (!obstacle(tenant, slower, model)) misfit.fit_rate_hz = rate;
+  }
+  return misfit;
+}
+
+void Admission::release(TenantId tenant, const Booking& booking) {
+  --booked_[tenant.value].sessions;
+  add(booked_[tenant.value].sum, booking, -1);
+  load_ -= booking.load;
+}
+
+}  // namespace gnomon::scheduler

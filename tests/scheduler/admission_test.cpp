@@ -1,0 +1,106 @@
+#include "scheduler/admission.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace gnomon::scheduler {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr TenantId kOne{0}, kTwo{1};
+
+// 1 ns a bit.
+CostModel model() {
+  CostModel made;
+  made.learn({1000, 8000, true}, 8000ns, 8000ns);
+  return made;
+}
+
+// Costs 8 ms: 125 a second are the whole device.
+constexpr Demand kDemand{1000, 1000, 8, 30};
+
+class AdmissionTest : public testing::Test {
+ protected:
+  void limit(const TenantLimits& one, double capacity = 1) { admission_.set_limits(capacity, {one, {}}); }
+
+  Misfit refused(const Demand& demand, TenantId tenant = kOne) {
+    const auto verdict = admission_.book(tenant, demand, model_);
+    EXPECT_TRUE(std::holds_alternative<Misfit>(verdict));
+    return std::holds_alternative<Misfit>(verdict) ? std::get<Misfit>(verdict) : Misfit{};
+  }
+  bool admitted(const Demand& demand, TenantId tenant = kOne) {
+    return std::holds_alternative<Booking>(admission_.book(tenant, demand, model_));
+  }
+
+  CostModel model_ = model();
+  Admission admission_;
+};
+
+TEST_F(AdmissionTest, CapacityIsSharedByAllAndAnOfferFits) {
+  limit({});
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(admitted(kDemand, i % 2 ? kOne : kTwo)) << i;
+  const Misfit misfit = refused(kDemand);  // 0.96 are taken
+  EXPECT_EQ(misfit.limit, Limit::capacity);
+  EXPECT_EQ(misfit.fit_rate_hz, 5);
+  Demand smaller = kDemand;
+  smaller.width = misfit.fit_width;
+  smaller.height = misfit.fit_height;
+  EXPECT_TRUE(admitted(smaller));
+}
+
+TEST_F(AdmissionTest, WhoAsksForNoRateGetsWhatIsLeft) {
+  limit({.buffers_per_second = 1}, 0.001);
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(admitted({4000, 2000, 8, 0}));
+}
+
+TEST_F(AdmissionTest, EveryLimitOfATenantIsKeptAndNamed) {
+  const std::vector<std::pair<TenantLimits, Limit>> cases{
+      {{.sessions = 1}, Limit::sessions},
+      {{.buffers_per_second = 45}, Limit::buffers},
+      {{.bits_per_second = 30 * 12e6}, Limit::bits},
+      {{.gpu_share = 0.3}, Limit::gpu_share},
+      {{.memory_bytes = 15'000'000}, Limit::memory},
+  };
+  for (const auto& [limits, named] : cases) {
+    admission_ = Admission();
+    limit(limits);
+    EXPECT_TRUE(admitted(kDemand)) << to_string(named);
+    EXPECT_EQ(refused(kDemand).limit, named);
+    EXPECT_TRUE(admitted(kDemand, kTwo)) << "another tenant has limits of its own";
+  }
+}
+
+TEST_F(AdmissionTest, ASizeThatFitsIsOffered) {
+  limit({.width = 640, .height = 480});
+  const Misfit misfit = refused({1280, 720, 8, 30});
+  EXPECT_EQ(misfit.limit, Limit::size);
+  EXPECT_EQ(misfit.fit_width, 640u);
+  EXPECT_EQ(misfit.fit_height, 360u);
+  EXPECT_EQ(misfit.fit_rate_hz, 0) << "no rate would help";
+}
+
+TEST_F(AdmissionTest, WhatIsReleasedCanBeBookedAgain) {
+  limit({.buffers_per_second = 90, .bits_per_second = 30 * 24e6, .gpu_share = 0.72, .memory_bytes = 40'000'000});
+  std::mt19937 random(4);
+  std::vector<Booking> held;
+  for (int i = 0; i < 100'000; ++i) {
+    if (!held.empty() && random() % 2) {
+      admission_.release(kOne, held.back());
+      held.pop_back();
+      continue;
+    }
+    const auto verdict = admission_.book(kOne, kDemand, model_);
+    ASSERT_EQ(std::holds_alternative<Booking>(verdict), held.size() < 3) << i;
+    if (const auto* booking = std::get_if<Booking>(&verdict)) held.push_back(*booking);
+  }
+  EXPECT_EQ(admission_.sessions(kOne), held.size());
+}
+
+TEST_F(AdmissionTest, WithoutMeasurementsTheDeviceIsNotThoughtFull) {
+  limit({}, 0.01);
+  EXPECT_TRUE(std::holds_alternative<Booking>(admission_.book(kOne, kDemand, CostModel())));
+}
+
+}  // namespace
+}  // namespace gnomon::scheduler
