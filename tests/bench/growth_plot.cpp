@@ -1,0 +1,55 @@
+#include "tests/bench/growth_plot.h"
+
+#include <cstdio>
+#include <string>
+
+namespace gnomon::bench {
+namespace {
+
+// Blocks of data inline: name, then one line for each point.
+std::string block(const std::string& name, const std::vector<GrowthPoint>& points) {
+  std::string text = "$" + name + " << END\n";
+  for (const GrowthPoint& p : points) {
+    char line[128];
+    std::snprintf(line, sizeof line, "%.0f %.4f %.4f %.4f\n", p.count, p.frame_ms, p.raster_ms, p.trace_ms);
+    text += line;
+  }
+  return text + "END\n";
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string script(const GrowthCurves& curves, const std::filesystem::path& file, const std::string& terminal) {
+  return "set terminal " + terminal + "\nset output " + quoted(file.string()) + "\nset title " +
+         quoted(curves.caption) + " noenhanced\n" +
+         "set logscale x 10\nset logscale x2 2\nset logscale y 10\nset grid\nset key left top\n"
+         "set xtics nomirror\nset x2tics\nset format x '10^{%L}'\n"
+         "set xlabel 'triangles (solid)'\nset x2label 'lights (dashed)'\nset ylabel 'ms'\n" +
+         block("triangles", curves.triangles) + block("lights", curves.lights) +
+         "plot $triangles using 1:2 title 'frame' with linespoints lt 1 lw 2,"
+         " $triangles using 1:3 title 'raster' with linespoints lt 2,"
+         " $triangles using 1:4 title 'trace' with linespoints lt 3,"
+         " $lights using 1:2 axes x2y1 notitle with linespoints lt 1 lw 2 dt 2,"
+         " $lights using 1:3 axes x2y1 notitle with linespoints lt 2 dt 2,"
+         " $lights using 1:4 axes x2y1 notitle with linespoints lt 3 dt 2\n";
+}
+
+}  // namespace
+
+Result<void> plot_growth(const GrowthCurves& curves, const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  if (ending != ".png" && ending != ".svg")
+    return Error{"a plot ends in .png or .svg, not '" + file.string() + "'"};
+  const std::string text = script(curves, file, ending == ".png" ? "png size 1000,700" : "svg size 1000,700");
+  std::FILE* gnuplot = ::popen("gnuplot", "w");
+  if (!gnuplot) return Error{"gnuplot cannot be started"};
+  const bool written = std::fwrite(text.data(), 1, text.size(), gnuplot) == text.size();
+  if (::pclose(gnuplot) == 0 && written) return {};
+  return Error{"gnuplot made no plot of " + file.string() + " (deploy/install-packages tests installs it)"};
+}
+
+}  // namespace gnomon::bench

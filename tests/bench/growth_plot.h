@@ -1,0 +1,24 @@
+// The plot of the suite "growth": frame time over triangles and over lights, in one picture.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "common/result.h"
+
+namespace gnomon::bench {
+
+struct GrowthPoint {
+  double count = 0;  // triangles or lights
+  double frame_ms = 0, raster_ms = 0, trace_ms = 0;
+};
+
+struct GrowthCurves {
+  std::vector<GrowthPoint> triangles, lights;
+  std::string caption;
+};
+
+// `file`: PNG or SVG by its ending. Drawn by gnuplot. Error: no gnuplot, another ending, or the file cannot be written.
+Result<void> plot_growth(const GrowthCurves& curves, const std::filesystem::path& file);
+
+}  // namespace gnomon::bench
