@@ -113,7 +113,7 @@ int serve(const Config& config, const Arguments& arguments) {
   auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, failed});
   if (!daemon) return fail(daemon.error());
   asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
-  signals.async_wait([](asio::error_code, int) {});
+  signals.async_wait([&](asio::error_code, int) { events.stop(); });
   asio::signal_set hangup(events, SIGHUP);
   reload_on_hangup(hangup, **daemon, arguments);
   print_ready_line(**daemon, config);
