@@ -66,6 +66,12 @@ class FrameLease {
   std::function<void()> release_;
 };
 
+// Of a resident scene's lights: those for which what the tracer built holds, and those that something else answers for.
+struct LightState {
+  uint32_t resting = 0;
+  uint32_t moving = 0;
+};
+
 // What one pass of a frame took, by the device's timestamps.
 struct StageTime {
   std::string_view pass;  // lives as long as the program
@@ -108,6 +114,22 @@ class Renderer {
   virtual void evict(SceneId id) = 0;
   // Of a resident scene; zeros for another.
   virtual SceneFootprint footprint(SceneId) const { return {}; }
+
+  // Other lights for a resident scene, as many as before; lights that animations move stay with them. `changed` is
+  // called once, now or from finish_background: frames submitted later are of these lights. What answers for a light
+  // that moves may have to be built first: beside the frames, on another thread, which calls `wake` when
+  // finish_background has something to do. One change of a scene at a time.
+  virtual void set_lights(SceneId, std::vector<scenes::Light>, std::function<void(Result<void>)> changed,
+                          std::function<void()> /*wake*/) {
+    changed(Error{"this renderer's lights cannot be changed"});
+  }
+  // Has what the tracer built for lights built anew for where they are now, beside the frames; `settled` is called
+  // from finish_background when it serves. Frames are exact before as after, which are faster.
+  virtual void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()> /*wake*/) {
+    settled({});
+  }
+  virtual void finish_background() {}
+  virtual LightState light_state(SceneId) const { return {}; }
 
   // How many submits will be accepted now. Grows when leases are dropped.
   virtual uint32_t free_slots() const = 0;

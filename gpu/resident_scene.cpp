@@ -96,6 +96,17 @@ void ResidentScene::give_traced(TracedLights traced) {
   posed_.reset();
 }
 
+LightState ResidentScene::light_state() const {
+  LightState state;
+  const std::vector<exact::TracedLight> lights = traced_lights(lights_);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const bool moves =
+        lights_[i].moved_by != scenes::kNone || (built_for_lights_ && !same_light(lights[i], traced_.built_for[i]));
+    ++(moves ? state.moving : state.resting);
+  }
+  return state;
+}
+
 PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
   if (posed_ && (posed_->time == time || !scenes::moves(*scene_))) return posed_;
   auto posed = std::make_shared<PosedScene>();

@@ -28,6 +28,7 @@ class ResidentScene {
                                                        const Tracer* tracer, uint32_t slots = 1);
 
   const scenes::Scene& scene() const { return *scene_; }
+  const scenes::ScenePtr& scene_ptr() const { return scene_; }
   uint32_t triangle_count() const { return triangle_count_; }
   uint32_t light_count() const { return static_cast<uint32_t>(scene_->lights.size()); }
   const Buffer& positions() const { return positions_; }
@@ -58,6 +59,8 @@ class ResidentScene {
 
   // From now on this answers for the lights that are where it was built for.
   void give_traced(TracedLights traced);
+
+  LightState light_state() const;
 
   // Fills the scene's part: addresses and lights.
   void describe(FrameUniforms& frame, const PosedScene& posed) const;

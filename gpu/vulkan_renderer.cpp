@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "common/inbox.h"
+#include "gpu/background.h"
 #include "gpu/lanes.h"
 #include "gpu/passes/passes.h"
 #include "gpu/tracers/tracer.h"
@@ -99,11 +100,56 @@ class VulkanRenderer : public Renderer {
             traced.list_statistics.from_cache, traced.list_statistics.average, traced.list_statistics.longest};
   }
 
+  void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
+                  std::function<void()> wake) override {
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end()) return changed(not_resident(id));
+    if (!found->second->needs_still_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
+    background_.run(
+        [this, id, scene = found->second->scene_ptr(), device = pool_->device, lights = std::move(lights),
+         changed] {
+          const auto bvh = build_still_bvh(device, *scene);
+          return [this, id, scene, bvh, lights, changed] {
+            ResidentScene* resident = resident_of(id, scene);
+            if (!resident) return changed(not_resident(id));
+            if (!bvh) return changed(bvh.error());
+            resident->give_still_bvh(*bvh);
+            changed(resident->set_lights(lights));
+          };
+        },
+        std::move(wake));
+  }
+
+  void settle_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake) override {
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end()) return settled(not_resident(id));
+    if (!pool_->tracer->builds_for_lights()) return settled({});
+    background_.run(
+        [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = found->second->lights(), settled] {
+          const auto built = build_for_lights(*pool->tracer, *scene, lights);
+          return [this, id, scene, built, settled] {
+            ResidentScene* resident = resident_of(id, scene);
+            if (!resident) return settled(not_resident(id));
+            if (!built) return settled(built.error());
+            resident->give_traced(*built);
+            settled({});
+          };
+        },
+        std::move(wake));
+  }
+
+  void finish_background() override { background_.finish(); }
+
+  LightState light_state(SceneId id) const override {
+    const auto found = scenes_.find(id);
+    return found == scenes_.end() ? LightState{} : found->second->light_state();
+  }
+
   uint32_t free_slots() const override { return pool_->free_count(); }
 
   Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) override {
     const auto scene = scenes_.find(job.scene);
-    if (scene == scenes_.end()) return Error{"scene " + std::to_string(job.scene.value) + " is not resident"};
+    if (scene == scenes_.end()) return not_resident(job.scene);
     if (auto fits = check_size(*pool_->device, job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
     const TileGrid grid{job.width, job.height, scene->second->light_count()};
@@ -128,7 +174,7 @@ class VulkanRenderer : public Renderer {
     if (found == begun_.end()) return Error{"frame " + std::to_string(id.value) + " was not begun"};
     Begun& frame = found->second;
     const auto scene = scenes_.find(frame.scene);
-    if (scene == scenes_.end()) return Error{"scene " + std::to_string(frame.scene.value) + " is not resident"};
+    if (scene == scenes_.end()) return not_resident(frame.scene);
     const uint32_t rows = std::min(tile_rows, frame.grid.tiles_y() - frame.next_row);
     const auto band = frame.lane->slots[frame.slot].record_more(frame.lane->plan, *scene->second, rows);
     if (!band) return band.error();
@@ -155,6 +201,13 @@ class VulkanRenderer : public Renderer {
   }
 
  private:
+  static Error not_resident(SceneId id) { return Error{"scene " + std::to_string(id.value) + " is not resident"}; }
+  // Null: it was evicted, or is another scene by now.
+  ResidentScene* resident_of(SceneId id, const scenes::ScenePtr& scene) const {
+    const auto found = scenes_.find(id);
+    return found != scenes_.end() && found->second->scene_ptr() == scene ? found->second.get() : nullptr;
+  }
+
   void start_pending() {
     if (pending_.empty()) return;
     const auto first = pool_->device->queue().submit(pending_commands_);
@@ -224,6 +277,7 @@ class VulkanRenderer : public Renderer {
   std::vector<VkCommandBuffer> pending_commands_;
   Inbox<InFlight> in_flight_;
   std::thread completion_;
+  Background background_;  // ends first
 };
 
 }  // namespace
