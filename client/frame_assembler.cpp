@@ -42,7 +42,7 @@ SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
   Open* open = find_or_begin(header);
   if (!open) return SliceOutcome::late;
   AssembledFrame& frame = open->frame;
-  if (header.slice_count != frame.slice_count) return SliceOutcome::malformed;
+  if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::malformed;
   if (open->slices[header.slice]) return SliceOutcome::duplicate;
   if (!protocol::decode_slice(header, slice.payload, grid_, frame.words)) {
     cover_missing(frame, header);
@@ -112,6 +112,7 @@ AssembledFrame FrameAssembler::begin_frame(const protocol::SliceHeader& header) 
   frame.arrived.assign(grid_.word_count(), false);
   frame.words_missing = grid_.word_count();
   frame.slice_count = header.slice_count;
+  frame.moment = header.moment;
   return frame;
 }
 

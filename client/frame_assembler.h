@@ -26,6 +26,7 @@ struct AssembledFrame {
   uint32_t server_us = 0;  // the latest slice's: from the camera's arrival to its sending
   uint32_t gpu_us = 0;
   size_t payload_bytes = 0;
+  protocol::Moment moment;  // of the scene
 
   bool complete() const { return words_missing == 0; }
   TileMaskView mask() const { return {grid, words}; }

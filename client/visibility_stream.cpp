@@ -7,6 +7,12 @@ namespace gnomon::client {
 namespace {
 
 constexpr Nanoseconds kRepeatInterval = std::chrono::milliseconds(250);
+constexpr size_t kLightVersions = 16;  // kept for frames that are still on their way
+
+StreamOptions with_features(StreamOptions options) {
+  options.connect.hello.features |= protocol::kFeatureMoments;
+  return options;
+}
 
 }  // namespace
 
@@ -24,7 +30,7 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
 }
 
 VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events events)
-    : options_(std::move(options)),
+    : options_(with_features(std::move(options))),
       events_(std::move(events)),
       upkeep_timer_(loop, [this] { upkeep(Clock::now()); }),
       connection_(loop, options_.connect,
@@ -40,6 +46,7 @@ VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events eve
 void VisibilityStream::start() {
   const auto& welcome = connection_.welcome();
   scene_ = welcome.scene;
+  keep_lights(welcome.lights_version, scene_.lights);
   restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
   const auto silence = std::chrono::milliseconds(welcome.silence_timeout_ms);
   repeat_interval_ = silence.count() > 0 ? std::min<Nanoseconds>(kRepeatInterval, silence / 4) : kRepeatInterval;
@@ -62,8 +69,10 @@ void VisibilityStream::on_message(const protocol::Message& message) {
     if (degraded->height > 0 && degraded->height <= welcome.height) changed.height = degraded->height;
   } else if (const auto* scene = std::get_if<protocol::SceneChanged>(&message)) {
     scene_ = scene->scene;
+    lights_.clear();
   } else if (const auto* lights = std::get_if<protocol::LightsChanged>(&message)) {
     scene_.lights = lights->lights;
+    keep_lights(lights->version, scene_.lights);
   }
   changed.lights = static_cast<uint32_t>(std::min<size_t>(scene_.lights.size(), protocol::kMaxLights));
   restart_with(changed);
@@ -131,7 +140,8 @@ void VisibilityStream::deliver_finished() {
       ++(frame->complete() ? counters_.complete : counters_.incomplete);
       counters_.lost_slices += frame->slice_count - frame->slices_received;
       // A copy: the call back may ask for another camera, which moves the records.
-      const Answer answer{asked->camera, *frame, *asked->last_slice - asked->sent};
+      const Answer answer{asked->camera, *frame, lights_of(frame->moment.lights_version),
+                          *asked->last_slice - asked->sent};
       if (events_.answer) events_.answer(answer);
     }
     if (frame->grid == assembler_->grid()) assembler_->recycle(std::move(*frame));
@@ -159,6 +169,17 @@ void VisibilityStream::expire(TimePoint now) {
     }
     asked_.pop_front();
   }
+}
+
+void VisibilityStream::keep_lights(uint32_t version, const std::vector<protocol::LightInfo>& lights) {
+  lights_[version] = lights;
+  if (lights_.size() > kLightVersions) lights_.erase(lights_.begin());
+}
+
+// Slices may overtake the news of their lights.
+const std::vector<protocol::LightInfo>& VisibilityStream::lights_of(uint32_t version) const {
+  const auto found = lights_.find(version);
+  return found == lights_.end() ? scene_.lights : found->second;
 }
 
 VisibilityStream::Asked* VisibilityStream::find(FrameId frame) {

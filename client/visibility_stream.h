@@ -10,6 +10,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 
 #include "client/ack_list.h"
@@ -22,7 +23,9 @@ namespace gnomon::client {
 struct Answer {
   protocol::CameraView camera;
   const AssembledFrame& mask;  // borrowed for the call
-  Nanoseconds response;        // from the camera's sending to the last slice's arrival
+  // The lights that were traced, as far as the server has told; those that animations move as at scene time 0.
+  const std::vector<protocol::LightInfo>& lights;
+  Nanoseconds response;  // from the camera's sending to the last slice's arrival
 };
 
 struct StreamOptions {
@@ -64,6 +67,7 @@ class VisibilityStream {
 
   // What the masks are of; once open. The server may change both in mid-session (Degraded, SceneChanged).
   const TileGrid& grid() const { return assembler_->grid(); }
+  // The scene's lights are the newest ones.
   const protocol::SceneManifest& scene() const { return scene_; }
 
   // Sends a camera; its frustum covers the whole traced buffer. Ids count from 1. Once open.
@@ -91,11 +95,14 @@ class VisibilityStream {
   void upkeep(TimePoint now);
   void expire(TimePoint now);
   Asked* find(FrameId frame);
+  void keep_lights(uint32_t version, const std::vector<protocol::LightInfo>& lights);
+  const std::vector<protocol::LightInfo>& lights_of(uint32_t version) const;
 
   StreamOptions options_;
   Events events_;
   std::optional<FrameAssembler> assembler_;
   protocol::SceneManifest scene_;
+  std::map<uint32_t, std::vector<protocol::LightInfo>> lights_;  // by version, the newest few
   AckList acks_;
   std::deque<Asked> asked_;  // of consecutive frames up to newest_asked_
   FrameId newest_asked_{0};

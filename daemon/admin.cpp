@@ -8,8 +8,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr size_t kThreads = 4;
-constexpr size_t kMaxRequestBody = 0;  // nothing here takes one
-constexpr auto kRequestTime = 1s;      // for a client to say what it wants
+constexpr size_t kMaxRequestBody = 4096;
+constexpr auto kRequestTime = 1s;  // for a client to say what it wants
 
 void limit(httplib::Server& server) {
   server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
@@ -24,19 +24,35 @@ void limit(httplib::Server& server) {
   });
 }
 
+void answer(httplib::Response& response, Page page) {
+  response.status = page.status;
+  response.set_header("Cache-Control", "no-store");
+  response.set_content(std::move(page.body), page.content_type);
+}
+
+// A web page of a stranger that the operator's browser shows may post here too, but not as JSON.
+bool is_json(const httplib::Request& request) {
+  return request.get_header_value("Content-Type").rfind("application/json", 0) == 0;
+}
+
 }  // namespace
 
 Admin::Admin() : server_(std::make_unique<httplib::Server>()) {}
 
-Result<std::unique_ptr<Admin>> Admin::start(const AdminConfig& config, const Pages& pages) {
+Result<std::unique_ptr<Admin>> Admin::start(const AdminConfig& config, const Pages& pages, const Actions& actions) {
   std::unique_ptr<Admin> made(new Admin);
   limit(*made->server_);
   for (const auto& [path, make_page] : pages) {
     made->server_->Get(path, [make = make_page](const httplib::Request&, httplib::Response& response) {
-      Page page = make();
-      response.status = page.status;
-      response.set_header("Cache-Control", "no-store");
-      response.set_content(std::move(page.body), page.content_type);
+      answer(response, make());
+    });
+  }
+  for (const auto& [path, act] : actions) {
+    made->server_->Post(path, [act = act](const httplib::Request& request, httplib::Response& response) {
+      if (!is_json(request))
+        return answer(response, {415, "text/plain", "the Content-Type must be application/json\n"});
+      const std::vector<std::string> groups(std::next(request.matches.begin()), request.matches.end());
+      answer(response, act(groups, request.body));
     });
   }
   const bool any = config.port == 0;

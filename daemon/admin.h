@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/result.h"
 #include "daemon/config.h"
@@ -26,8 +27,13 @@ class Admin {
  public:
   // Path ("/metrics") -> what makes the page. Called from the HTTP library's threads, several at a time.
   using Pages = std::map<std::string, std::function<Page()>>;
+  // Regular expression of paths that something is posted to ("/scenes/(.+)/lights/([0-9]+)") -> what answers, given the
+  // expression's groups and the body, which is JSON. The same.
+  using Actions =
+      std::map<std::string, std::function<Page(const std::vector<std::string>& groups, const std::string& body)>>;
 
-  static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, const Pages& pages);
+  static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, const Pages& pages,
+                                              const Actions& actions = {});
   ~Admin();  // waits for requests in progress
 
   uint16_t port() const { return port_; }

@@ -44,6 +44,8 @@ struct SceneFile {
 struct ScenesConfig {
   std::vector<SceneFile> list;
   std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
+  uint32_t clock_hz = 60;                          // steps of the clock that animations play on
+  std::chrono::milliseconds light_rest{2000};      // after which a changed light's buffers are built anew
   friend bool operator==(const ScenesConfig&, const ScenesConfig&) = default;
 };
 

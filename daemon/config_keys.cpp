@@ -106,6 +106,8 @@ Keys<ScenesConfig> scenes_keys() {
   return {
       sections("list", &ScenesConfig::list, std::move(item), finish_scene),
       scalars("allow_files", &ScenesConfig::allow_files, "a list of folders", parse_path),
+      integer("clock_hz", &ScenesConfig::clock_hz, 1, 1000),
+      integer("light_rest_ms", &ScenesConfig::light_rest, 0, kHourMs),
   };
 }
 

@@ -40,7 +40,7 @@ Result<void> Daemon::bring_up() {
       Server::open({options_.config, tracer_, catalog_, health_, *scenes_, seats_, costs_, inbox_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
-  auto admin = Admin::start(options_.config.admin, pages());
+  auto admin = Admin::start(options_.config.admin, pages(), actions());
   if (!admin) return admin.error();
   admin_ = std::move(*admin);
   if (auto opened = open_device(); !opened) return opened;
@@ -63,6 +63,11 @@ Result<void> Daemon::open_device() {
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
   loop_ = std::make_unique<RenderLoop>(terms_of(options_.config), *device_, inbox_, metrics_,
                                        [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); });
+  const ScenesConfig& scenes = options_.config.scenes;
+  loop_->motion().configure({scenes.clock_hz, scenes.light_rest, Clock::now(), [this](const LightsNews& news) {
+                               scenes_->keep_lights(news);
+                               server_->announce_lights(news);
+                             }});
   render_thread_ = std::thread([this] { render(); });
   return {};
 }

@@ -51,6 +51,8 @@ class Daemon {
   void publish_shares(TimePoint now);
   void stop();
   Admin::Pages pages();
+  Admin::Actions actions();
+  Page change_light(const std::string& scene, const std::string& light, const std::string& body);
   std::string status_json() const;
 
   // What stands below may use what stands above, and goes first; stop() has ended all threads before.

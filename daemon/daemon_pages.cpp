@@ -16,7 +16,9 @@ json to_json(const std::string& name, const HostedScene& scene) {
           {"load_seconds", scene.loaded.load_seconds},
           {"memory_bytes", scene.loaded.memory_bytes},
           {"device_memory_bytes", scene.on_device.memory_bytes},
-          {"tracer_build_seconds", scene.on_device.tracer_build_seconds}};
+          {"tracer_build_seconds", scene.on_device.tracer_build_seconds},
+          {"period_seconds", std::chrono::duration<double>(scene.loaded.scene->period).count()},
+          {"lights_version", scene.lights.version}};
 }
 
 json to_json(const DeviceStatus& device, bool up) {
@@ -76,6 +78,29 @@ std::string Daemon::status_json() const {
   }
   // A scene file's name may be no UTF-8: shown with replacement characters, never an exception.
   return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+// Says what is wrong before the render thread is asked; that it was asked is all that it says otherwise.
+Page Daemon::change_light(const std::string& name, const std::string& light, const std::string& body) {
+  const char* text = "text/plain; charset=utf-8";
+  const auto resident = scenes_->resident();
+  const auto scene = resident.find(name);
+  if (scene == resident.end()) return {404, text, "no such scene is resident\n"};
+  const std::vector<scenes::Light>& lights = scene->second.lights.lights;
+  const size_t index = light.size() > 4 ? lights.size() : std::stoul(light);
+  if (index >= lights.size()) return {404, text, "the scene has " + std::to_string(lights.size()) + " lights\n"};
+  const auto change = parse_light_change(body);
+  if (!change) return {400, text, change.error().message + "\n"};
+  const auto changed = changed_light(lights[index], scene->second.loaded.scene->lights[index], *change);
+  if (!changed) return {409, text, changed.error().message + "\n"};
+  inbox_.push(LightChanged{scene->second.loaded.id, static_cast<uint32_t>(index), *change});
+  return {202, text, "accepted\n"};
+}
+
+Admin::Actions Daemon::actions() {
+  return {{"/scenes/(.+)/lights/([0-9]+)", [this](const std::vector<std::string>& groups, const std::string& body) {
+             return change_light(groups[0], groups[1], body);
+           }}};
 }
 
 Admin::Pages Daemon::pages() {

@@ -41,8 +41,8 @@ void EncodePool::work() {
   while (take(frame)) {
     EncodedFrame out{frame.meta, {}};
     out.meta.encode_began = Clock::now();
-    const auto result =
-        encoder.encode(frame.mask.mask(), frame.meta.codec, protocol::kMaxSlicePayloadBytes, out.slices);
+    const size_t room = protocol::kMaxSlicePayloadBytes - (frame.meta.moment ? protocol::kMomentBytes : 0);
+    const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, room, out.slices);
     frame.mask.drop();
     if (!result) {
       metrics_.report(Fault::encode_failed, {{"why", result.error().message}});

@@ -3,6 +3,8 @@
 //   ViewRequest -render loop, GPU-> RenderedFrame -encode pool-> EncodedFrame -net thread-> datagrams
 #pragma once
 
+#include <optional>
+
 #include "common/clock.h"
 #include "common/ids.h"
 #include "gpu/renderer.h"
@@ -26,7 +28,8 @@ struct FrameMeta {
   FrameId frame;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   TileGrid grid;
-  uint32_t coalesced = 0;  // views of this session replaced since its last frame
+  std::optional<protocol::Moment> moment;  // that the client is to be told
+  uint32_t coalesced = 0;                  // views of this session replaced since its last frame
   TimePoint arrival;
   TimePoint deadline = TimePoint::max();
   TimePoint submitted;

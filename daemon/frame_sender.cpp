@@ -11,6 +11,10 @@ void FrameSender::seal(EncodedFrame& frame, Session& session, TimePoint now) {
     protocol::SliceHeader& header = frame.slices.slices[i];
     header.frame = frame.meta.frame;
     header.server_us = static_cast<uint32_t>(to_microseconds(now - frame.meta.arrival));
+    if (frame.meta.moment) {
+      header.flags |= protocol::kSliceHasMoment;
+      header.moment = *frame.meta.moment;
+    }
     header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.gpu));
     body_.clear();
     protocol::append_frame_slice(body_, header, frame.slices.payload(i));

@@ -68,9 +68,13 @@ std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& co
   if (auto refused = check_passes(hello, config.render)) return *refused;
   std::string scene = find_scene(hello.scene);
   if (scene.empty()) return refusal(RefusalCode::unknown_scene, "no scene " + shown(hello.scene) + " here");
-  return Accepted{*tenant,       std::move(scene),
-                  hello.width,   hello.height,
-                  hello.rate_hz, hello.codecs.empty() ? config.encode.codec : hello.codecs.front()};
+  return Accepted{*tenant,
+                  std::move(scene),
+                  hello.width,
+                  hello.height,
+                  hello.rate_hz,
+                  hello.codecs.empty() ? config.encode.codec : hello.codecs.front(),
+                  hello.features & protocol::kFeatureMoments};
 }
 
 }  // namespace gnomon::daemon

@@ -21,6 +21,7 @@ struct Accepted {
   uint16_t height = 0;
   float rate_hz = 0;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
+  uint64_t features = 0;  // of the client's those that are known here
 };
 
 // The server's name of the scene that a client asks for; empty: there is none.

@@ -129,6 +129,10 @@ struct Metrics::Families {
       gauge(registry, "gnomon_scene_light_buffer_average_list", "Mean length of the light buffers' lists.");
   Family<Gauge>& longest_list =
       gauge(registry, "gnomon_scene_light_buffer_longest_list", "Length of the light buffers' longest list.");
+  Family<Gauge>& lights = gauge(registry, "gnomon_scene_lights",
+                                "Lights, by state: resting where the tracer built for them, or moving.");
+  Family<Counter>& rebuilds = counter(registry, "gnomon_scene_light_rebuilds_total",
+                                      "Times that light buffers were built anew for changed lights.");
   Family<Gauge>& build = gauge(registry, "gnomon_build_info", "Always 1; the version is the label.");
   Family<Histogram>& stages = BuildHistogram()
                                   .Name("gnomon_stage_seconds")
@@ -258,6 +262,18 @@ void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene
   families_->from_cache.Add(labels).Set(on_device.tracer_from_cache ? 1 : 0);
   families_->average_list.Add(labels).Set(on_device.tracer_average_list);
   families_->longest_list.Add(labels).Set(on_device.tracer_longest_list);
+}
+
+void Metrics::scene_lights(const std::string& scene, const gpu::LightState& lights) {
+  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  families_->lights.Add({{"scene", scene}, {"state", "resting"}}).Set(lights.resting);
+  families_->lights.Add({{"scene", scene}, {"state", "moving"}}).Set(lights.moving);
+  families_->rebuilds.Add({{"scene", scene}});
+}
+
+void Metrics::lights_rebuilt(const std::string& scene) {
+  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  families_->rebuilds.Add({{"scene", scene}}).Increment();
 }
 
 uint64_t Metrics::count_of(Fault fault) const {

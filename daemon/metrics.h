@@ -46,6 +46,10 @@ class Metrics {
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                       const gpu::SceneFootprint& on_device);
 
+  // The same.
+  void scene_lights(const std::string& scene, const gpu::LightState& lights);
+  void lights_rebuilt(const std::string& scene);
+
   uint64_t count_of(Fault fault) const;
 
   std::string text() const;  // Prometheus' text format

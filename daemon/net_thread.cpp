@@ -2,6 +2,8 @@
 
 #include <asio/post.hpp>
 
+#include "daemon/translate.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -94,6 +96,15 @@ void NetThread::announce_drain(std::chrono::milliseconds deadline) {
       stream->send(protocol::Draining{static_cast<uint32_t>(deadline.count())});
     }
   });
+}
+
+void NetThread::announce_lights(const LightsNews& news) {
+  asio::post(io_,
+             [this, scene = news.scene, message = protocol::LightsChanged{to_wire(news.lights), news.version}] {
+               for (const auto& [id, stream] : streams_) {
+                 if (sessions_.find(id)->accepted().scene == scene) stream->send(message);
+               }
+             });
 }
 
 void NetThread::tick() {

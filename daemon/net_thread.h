@@ -55,7 +55,8 @@ class NetThread {
   void adopt(asio::ip::tcp::socket socket);  // its executor is io()'s
   void deliver(EncodedFrame frame);
   void announce_drain(std::chrono::milliseconds deadline);
-  void stop();  // says Bye to everybody, then ends the thread; returns when it has
+  void announce_lights(const LightsNews& news);  // to the sessions of that scene
+  void stop();                                   // says Bye to everybody, then ends the thread; returns when it has
   std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return published_.get(); }
 
  private:

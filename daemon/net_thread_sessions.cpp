@@ -116,7 +116,8 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
                  [this, id](const std::string& why) { close_session(id, why); });
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
   shared_.inbox.push(SessionOpened{id, accepted.tenant, scene.id, accepted.width, accepted.height, lights,
-                                   accepted.codec, index_, accepted.rate_hz});
+                                   accepted.codec, index_, accepted.rate_hz,
+                                   (accepted.features & protocol::kFeatureMoments) != 0});
   shared_.metrics.session_opened(accepted.tenant);
 
   protocol::Welcome welcome;
@@ -131,6 +132,10 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
   welcome.tracer = shared_.tracer;
   welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
   welcome.scene = manifest_of(*scene.scene, accepted.scene, float(accepted.width) / float(accepted.height));
+  const LightsNews news = shared_.scenes.lights_of(accepted.scene);
+  welcome.features = accepted.features;
+  welcome.scene.lights = to_wire(news.lights);
+  welcome.lights_version = news.version;
   stream->send(welcome);
   log::info("session opened", {{"session", id.value},
                                {"tenant", shared_.config.tenants[accepted.tenant.value].name},

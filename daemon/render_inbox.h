@@ -8,6 +8,7 @@
 
 #include "common/inbox.h"
 #include "daemon/frame.h"
+#include "daemon/light_change.h"
 #include "daemon/terms.h"
 #include "scenes/registry.h"
 #include "scheduler/cost_model.h"
@@ -25,6 +26,7 @@ struct SessionOpened {
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   uint32_t net_thread = 0;
   double rate_hz = 0;  // granted; 0: no limit
+  bool wants_moments = false;
 };
 
 struct SessionClosed {
@@ -34,7 +36,16 @@ struct SessionClosed {
 struct SceneArrived {
   scenes::LoadedScene scene;
   std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
+  std::string name = {};
 };
+
+struct LightChanged {
+  SceneId scene;
+  uint32_t light = 0;
+  LightChange change;
+};
+
+struct BackgroundDone {};  // the renderer has finished something beside the frames
 
 // A submit is done: a frame or a band of one.
 struct JobFinished {
@@ -58,7 +69,7 @@ struct TermsChanged {
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
 using RenderEvent = std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, JobFinished, LeaseDropped,
-                                 TermsChanged, StopRendering>;
+                                 LightChanged, BackgroundDone, TermsChanged, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

@@ -11,7 +11,7 @@ constexpr uint32_t kFailedSubmitsAreALoss = 8;
 Nanoseconds trace_time(const gpu::FrameDone& done) {
   uint64_t ns = 0;
   for (const gpu::StageTime& stage : done.stages) {
-    if (stage.pass == "trace") ns += stage.gpu_ns;
+    if (stage.pass == "trace" || stage.pass == "trace_moving") ns += stage.gpu_ns;
   }
   return Nanoseconds(done.stages.empty() ? done.gpu_ns : ns);
 }
@@ -34,13 +34,18 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
 
 RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
                        std::function<void(RenderedFrame)> rendered)
-    : device_(device), inbox_(inbox), metrics_(metrics), rendered_(std::move(rendered)) {
+    : device_(device),
+      inbox_(inbox),
+      metrics_(metrics),
+      rendered_(std::move(rendered)),
+      motion_(device, metrics, [&inbox] { inbox.push(BackgroundDone{}); }) {
   apply(terms, TimePoint{});
 }
 
 void RenderLoop::start(TimePoint now) {
   if (lost_ && in_flight_ == 0 && submits_ == 0 && !stopping_ && !failure_) recover(now);
   if (lost_ || failure_) return;
+  motion_.step(now);
   release_held(now);
   if (!has_room()) return;
   account_.look();
@@ -105,7 +110,13 @@ void RenderLoop::on(const SessionClosed& closed, TimePoint) {
 
 void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
   if (lost_) return arrived.resident(Error{"the device is being made anew"});
-  arrived.resident(device_.add_scene(arrived.scene));
+  const auto added = device_.add_scene(arrived.scene);
+  if (added) motion_.add(arrived.scene.id, arrived.name, arrived.scene);
+  arrived.resident(added);
+}
+
+void RenderLoop::on(const LightChanged& changed, TimePoint now) {
+  motion_.change(changed.scene, changed.light, changed.change, now);
 }
 
 void RenderLoop::on(const JobFinished& job, TimePoint now) {
@@ -216,6 +227,8 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   BegunFrame frame{JobId{next_job_++}, meta_of(session, view, now), 0, std::make_shared<Nanoseconds>()};
   gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
   job.tile_rows = rows < all_rows ? rows : 0;
+  job.time = motion_.time_of(session.opened.scene, now);
+  if (session.opened.wants_moments) frame.meta.moment = motion_.moment_of(session.opened.scene, now);
   const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
   if (!submitted) return not_started(session, ticket, now, submitted.error());
   session.coalesced = 0;
@@ -320,6 +333,7 @@ void RenderLoop::recover(TimePoint now) {
   }
   lost_ = false;
   failed_submits_ = 0;
+  motion_.restore();
   log::info("device is back", {{"device", device_.renderer().device_name()}});
 }
 

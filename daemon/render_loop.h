@@ -14,6 +14,7 @@
 #include "daemon/render_device.h"
 #include "daemon/render_inbox.h"
 #include "daemon/render_session.h"
+#include "daemon/scene_motion.h"
 #include "daemon/share_account.h"
 #include "daemon/status.h"
 #include "daemon/terms.h"
@@ -33,6 +34,7 @@ class RenderLoop {
   bool finished() const { return failure_ || (stopping_ && in_flight_ == 0 && submits_ == 0); }
   const std::optional<Error>& failure() const { return failure_; }  // the device is beyond repair
   bool device_up() const { return !lost_; }
+  SceneMotion& motion() { return motion_; }
 
   const CostModels& costs() const { return models_; }
   ShareReport shares();  // since the last call
@@ -45,6 +47,8 @@ class RenderLoop {
   void on(const JobFinished& finished, TimePoint now);
   void on(const LeaseDropped&, TimePoint now);
   void on(const TermsChanged& changed, TimePoint now);
+  void on(const LightChanged& changed, TimePoint now);
+  void on(const BackgroundDone&, TimePoint) {}  // start() looks after it
   void on(const StopRendering&, TimePoint now);
 
   void apply(const Terms& terms, TimePoint now);
@@ -68,6 +72,7 @@ class RenderLoop {
   RenderInbox& inbox_;
   Metrics& metrics_;
   std::function<void(RenderedFrame)> rendered_;
+  SceneMotion motion_;
 
   Terms terms_;
   std::unique_ptr<scheduler::Scheduler> scheduler_;

@@ -38,9 +38,10 @@ void SceneHost::load(Request request) {
   if (loaded->scene->lights.empty()) return request.ready(Error{"it has no lights: there is nothing to trace"});
   SceneArrived arrived;
   arrived.scene = *loaded;
+  arrived.name = request.name;
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
     if (!on_device) return request.ready(on_device.error());
-    keep(request.name, {scene, *on_device});
+    keep(request.name, {scene, *on_device, {request.name, 0, scene.scene->lights}});
     request.ready(scene);
   };
   if (!inbox_.push(std::move(arrived))) request.ready(Error{"the server is stopping"});
@@ -52,7 +53,6 @@ void SceneHost::keep(const std::string& name, const HostedScene& scene) {
                                {"tracer_bytes", scene.on_device.tracer_memory_bytes},
                                {"build_seconds", scene.on_device.tracer_build_seconds},
                                {"from_cache", scene.on_device.tracer_from_cache}});
-  metrics_.scene_resident(name, scene.loaded, scene.on_device);
   std::lock_guard lock(mutex_);
   resident_.emplace(name, scene);
 }
@@ -63,6 +63,17 @@ Result<void> SceneHost::fetch_now(const std::string& name) {
     answered.set_value(scene ? Result<void>() : Result<void>(scene.error()));
   });
   return answered.get_future().get();
+}
+
+void SceneHost::keep_lights(const LightsNews& news) {
+  std::lock_guard lock(mutex_);
+  if (const auto found = resident_.find(news.scene); found != resident_.end()) found->second.lights = news;
+}
+
+LightsNews SceneHost::lights_of(const std::string& name) const {
+  std::lock_guard lock(mutex_);
+  const auto found = resident_.find(name);
+  return found == resident_.end() ? LightsNews{} : found->second.lights;
 }
 
 std::map<std::string, HostedScene> SceneHost::resident() const {

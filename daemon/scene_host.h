@@ -11,12 +11,14 @@
 #include "daemon/metrics.h"
 #include "daemon/render_inbox.h"
 #include "daemon/scene_catalog.h"
+#include "daemon/scene_motion.h"
 
 namespace gnomon::daemon {
 
 struct HostedScene {
   scenes::LoadedScene loaded;
   gpu::SceneFootprint on_device;
+  LightsNews lights;
 };
 
 class SceneHost {
@@ -34,6 +36,10 @@ class SceneHost {
   Result<void> fetch_now(const std::string& name);
 
   std::map<std::string, HostedScene> resident() const;
+
+  // Any thread. The lights of a resident scene from now on, for those who are still to come.
+  void keep_lights(const LightsNews& news);
+  LightsNews lights_of(const std::string& name) const;
 
  private:
   struct Request {

@@ -68,6 +68,10 @@ void Server::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& thread : threads_) thread->announce_drain(deadline);
 }
 
+void Server::announce_lights(const LightsNews& news) {
+  for (const auto& thread : threads_) thread->announce_lights(news);
+}
+
 std::vector<uint16_t> Server::data_ports() const {
   std::vector<uint16_t> ports;
   for (const auto& thread : threads_) ports.push_back(thread->data_port());

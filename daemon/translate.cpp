@@ -47,6 +47,12 @@ gpu::CameraView to_gpu(const protocol::CameraView& camera) {
           camera.tan_left,    camera.tan_right,         camera.tan_up, camera.tan_down, camera.near_plane};
 }
 
+std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights) {
+  std::vector<protocol::LightInfo> out;
+  for (const scenes::Light& light : lights) out.push_back(to_wire(light));
+  return out;
+}
+
 protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::string& name, float aspect) {
   protocol::SceneManifest manifest;
   manifest.name = name;
@@ -55,7 +61,7 @@ protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::strin
   manifest.bounds_min = to_wire(scene.bounds.min);
   manifest.bounds_max = to_wire(scene.bounds.max);
   manifest.default_camera = to_wire(scene.cameras.front().rest, aspect);
-  for (const scenes::Light& light : scene.lights) manifest.lights.push_back(to_wire(light));
+  manifest.lights = to_wire(scene.lights);
   return manifest;
 }
 

@@ -11,6 +11,8 @@ namespace gnomon::daemon {
 
 gpu::CameraView to_gpu(const protocol::CameraView& camera);
 
+std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights);
+
 // `aspect`: width over height of the client's buffer, for the default camera's frustum.
 protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::string& name, float aspect);
 

@@ -31,7 +31,8 @@ void fields(A& a, Of<A, CameraUpdate>& m) {
 template <class A>
 void fields(A& a, Of<A, SliceHeader>& m) {
   a(m.frame, m.slice, m.slice_count, m.first_tile, m.tile_count, m.first_light, m.light_count);
-  a(m.codec, m.reserved, m.reserved2, m.server_us, m.gpu_us);
+  a(m.codec, m.flags, m.reserved, m.server_us, m.gpu_us);
+  if (m.flags & kSliceHasMoment) a(m.moment.scene_time_us, m.moment.lights_version);
   a.check(m.slice < m.slice_count, "slice is not below slice_count");
   a.check(m.tile_count > 0 && m.light_count > 0, "an empty slice");
 }

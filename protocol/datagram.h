@@ -15,9 +15,11 @@
 
 namespace gnomon::protocol {
 
+inline constexpr uint8_t kSliceHasMoment = 1;  // a bit of SliceHeader::flags
 inline constexpr size_t kHeaderBytes = 20;
 inline constexpr size_t kTagBytes = 16;
 inline constexpr size_t kSliceHeaderBytes = 32;
+inline constexpr size_t kMomentBytes = 8;
 inline constexpr size_t kMaxSlicePayloadBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes - kSliceHeaderBytes;
 
 enum class DatagramKind : uint8_t { camera_update = 1, frame_slice = 2 };
@@ -61,10 +63,11 @@ struct SliceHeader {
   uint16_t first_light = 0;
   uint16_t light_count = 0;
   CodecId codec = CodecId::tiles_lz4;
-  uint8_t reserved = 0;
-  uint16_t reserved2 = 0;
+  uint8_t flags = 0;
+  uint16_t reserved = 0;
   uint32_t server_us = 0;  // from the camera's arrival to this slice's sending
   uint32_t gpu_us = 0;     // of it, on the GPU
+  Moment moment;           // on the wire if flags say so; then the payload has kMomentBytes less room
   friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
 };
 

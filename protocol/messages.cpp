@@ -82,6 +82,7 @@ void fields(A& a, Of<A, Welcome>& m) {
   a.text(m.tracer, kMaxName);
   a(m.silence_timeout_ms);
   fields(a, m.scene);
+  if (m.features & kFeatureMoments) a(m.lights_version);
 }
 
 template <class A>
@@ -100,6 +101,7 @@ void fields(A& a, Of<A, SceneChanged>& m) {
 template <class A>
 void fields(A& a, Of<A, LightsChanged>& m) {
   lights(a, m.lights);
+  a(m.version);
 }
 
 template <class A>

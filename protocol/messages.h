@@ -47,6 +47,7 @@ struct Welcome {
   std::string tracer;
   uint32_t silence_timeout_ms = 0;  // a session silent for this long is closed
   SceneManifest scene;
+  uint32_t lights_version = 0;  // of the manifest's lights; on the wire with kFeatureMoments
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
@@ -84,6 +85,7 @@ struct SceneChanged {
 
 struct LightsChanged {
   std::vector<LightInfo> lights;
+  uint32_t version = 0;  // which frames are of these lights; counts up
   friend bool operator==(const LightsChanged&, const LightsChanged&) = default;
 };
 

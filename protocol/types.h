@@ -16,6 +16,9 @@ inline constexpr size_t kMaxControlBytes = 1 << 20;
 inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
+// Feature bits of Hello and Welcome.
+inline constexpr uint64_t kFeatureMoments = 1;  // slices say what moment of a changing scene they show
+
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
 using Bytes16 = std::array<uint8_t, 16>;
@@ -51,6 +54,13 @@ struct LightInfo {
 // to within 0.001, a frustum of positive width and height, near plane, intensity and range not negative.
 bool is_valid(const CameraView& camera);
 bool is_valid(const LightInfo& light);
+
+// What a frame shows of a scene in which something moves or whose lights were changed.
+struct Moment {
+  uint32_t scene_time_us = 0;   // within the scene's period
+  uint32_t lights_version = 0;  // 0: the scene's own lights
+  friend bool operator==(const Moment&, const Moment&) = default;
+};
 
 // What a client needs to know of a scene to match its own copy and to shade.
 struct SceneManifest {

@@ -69,7 +69,7 @@ void Flight::ask_next(const CameraPath& path, TimePoint now) {
 void Flight::on_answer(const Answer& answer) {
   pacer_.answered(answer.response);
   if (answer.mask.complete()) latencies_.add(answer.response);
-  to_draw_.push_back({answer.mask.frame.value - 1, answer.camera, answer.mask});
+  to_draw_.push_back({answer.mask.frame.value - 1, answer.camera, answer.mask, answer.lights});
 }
 
 Result<void> Flight::draw_next(const Draw& draw) {

@@ -25,6 +25,7 @@ struct FlownFrame {
   uint32_t index = 0;  // of the path's steps
   protocol::CameraView camera;
   AssembledFrame mask;
+  std::vector<protocol::LightInfo> lights;
 };
 
 struct FlightFigures {

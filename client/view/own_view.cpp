@@ -16,6 +16,24 @@ gpu::CameraView to_gpu(const protocol::CameraView& camera) {
           .near_plane = camera.near_plane};
 }
 
+scenes::Light to_scene(const protocol::LightInfo& info) {
+  const auto vec3 = [](const protocol::Vec3& v) { return glm::vec3(v[0], v[1], v[2]); };
+  scenes::Light light;
+  switch (info.kind) {
+    case protocol::LightKind::point: light.type = scenes::LightType::point; break;
+    case protocol::LightKind::spot: light.type = scenes::LightType::spot; break;
+    case protocol::LightKind::directional: light.type = scenes::LightType::directional; break;
+  }
+  light.position = vec3(info.position);
+  light.direction = vec3(info.direction);
+  light.color = vec3(info.color);
+  light.intensity = info.intensity;
+  light.range = info.range;
+  light.inner_cone_cos = info.inner_cone_cos;
+  light.outer_cone_cos = info.outer_cone_cos;
+  return light;
+}
+
 Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const std::string& device) {
   gpu::RendererOptions options;
   options.device = device;
@@ -44,7 +62,18 @@ Result<Picture> OwnView::material(const FlownFrame& frame) {
   return render(frame, options);
 }
 
-Result<Picture> OwnView::render(const FlownFrame& frame, const gpu::ShadeOptions& options) {
+Result<void> OwnView::take_lights(const FlownFrame& frame) {
+  if (frame.lights == lights_ || frame.lights.empty()) return {};
+  std::vector<scenes::Light> lights;
+  for (const protocol::LightInfo& light : frame.lights) lights.push_back(to_scene(light));
+  if (auto set = view_->set_lights(lights); !set) return set;
+  lights_ = frame.lights;
+  return {};
+}
+
+Result<Picture> OwnView::render(const FlownFrame& frame, gpu::ShadeOptions options) {
+  if (auto taken = take_lights(frame); !taken) return taken.error();
+  options.time = scenes::SceneTime(frame.mask.moment.scene_time_us);
   const TileGrid& grid = frame.mask.grid;
   auto image = view_->render(to_gpu(frame.camera), grid.width, grid.height, frame.mask.mask(), options);
   if (!image) return image.error();

@@ -1,4 +1,5 @@
-// The client's own half of a frame: rasterises its copy of the scene and shades it with the masks it received.
+// The client's own half of a frame: rasterises its copy of the scene, as it is at the frame's moment, and shades it with
+// the masks and lights it received.
 #pragma once
 
 #include <memory>
@@ -22,12 +23,16 @@ class OwnView {
   Result<Picture> material(const FlownFrame& frame);
 
  private:
-  Result<Picture> render(const FlownFrame& frame, const gpu::ShadeOptions& options);
+  Result<Picture> render(const FlownFrame& frame, gpu::ShadeOptions options);
+
+  Result<void> take_lights(const FlownFrame& frame);
 
   std::unique_ptr<gpu::ReferenceView> view_;
+  std::vector<protocol::LightInfo> lights_;  // that the view has; empty: the scene's own
   std::optional<float> exposure_;
 };
 
 gpu::CameraView to_gpu(const protocol::CameraView& camera);
+scenes::Light to_scene(const protocol::LightInfo& light);  // without a name
 
 }  // namespace gnomon::client

@@ -21,7 +21,8 @@ fs::path write_config(const fs::path& folder, const std::string& text) {
   return file;
 }
 
-std::string get(const client::Address& server, const std::string& path) {
+// The whole answer.
+std::string ask(const client::Address& server, const std::string& request) {
   const int connection = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -29,7 +30,6 @@ std::string get(const client::Address& server, const std::string& path) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   std::string answer;
   if (connect(connection, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    const std::string request = "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
     send(connection, request.data(), request.size(), MSG_NOSIGNAL);
     std::array<char, 8192> bytes;
     for (ssize_t count; (count = recv(connection, bytes.data(), bytes.size(), 0)) > 0;) {
@@ -37,6 +37,13 @@ std::string get(const client::Address& server, const std::string& path) {
     }
   }
   close(connection);
+  return answer;
+}
+
+constexpr const char* kHeaders = " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
+
+std::string get(const client::Address& server, const std::string& path) {
+  const std::string answer = ask(server, "GET " + path + kHeaders + "\r\n");
   const size_t body = answer.find("\r\n\r\n");
   return body == std::string::npos ? "" : answer.substr(body + 4);
 }
@@ -66,6 +73,13 @@ Daemon::Daemon(const std::string& config)
 }
 
 std::string Daemon::page(const std::string& path) const { return get(admin_, path); }
+
+std::string Daemon::post(const std::string& path, const std::string& json) const {
+  const std::string answer =
+      ask(admin_, "POST " + path + kHeaders + "Content-Type: application/json\r\nContent-Length: " +
+                      std::to_string(json.size()) + "\r\n\r\n" + json);
+  return answer.substr(0, answer.find("\r\n"));
+}
 
 double Daemon::metric(const std::string& name, const std::vector<std::string>& labels) const {
   std::istringstream lines(page("/metrics"));

@@ -36,6 +36,8 @@ class Daemon {
 
   // Body of an admin page; empty when the server does not answer.
   std::string page(const std::string& path) const;
+  // Status line of the answer to a JSON body.
+  std::string post(const std::string& path, const std::string& json) const;
   // Sum of a metric's series whose labels contain all of `labels` (as `tenant="studio"`); counts series too.
   double metric(const std::string& name, const std::vector<std::string>& labels = {}) const;
   double sessions() const { return metric("gnomon_sessions"); }

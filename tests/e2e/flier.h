@@ -16,18 +16,21 @@ constexpr client::ViewSize kSmall{.width = 160, .height = 90};
 struct FlierFrame {
   protocol::CameraView camera;
   std::vector<uint64_t> words;
+  protocol::Moment moment;
+  std::vector<protocol::LightInfo> lights;
 };
 
 class Flier {
  public:
   Flier(client::Loop& loop, const Daemon& daemon, const std::string& tenant, const client::CameraPath& path,
-        client::ViewSize size = kSmall)
+        client::ViewSize size = kSmall, const std::string& scene = "living_room")
       : path_(path),
         size_(size),
-        stream_(loop, options(daemon, tenant, size),
+        stream_(loop, options(daemon, tenant, size, scene),
                 {.answer =
                      [this](const client::Answer& answer) {
-                       if (answer.mask.complete()) frames_.push_back({answer.camera, answer.mask.words});
+                       if (answer.mask.complete())
+                         frames_.push_back({answer.camera, answer.mask.words, answer.mask.moment, answer.lights});
                        ask();
                      },
                  .opened = [this] { ask(); },
@@ -42,12 +45,13 @@ class Flier {
   void land() { stream_.close("landed"); }
 
  private:
-  static client::StreamOptions options(const Daemon& daemon, const std::string& tenant, client::ViewSize size) {
+  static client::StreamOptions options(const Daemon& daemon, const std::string& tenant, client::ViewSize size,
+                                       const std::string& scene) {
     client::StreamOptions options;
     options.connect.server = daemon.address();
     options.connect.timeout = kPatience;
     options.connect.hello.tenant = tenant;
-    options.connect.hello.scene = "living_room";
+    options.connect.hello.scene = scene;
     options.connect.hello.width = static_cast<uint16_t>(size.traced_width());
     options.connect.hello.height = static_cast<uint16_t>(size.traced_height());
     return options;

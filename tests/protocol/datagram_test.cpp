@@ -37,6 +37,9 @@ SliceHeader random_slice(Random& random) {
   header.codec = static_cast<CodecId>(random() % 2);
   header.server_us = static_cast<uint32_t>(random());
   header.gpu_us = static_cast<uint32_t>(random());
+  header.flags = static_cast<uint8_t>(random());
+  if (header.flags & kSliceHasMoment)
+    header.moment = {static_cast<uint32_t>(random()), static_cast<uint32_t>(random())};
   return header;
 }
 
@@ -141,7 +144,9 @@ TEST(Datagram, FrameSlicesComeBackAsTheyWere) {
     ASSERT_TRUE(slice);
     EXPECT_EQ(slice->header, header);
     EXPECT_TRUE(std::equal(slice->payload.begin(), slice->payload.end(), payload.begin(), payload.end()));
-    for (size_t size = 0; size < kSliceHeaderBytes; ++size) {
+    const size_t header_bytes = kSliceHeaderBytes + (header.flags & kSliceHasMoment ? kMomentBytes : 0);
+    EXPECT_EQ(bytes.size(), header_bytes + payload.size());
+    for (size_t size = 0; size < header_bytes; ++size) {
       EXPECT_FALSE(decode_frame_slice(std::span(bytes).first(size)));
     }
   }
@@ -169,7 +174,8 @@ TEST(Datagram, RandomBytesGiveAValueOrNothing) {
     for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random() % 2 ? random() : random() % 3);
     decode_header(bytes);
     if (const auto slice = decode_frame_slice(bytes)) {
-      EXPECT_EQ(slice->payload.size(), bytes.size() - kSliceHeaderBytes);
+      const size_t moment = slice->header.flags & kSliceHasMoment ? kMomentBytes : 0;
+      EXPECT_EQ(slice->payload.size(), bytes.size() - kSliceHeaderBytes - moment);
     }
     if (const auto update = decode_camera_update(bytes)) {
       EXPECT_LE(update->ack_count, kMaxAcks);

@@ -103,6 +103,7 @@ Welcome welcome(Random& random) {
   m.tracer = text(random);
   m.silence_timeout_ms = static_cast<uint32_t>(random());
   m.scene = manifest(random);
+  if (m.features & kFeatureMoments) m.lights_version = static_cast<uint32_t>(random());
   return m;
 }
 
@@ -163,7 +164,7 @@ Message random_message(size_t type, Random& random) {
     case 1: return welcome(random);
     case 2: return refused(random);
     case 3: return SceneChanged{manifest(random)};
-    case 4: return LightsChanged{lights(random)};
+    case 4: return LightsChanged{lights(random), static_cast<uint32_t>(random())};
     case 5: return Degraded{side(random), side(random), number(random, 0, 240), text(random)};
     case 6: return Draining{static_cast<uint32_t>(random())};
     case 7: return stats(random);

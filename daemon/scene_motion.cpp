@@ -1,0 +1,100 @@
+#include "daemon/scene_motion.h"
+
+#include <utility>
+
+namespace gnomon::daemon {
+
+SceneMotion::SceneMotion(RenderDevice& device, Metrics& metrics, std::function<void()> wake)
+    : device_(device), metrics_(metrics), wake_(std::move(wake)) {}
+
+void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedScene& scene) {
+  State& state = scenes_[id];
+  state.name = name;
+  state.loaded = scene;
+  state.wanted = scene.scene->lights;
+  report(id, state);
+}
+
+// The clock stands still between its steps, so that frames of one step show the same.
+scenes::SceneTime SceneMotion::time_of(SceneId scene, TimePoint now) const {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end()) return {};
+  constexpr int64_t kMicroseconds = 1'000'000;
+  const int64_t steps = to_microseconds(now - settings_.clock_start) * settings_.clock_hz / kMicroseconds;
+  const scenes::SceneTime time(steps * kMicroseconds / settings_.clock_hz);
+  return scenes::within_period(*found->second.loaded.scene, time);
+}
+
+std::optional<protocol::Moment> SceneMotion::moment_of(SceneId scene, TimePoint now) const {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end()) return std::nullopt;
+  const State& state = found->second;
+  if (!scenes::moves(*state.loaded.scene) && state.version == 0) return std::nullopt;
+  return protocol::Moment{static_cast<uint32_t>(time_of(scene, now).count()), state.version};
+}
+
+void SceneMotion::change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now) {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end() || light >= found->second.wanted.size()) return;
+  State& state = found->second;
+  const auto changed = changed_light(state.wanted[light], state.loaded.scene->lights[light], change);
+  if (!changed) return;
+  state.wanted[light] = *changed;
+  ++state.asked;
+  state.changed_at = now;
+  if (!state.applying) apply(scene, state);
+}
+
+void SceneMotion::apply(SceneId id, State& state) {
+  state.applying = true;
+  const uint32_t asked = state.asked;
+  const auto changed = [this, id, asked, lights = state.wanted](Result<void> done) {
+    State& s = scenes_.at(id);
+    s.applying = false;
+    if (!done) return log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
+    s.applied = asked;
+    ++s.version;
+    log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
+    if (settings_.announce) settings_.announce({s.name, s.version, lights});
+    report(id, s);
+    if (s.asked != s.applied) apply(id, s);
+  };
+  device_.renderer().set_lights(id, state.wanted, changed, wake_);
+}
+
+void SceneMotion::settle(SceneId id, State& state) {
+  state.settling = true;
+  const TimePoint changed_at = *state.changed_at;
+  const auto settled = [this, id, changed_at](Result<void> done) {
+    State& s = scenes_.at(id);
+    s.settling = false;
+    if (s.changed_at == changed_at) s.changed_at.reset();
+    if (!done)
+      return log::error("light buffers not built anew", {{"scene", s.name}, {"why", done.error().message}});
+    metrics_.lights_rebuilt(s.name);
+    report(id, s);
+  };
+  device_.renderer().settle_lights(id, settled, wake_);
+}
+
+void SceneMotion::step(TimePoint now) {
+  device_.renderer().finish_background();
+  for (auto& [id, state] : scenes_) {
+    const bool due = state.changed_at && now - *state.changed_at >= settings_.light_rest;
+    if (due && !state.applying && !state.settling) settle(id, state);
+  }
+}
+
+void SceneMotion::restore() {
+  for (auto& [id, state] : scenes_) {
+    state.applying = state.settling = false;
+    if (state.asked > 0) apply(id, state);
+  }
+}
+
+void SceneMotion::report(SceneId id, const State& state) {
+  metrics_.scene_resident(state.name, state.loaded, device_.renderer().footprint(id));
+  metrics_.scene_lights(state.name, device_.renderer().light_state(id));
+}
+
+}  // namespace gnomon::daemon
