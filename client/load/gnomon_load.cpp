@@ -23,6 +23,7 @@ struct Arguments {
   size_t clients = 0;
   double rate_hz = 0;
   double seconds = 10;
+  double deadline_ms = 0;
   std::vector<std::string> tenants;
 };
 
@@ -36,6 +37,9 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("HZ");
   app.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 1e6))->type_name("S");
+  app.add_option("--deadline-ms", a.deadline_ms, "how long after its camera an answer is of use; 0: not said")
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("MS");
   app.add_option("--tenant", a.tenants, "clients of a tenant; may be given several times, TOKENFILE may be empty")
       ->allow_extra_args(false)
       ->type_name("NAME:TOKENFILE:CLIENTS");
@@ -64,6 +68,7 @@ Result<void> run(const Arguments& a) {
       .scene_folder = a.scene_folder,
       .size = *size,
       .rate_hz = a.rate_hz,
+      .deadline = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double, std::milli>(a.deadline_ms)),
       .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds)),
       .interrupted = [] { return interrupted != 0; }};
   LoadRun load(options, *plan);

@@ -28,7 +28,7 @@ void LoadClient::send_when_due() {
   if (pacer_->next_send(stream_.in_flight()) <= now) {
     const double seconds = to_seconds(now - started_) + options_.phase * path_->duration_seconds();
     const TileGrid& grid = stream_.grid();
-    stream_.ask(view_of(path_->at(seconds), {.width = grid.width, .height = grid.height}));
+    stream_.ask(view_of(path_->at(seconds), {.width = grid.width, .height = grid.height}), options_.deadline);
     pacer_->sent(now);
   }
   send_timer_.arm(pacer_->next_send(stream_.in_flight()));

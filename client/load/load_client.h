@@ -16,7 +16,8 @@ class LoadClient {
   struct Options {
     StreamOptions stream;
     PaceOptions pace;
-    double phase = 0;  // where on the path it starts, as a share of its duration
+    Nanoseconds deadline{};  // see VisibilityStream::ask
+    double phase = 0;        // where on the path it starts, as a share of its duration
   };
 
   LoadClient(Loop& loop, const Options& options);

@@ -17,7 +17,8 @@ struct LoadOptions {
   std::string scene;
   std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
   Size size;
-  double rate_hz = 0;  // 0: each client asks again as soon as it has been answered
+  double rate_hz = 0;      // 0: each client asks again as soon as it has been answered
+  Nanoseconds deadline{};  // how long after its camera an answer is of use; 0: not said
   Nanoseconds duration = std::chrono::seconds(10);
   std::function<bool()> interrupted = [] { return false; };  // asked a few times a second: end the flight now
 };

@@ -1,0 +1,93 @@
+"""The experiments. Each gives rows with the columns of report.COLUMNS."""
+import signal
+import time
+
+from served import change, serving
+
+POLICIES = ["fair", "priority", "deadline", "round_robin"]
+WARM_UP_S = 3  # until everybody is connected and costs are learned
+GPU = "gnomon_tenant_gpu_seconds_total"
+BUFFERS = "gnomon_visibility_buffers_total"
+
+
+def jain(values):
+    return sum(values) ** 2 / (len(values) * sum(v * v for v in values)) if any(values) else 0
+
+
+def flood_shares(args, experiment, policy, weights):
+    """Every tenant floods with as many sessions as keep it busy."""
+    tenants = [{"name": f"weight{w}-{i}", "weight": w, "priority": i} for i, w in enumerate(weights)]
+    with serving(args, policy, tenants) as daemon:
+        load = daemon.load({t["name"]: 4 for t in tenants}, args.size, 0, args.seconds + WARM_UP_S + 1,
+                           deadline_ms=1000)
+        time.sleep(WARM_UP_S)
+        busy = change(daemon, GPU, args.seconds)
+        clients = load.rows()
+    fairness = jain([busy[t["name"]] / t["weight"] for t in tenants])
+    return [{"experiment": experiment, "policy": policy, "tenant": t["name"], "weight": t["weight"],
+             "share": busy[t["name"]] / sum(busy.values()), "expected_share": t["weight"] / sum(weights),
+             "vbps": clients[t["name"]]["vbps"], "p50_ms": clients[t["name"]]["p50_ms"],
+             "p99_ms": clients[t["name"]]["p99_ms"], "jain": fairness} for t in tenants]
+
+
+def shares(args):
+    policies = ["fair", "round_robin"] if args.quick else POLICIES
+    return [row for policy in policies for row in flood_shares(args, "shares", policy, [1, 2, 3, 4])]
+
+
+def equal(args):
+    return flood_shares(args, "equal", "fair", [1, 1, 1, 1])
+
+
+def beside_a_flood(args, experiment, policy, steady_priority):
+    """A steady client alone, then beside a tenant that floods with large buffers, in one daemon."""
+    tenants = [{"name": "steady", "priority": steady_priority}, {"name": "flood"}]
+    with serving(args, policy, tenants) as daemon:
+        daemon.load({"steady": 1}, args.size, args.rate, WARM_UP_S).rows()
+        alone = daemon.load({"steady": 1}, args.size, args.rate, args.seconds).rows()["steady"]
+        flood = daemon.load({"flood": args.sessions}, args.large, 0, args.seconds + 600)
+        time.sleep(2 * WARM_UP_S)
+        busy_before = daemon.metric(GPU)
+        beside = daemon.load({"steady": 1}, args.size, args.rate, args.seconds).rows()["steady"]
+        busy = {t: v - busy_before[t] for t, v in daemon.metric(GPU).items()}
+        flood.end()
+    row = {"experiment": experiment, "policy": policy, "tenant": "steady", "weight": 1,
+           "share": busy["steady"] / sum(busy.values()), "vbps": beside["vbps"], "p50_ms": beside["p50_ms"],
+           "p99_ms": beside["p99_ms"], "p50_alone_ms": alone["p50_ms"], "p99_alone_ms": alone["p99_ms"],
+           "vbps_alone": alone["vbps"]}
+    return [row]
+
+
+def neighbour(args):
+    policies = ["fair"] if args.quick else POLICIES
+    return [row for policy in policies for row in beside_a_flood(args, "neighbour", policy, 0)]
+
+
+def classes(args):
+    return beside_a_flood(args, "classes", "priority", 1)
+
+
+def vanishing(args):
+    """Steady clients, and beside them one that falls silent, one that stops reading, one that is killed."""
+    rows = []
+    tenants = [{"name": "steady"}, {"name": "other"}]
+    seconds = min(args.seconds, 10)
+    with serving(args, "fair", tenants) as daemon:
+        steady = daemon.load({"steady": 2}, args.size, args.rate / 4, 8 * seconds + 60)
+        time.sleep(WARM_UP_S)
+        for name, rate, sign in [("silent", 0.01, None), ("stops reading", args.rate / 8, signal.SIGSTOP),
+                                 ("killed", args.rate / 8, signal.SIGKILL)]:
+            before = change(daemon, BUFFERS, seconds)["steady"]
+            other = daemon.load({"other": 1}, args.size, rate, 600)
+            time.sleep(WARM_UP_S)
+            if sign:
+                other.process.send_signal(sign)
+            after = change(daemon, BUFFERS, seconds)["steady"]
+            other.end()
+            rows.append({"experiment": "vanishing", "policy": "fair", "tenant": f"steady, beside {name}", "weight": 1,
+                         "vbps": after, "vbps_alone": before})
+        steady.end()
+    return rows
+
+
+ALL = {"shares": shares, "equal": equal, "neighbour": neighbour, "classes": classes, "vanishing": vanishing}
