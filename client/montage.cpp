@@ -58,17 +58,6 @@ Picture crop_centre(const Picture& traced, uint32_t width, uint32_t height) {
   return shown;
 }
 
-Picture seen_by_light(const Picture& material, const TileMaskView& mask, uint32_t light) {
-  assert(material.width == mask.grid.width && material.height == mask.grid.height);
-  Picture seen = material;
-  for (uint32_t y = 0; y < seen.height; ++y) {
-    for (uint32_t x = 0; x < seen.width; ++x) {
-      if (!mask.lit(x, y, light)) std::memset(seen.pixel(x, y), 0, 3);
-    }
-  }
-  return seen;
-}
-
 Picture montage(const std::vector<Picture>& panels, const Picture& shaded) {
   if (panels.empty()) return shaded;
   const auto count = static_cast<uint32_t>(panels.size());

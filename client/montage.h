@@ -4,15 +4,11 @@
 #include <vector>
 
 #include "client/png.h"
-#include "common/tile_mask.h"
 
 namespace gnomon::client {
 
 // The middle of a traced picture, without its prediction border. `width` and `height` do not exceed the picture's.
 Picture crop_centre(const Picture& traced, uint32_t width, uint32_t height);
-
-// `material`, black where the light does not see the surface. Both of the traced size.
-Picture seen_by_light(const Picture& material, const TileMaskView& mask, uint32_t light);
 
 // Panels, each scaled down to fit, in columns left of the shaded picture. Without panels: the shaded picture.
 Picture montage(const std::vector<Picture>& panels, const Picture& shaded);

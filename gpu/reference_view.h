@@ -32,7 +32,7 @@ struct ShadeOptions {
   float exposure = 1.0f;               // multiplies radiance before the tone map
   glm::vec3 ambient{0.0f};             // radiance that reaches every surface; 0 keeps the formula
   glm::vec3 background{0.0f};          // linear; where no surface is
-  std::optional<uint32_t> only_light;  // shade with this light alone
+  std::optional<uint32_t> only_light;  // shade with this light alone; material: black where it is not seen
   scenes::SceneTime time{};            // of what moves in the scene, within its period
 };
 

@@ -32,18 +32,29 @@ bool Gallery::wants(uint32_t index) const {
   return taken_ < pictures_ && index >= (2 * uint64_t{taken_} + 1) * frames_ / (2 * pictures_);
 }
 
-Result<void> Gallery::add(const FlownFrame& frame, const Picture& shaded, const Picture& material) {
+Result<void> Gallery::add(const FlownFrame& frame, const Picture& shaded,
+                          const std::vector<Picture>& seen_by_lights) {
   ++taken_;
   const Picture shown = crop_centre(shaded, size_.width, size_.height);
   std::vector<Picture> panels;
-  for (uint32_t light = 0; light < frame.mask.grid.lights; ++light) {
-    panels.push_back(crop_centre(seen_by_light(material, frame.mask.mask(), light), size_.width, size_.height));
-  }
+  for (const Picture& seen : seen_by_lights) panels.push_back(crop_centre(seen, size_.width, size_.height));
   const fs::path frame_file = folder_ / numbered("frame", frame.index);
   const fs::path lights_file = folder_ / numbered("lights", frame.index);
   if (auto written = write_png(frame_file, shown); !written) return written;
   if (auto written = write_png(lights_file, montage(panels, shown)); !written) return written;
   files_.insert(files_.end(), {frame_file, lights_file});
+  return {};
+}
+
+Result<void> Gallery::add_views(const FlownFrame& frame, const char* kind, const std::vector<Picture>& pictures) {
+  for (size_t light = 0; light < pictures.size(); ++light) {
+    char name[64];
+    std::snprintf(name, sizeof name, "%s_%04u_light%zu.png", kind, frame.index, light);
+    const fs::path file = folder_ / name;
+    if (auto written = write_png(file, crop_centre(pictures[light], size_.width, size_.height)); !written)
+      return written;
+    files_.push_back(file);
+  }
   return {};
 }
 

@@ -18,9 +18,12 @@ class Gallery {
   // Whether this frame is to be kept; the first at or after each of the chosen steps is, as some are never answered.
   bool wants(uint32_t index) const;
 
-  // Writes frame_NNNN.png (shaded) and lights_NNNN.png (a panel for each light beside it). `shaded` and `material`
-  // are of the traced size and lose their border here.
-  Result<void> add(const FlownFrame& frame, const Picture& shaded, const Picture& material);
+  // Writes frame_NNNN.png (shaded) and lights_NNNN.png (a panel for each light beside it). All are of the traced size
+  // and lose their border here.
+  Result<void> add(const FlownFrame& frame, const Picture& shaded, const std::vector<Picture>& seen_by_lights);
+
+  // Writes KIND_NNNN_lightL.png for each of `pictures`, which are of the traced size and lose their border here.
+  Result<void> add_views(const FlownFrame& frame, const char* kind, const std::vector<Picture>& pictures);
 
   const std::vector<std::filesystem::path>& files() const { return files_; }
 

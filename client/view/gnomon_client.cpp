@@ -6,6 +6,7 @@
 #include "client/options.h"
 #include "client/report.h"
 #include "client/scene_file.h"
+#include "client/view/debug_view.h"
 #include "client/view/flight.h"
 #include "client/view/gallery.h"
 #include "client/view/own_view.h"
@@ -17,7 +18,7 @@ using namespace gnomon::client;
 
 struct Arguments {
   std::string server, tenant, token_file, scene, scene_folder, size, mode = "sequential", out, json, device;
-  std::string border = "0x0";
+  std::string border = "0x0", view;
   uint32_t frames = 60;
   uint32_t pictures = 4;
   double rate_hz = 0;
@@ -42,6 +43,9 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--pictures", a.pictures, "how many frames to keep")
       ->check(CLI::Range(1u, 10000u))
       ->type_name("N");
+  app.add_option("--view", a.view, "also pictures of what the tracer does: mask, bounds or lists; see below")
+      ->type_name("VIEW");
+  app.footer(debug_legend());
   app.add_option("--device", a.device, "this client's own Vulkan device: name, index or type")->type_name("NAME");
   app.add_option("--json", a.json, "where to write the figures")->type_name("FILE");
 }
@@ -122,6 +126,17 @@ Report report_of(const Arguments& a, const FlightFigures& f, const std::string& 
   return report;
 }
 
+// What --view asks for; empty without it.
+Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::ScenePtr& scene) {
+  if (a.view.empty()) return std::optional<DebugView>();
+  const auto kind = parse_debug_kind(a.view);
+  if (!kind) return kind.error();
+  if (a.out.empty()) return Error{"--view needs --out: a folder for its pictures"};
+  auto view = DebugView::create(scene, *kind, a.device);
+  if (!view) return view.error();
+  return std::optional<DebugView>(std::move(*view));
+}
+
 Result<void> run(const Arguments& a) {
   const auto options = flight_options(a);
   if (!options) return options.error();
@@ -135,6 +150,8 @@ Result<void> run(const Arguments& a) {
   }
   auto view = OwnView::create(*scene, a.device);
   if (!view) return view.error();
+  auto debug = debug_view(a, *scene);
+  if (!debug) return debug.error();
 
   Flight flight(*options);
   if (auto opened = flight.open(); !opened) return opened;
@@ -144,9 +161,12 @@ Result<void> run(const Arguments& a) {
     const auto shaded = view->shade(frame);
     if (!shaded) return shaded.error();
     if (!gallery || !gallery->wants(frame.index)) return {};
-    const auto material = view->material(frame);
-    if (!material) return material.error();
-    return gallery->add(frame, *shaded, *material);
+    const auto seen = view->seen_by_lights(frame);
+    if (!seen) return seen.error();
+    if (auto added = gallery->add(frame, *shaded, *seen); !added || !*debug) return added;
+    const auto pictures = (*debug)->pictures(frame);
+    if (!pictures) return pictures.error();
+    return gallery->add_views(frame, a.view.c_str(), *pictures);
   };
   Progress progress;
   if (auto flown = flight.fly(CameraPath::of_scene(*scene), draw, progress); !flown) return flown;

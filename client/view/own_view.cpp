@@ -55,11 +55,18 @@ Result<Picture> OwnView::shade(const FlownFrame& frame) {
   return render(frame, options);
 }
 
-Result<Picture> OwnView::material(const FlownFrame& frame) {
+Result<std::vector<Picture>> OwnView::seen_by_lights(const FlownFrame& frame) {
   gpu::ShadeOptions options;
   options.view = gpu::ShadeOptions::View::material;
   options.tonemap = gpu::ShadeOptions::Tonemap::clamp;
-  return render(frame, options);
+  std::vector<Picture> pictures;
+  for (uint32_t light = 0; light < frame.mask.grid.lights; ++light) {
+    options.only_light = light;
+    auto picture = render(frame, options);
+    if (!picture) return picture.error();
+    pictures.push_back(std::move(*picture));
+  }
+  return pictures;
 }
 
 Result<void> OwnView::take_lights(const FlownFrame& frame) {

@@ -18,9 +18,10 @@ class OwnView {
   // `device`: as gpu::RendererOptions::device; empty: the best one.
   static Result<OwnView> create(const scenes::ScenePtr& scene, const std::string& device);
 
-  // Both are of the traced size. The exposure is chosen at the first frame and stays.
+  // All are of the traced size. The exposure is chosen at the first frame and stays.
   Result<Picture> shade(const FlownFrame& frame);
-  Result<Picture> material(const FlownFrame& frame);
+  // What each light sees: base colours, black elsewhere.
+  Result<std::vector<Picture>> seen_by_lights(const FlownFrame& frame);
 
  private:
   Result<Picture> render(const FlownFrame& frame, gpu::ShadeOptions options);

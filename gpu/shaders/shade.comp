@@ -86,6 +86,13 @@ vec3 irradiance(uint i, SurfacePoint surface, vec3 normal) {
   return shade.colour * attenuation * max(dot(normal, direction), 0.0);
 }
 
+// Does the light that was chosen, if any, reach the point? Bits that it does not shine on may have any value.
+bool reached(SurfacePoint surface, uvec2 pixel) {
+  uint light = push.shading.only_light;
+  return light == 0xffffffffu ||
+         (shadow_segment(frame.camera, surface, frame.lights[light]).traced && visible(light, pixel));
+}
+
 vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, uvec2 pixel) {
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < frame.light_count; ++i)
@@ -116,7 +123,7 @@ vec3 pixel_colour(uint triangle, uvec2 pixel) {
   if (push.shading.view == kNormals) return normal * 0.5 + 0.5;
   MaterialRecord m = frame.materials.at[frame.triangle_materials.at[triangle]];
   vec3 base = base_colour(m, uv_at(triangle, weights));
-  if (push.shading.view == kMaterial) return base;
+  if (push.shading.view == kMaterial) return reached(surface, pixel) ? base : vec3(0.0);
   return shaded(surface, normal, base, m.emissive, pixel);
 }
 

@@ -26,7 +26,8 @@ std::string quoted(const std::string& text) {
 std::string script(const GrowthCurves& curves, const std::filesystem::path& file, const std::string& terminal) {
   return "set terminal " + terminal + "\nset output " + quoted(file.string()) + "\nset title " +
          quoted(curves.caption) + " noenhanced\n" +
-         "set logscale x 10\nset logscale x2 2\nset logscale y 10\nset grid\nset key left top\n"
+         "set logscale x 10\nset logscale x2 2\nset autoscale xfix\nset autoscale x2fix\nset logscale y 10\nset "
+         "grid\nset key left top\n"
          "set xtics nomirror\nset x2tics\nset format x '10^{%L}'\n"
          "set xlabel 'triangles (solid)'\nset x2label 'lights (dashed)'\nset ylabel 'ms'\n" +
          block("triangles", curves.triangles) + block("lights", curves.lights) +
@@ -44,7 +45,7 @@ Result<void> plot_growth(const GrowthCurves& curves, const std::filesystem::path
   const std::string ending = file.extension().string();
   if (ending != ".png" && ending != ".svg")
     return Error{"a plot ends in .png or .svg, not '" + file.string() + "'"};
-  const std::string text = script(curves, file, ending == ".png" ? "png size 1000,700" : "svg size 1000,700");
+  const std::string text = script(curves, file, ending == ".png" ? "pngcairo size 1000,700" : "svg size 1000,700");
   std::FILE* gnuplot = ::popen("gnuplot", "w");
   if (!gnuplot) return Error{"gnuplot cannot be started"};
   const bool written = std::fwrite(text.data(), 1, text.size(), gnuplot) == text.size();

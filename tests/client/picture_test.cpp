@@ -8,7 +8,6 @@
 
 #include "client/montage.h"
 #include "client/png.h"
-#include "tests/protocol/masks.h"
 
 namespace gnomon::client {
 namespace {
@@ -63,20 +62,6 @@ TEST(Montage, CropKeepsTheMiddle) {
   EXPECT_EQ(shown.pixel(0, 0)[0], 11);
   EXPECT_EQ(shown.pixel(0, 0)[1], 11);
   EXPECT_EQ(shown.pixel(39, 19)[0], 50);
-}
-
-TEST(Montage, APanelShowsMaterialWhereItsLightSees) {
-  const auto mask = tests::checkerboard({60, 40, 2}, 5);
-  const Picture material = gradient(60, 40);
-  for (uint32_t light = 0; light < 2; ++light) {
-    const Picture seen = seen_by_light(material, mask.view(), light);
-    for (uint32_t y = 0; y < 40; ++y) {
-      for (uint32_t x = 0; x < 60; ++x) {
-        EXPECT_EQ(seen.pixel(x, y)[2], mask.view().lit(x, y, light) ? 77 : 0);
-        EXPECT_EQ(seen.pixel(x, y)[3], 255);
-      }
-    }
-  }
 }
 
 TEST(Montage, HoldsAPanelForEachLightAndTheShadedPictureUnscaled) {

@@ -60,6 +60,34 @@ TEST(Exact, ReceivedMasksAreTheRenderersBitForBit) {
   }
 }
 
+// A picture for each light and kind, of the picture's size and with more than one colour of the legend.
+TEST(Client, ShowsWhatTheTracerDoes) {
+  const Daemon daemon;
+  for (const std::string kind : {"mask", "bounds", "lists"}) {
+    const TemporaryFolder folder;
+    const auto [status, output] =
+        run("gnomon-client",
+            {"--server", daemon.server(), "--tenant", "studio", "--scene", "living_room", "--size", "160x90",
+             "--frames", "1", "--pictures", "1", "--view", kind, "--out", folder.path().string()});
+    ASSERT_EQ(status, 0) << output;
+    size_t lights = 0;
+    for (const auto& entry : fs::directory_iterator(folder.path())) {
+      if (entry.path().filename().string().rfind(kind + "_", 0) != 0) continue;
+      const auto picture = client::read_png(entry.path());
+      ASSERT_TRUE(picture) << picture.error().message;
+      EXPECT_EQ(picture->width, 160u);
+      EXPECT_EQ(picture->height, 90u);
+      std::set<std::array<uint8_t, 3>> colours;
+      for (size_t i = 0; i < picture->rgba.size(); i += 4)
+        colours.insert({picture->rgba[i], picture->rgba[i + 1], picture->rgba[i + 2]});
+      EXPECT_GT(colours.size(), 2u) << entry.path();
+      EXPECT_LT(colours.size(), 11u) << entry.path();
+      ++lights;
+    }
+    EXPECT_EQ(lights, scenes::load_scene(living_room_file()).value()->lights.size());
+  }
+}
+
 // Colours of a picture, coarsely.
 size_t distinct_colours(const client::Picture& picture) {
   std::set<uint32_t> colours;

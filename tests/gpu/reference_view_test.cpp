@@ -96,6 +96,22 @@ TEST(ReferenceViewTest, OnlyOneLightShowsThatLight) {
   EXPECT_NE(given.render(given.frame.mask(), only).rgba, given.render(given.frame.mask(), linear_options()).rgba);
 }
 
+TEST(ReferenceViewTest, MaterialOfALightIsBlackWhereItDoesNotShine) {
+  auto scene =
+      std::make_shared<scenes::Scene>(*square_over_floor(spot_light({0.7f, 3.0f, -0.4f}, {0, -1, 0}, 0.8f)));
+  Given given(scene);
+  std::vector<uint64_t> any = given.frame.words;  // what does not matter may be 1
+  for (size_t i = 0; i < any.size(); ++i) any[i] |= ~given.frame.cares[i];
+  ShadeOptions options = linear_options();
+  options.view = ShadeOptions::View::material;
+  options.only_light = 0;
+  const RgbaImage image = given.render({given.frame.grid, any}, options);
+  EXPECT_EQ(image.rgba, given.render(given.frame.mask(), options).rgba);
+  for (uint32_t y = 0; y < kHeight; ++y)
+    for (uint32_t x = 0; x < kWidth; ++x)
+      ASSERT_EQ(image.rgba[4 * (size_t{y} * kWidth + x)] != 0, given.frame.mask().lit(x, y, 0)) << x << "," << y;
+}
+
 TEST(ReferenceViewTest, MaterialAndBackgroundNeedNoLight) {
   auto scene = std::make_shared<scenes::Scene>(*square_over_floor(point_light({0.7f, 3.0f, -0.4f})));
   scene->materials[0].base_color = {0.25f, 0.5f, 1.0f, 1.0f};

@@ -1,0 +1,37 @@
+// What the tracer does, as pictures: this client asks light buffers of its own, built from its copy of the scene,
+// about the very surface points that the server starts from.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/png.h"
+#include "client/view/debug_colours.h"
+#include "client/view/flight.h"
+#include "gpu/blocking_frame.h"
+#include "gpu/passes/passes.h"
+
+namespace gnomon::client {
+
+// One thread. Calls block. Geometry and lights that move are left as they rest.
+class DebugView {
+ public:
+  // Builds light buffers unless `kind` is mask, which may take long. `device`: as OwnView::create.
+  static Result<DebugView> create(const scenes::ScenePtr& scene, DebugKind kind, const std::string& device);
+
+  // One for each light, of the traced size.
+  Result<std::vector<Picture>> pictures(const FlownFrame& frame);
+
+ private:
+  Picture picture(const FlownFrame& frame, uint32_t light, const gpu::SurfaceSample* samples) const;
+  Colour colour(const gpu::exact::ShadowSegment& segment, uint32_t light) const;
+
+  DebugKind kind_ = DebugKind::mask;
+  std::unique_ptr<gpu::BlockingFrame> frame_;  // rasterises surface points
+  std::vector<gpu::exact::TracedLight> lights_;
+  scenes::WorldMesh mesh_;
+  gpu::light_buffer::LightBuffer buffer_;
+};
+
+}  // namespace gnomon::client
