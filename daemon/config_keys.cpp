@@ -173,6 +173,8 @@ Keys<Config> all_keys() {
       integer("max_gpu_percent", &TenantConfig::max_gpu_percent, 0, 100, kNoLimit),
       integer("max_width", &TenantConfig::max_width, 0, protocol::kMaxSide, kNoLimit),
       integer("max_height", &TenantConfig::max_height, 0, protocol::kMaxSide, kNoLimit),
+      integer("least_rate_percent", &TenantConfig::least_rate_percent, 1, 100),
+      integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
       integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
   };
   return {

@@ -61,8 +61,10 @@ Result<void> Daemon::open_device() {
   device_status_.publish({renderer.device_name(), renderer.driver_name(), tracer_});
   encode_pool_ = std::make_unique<EncodePool>(options_.config.encode.threads, metrics_,
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
-  loop_ = std::make_unique<RenderLoop>(terms_of(options_.config), *device_, inbox_, metrics_,
-                                       [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); });
+  loop_ = std::make_unique<RenderLoop>(
+      terms_of(options_.config), *device_, inbox_, metrics_,
+      [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
+      [this](const SessionDegraded& session) { server_->tell(session); });
   const ScenesConfig& scenes = options_.config.scenes;
   loop_->motion().configure({scenes.clock_hz, scenes.light_rest, Clock::now(), [this](const LightsNews& news) {
                                scenes_->keep_lights(news);
@@ -111,6 +113,7 @@ Result<void> Daemon::reload(const Config& next) {
 void Daemon::publish_shares(TimePoint now) {
   if (now < next_shares_) return;
   next_shares_ = now + kSharesInterval;
+  loop_->review_sessions(kSharesInterval);
   const ShareReport report = loop_->shares();
   metrics_.shares(report);
   shares_.publish(report);

@@ -9,6 +9,7 @@
 #include "common/ids.h"
 #include "gpu/renderer.h"
 #include "protocol/codec.h"
+#include "protocol/messages.h"
 
 namespace gnomon::daemon {
 
@@ -43,6 +44,13 @@ struct FrameMeta {
 struct RenderedFrame {
   FrameMeta meta;
   gpu::FrameLease mask;
+};
+
+// A session is served less, or again more, than before.
+struct SessionDegraded {
+  SessionId session;
+  uint32_t net_thread = 0;
+  protocol::Degraded news;
 };
 
 struct EncodedFrame {

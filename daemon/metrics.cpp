@@ -69,6 +69,8 @@ struct TenantSeries {
   Counter& gpu_seconds;
   Counter& late;
   Counter& hopeless;
+  Counter& degraded;
+  Counter& restored;
   Gauge& share;
   Gauge& expected_share;
   Gauge& lag;
@@ -100,6 +102,8 @@ struct Metrics::Families {
       counter(registry, "gnomon_frames_late_total", "Frames sent after the time until which they were of use.");
   Family<Counter>& hopeless =
       counter(registry, "gnomon_frames_hopeless_total", "Views dropped because they could not be ready in time.");
+  Family<Counter>& degradations = counter(registry, "gnomon_degradations_total",
+                                          "Steps down and up of sessions that the device did not keep up with.");
   Family<Gauge>& share =
       gauge(registry, "gnomon_tenant_share_ratio", "The tenant's part of the device time of the last second.");
   Family<Gauge>& expected_share = gauge(registry, "gnomon_tenant_expected_share_ratio",
@@ -158,18 +162,21 @@ struct Metrics::Families {
   }
 
   void add_tenant(const std::string& name, const std::vector<std::string>& scenes) {
-    auto series = std::make_unique<TenantSeries>(TenantSeries{{stages, name},
-                                                              coalesced.Add({{"tenant", name}}),
-                                                              bytes.Add({{"tenant", name}}),
-                                                              gpu_seconds.Add({{"tenant", name}}),
-                                                              late.Add({{"tenant", name}}),
-                                                              hopeless.Add({{"tenant", name}}),
-                                                              share.Add({{"tenant", name}}),
-                                                              expected_share.Add({{"tenant", name}}),
-                                                              lag.Add({{"tenant", name}}),
-                                                              cost_error.Add({{"tenant", name}}),
-                                                              sessions.Add({{"tenant", name}}),
-                                                              {}});
+    auto series =
+        std::make_unique<TenantSeries>(TenantSeries{{stages, name},
+                                                    coalesced.Add({{"tenant", name}}),
+                                                    bytes.Add({{"tenant", name}}),
+                                                    gpu_seconds.Add({{"tenant", name}}),
+                                                    late.Add({{"tenant", name}}),
+                                                    hopeless.Add({{"tenant", name}}),
+                                                    degradations.Add({{"tenant", name}, {"direction", "down"}}),
+                                                    degradations.Add({{"tenant", name}, {"direction", "up"}}),
+                                                    share.Add({{"tenant", name}}),
+                                                    expected_share.Add({{"tenant", name}}),
+                                                    lag.Add({{"tenant", name}}),
+                                                    cost_error.Add({{"tenant", name}}),
+                                                    sessions.Add({{"tenant", name}}),
+                                                    {}});
     for (const std::string& scene : scenes) {
       const prometheus::Labels labels{{"tenant", name}, {"scene", scene}};
       series->scenes[scene] = {&buffers.Add(labels), &bits.Add(labels)};
@@ -229,6 +236,11 @@ void Metrics::device_busy(TenantId tenant, Nanoseconds gpu_time) {
 void Metrics::dropped(TenantId tenant, Fault fault) {
   report(fault);
   if (fault == Fault::view_hopeless) families_->tenants[tenant.value]->hopeless.Increment();
+}
+
+void Metrics::degraded(TenantId tenant, bool down) {
+  TenantSeries& series = *families_->tenants[tenant.value];
+  (down ? series.degraded : series.restored).Increment();
 }
 
 void Metrics::refused(TenantId tenant, scheduler::Limit limit) {

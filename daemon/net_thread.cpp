@@ -87,7 +87,15 @@ void NetThread::send(EncodedFrame& frame) {
   const TimePoint now = Clock::now();
   if (sent.fault) shared_.metrics.report(*sent.fault, {{"session", session->id().value}});
   session->frame_sent(frame.meta, now);
+  shared_.inbox.push(BytesSent{session->accepted().tenant, sent.bytes});
   shared_.metrics.frame_sent(session->accepted().tenant, session->accepted().scene, frame.meta, now, sent.bytes);
+}
+
+void NetThread::tell(const SessionDegraded& session) {
+  asio::post(io_, [this, session] {
+    const auto found = streams_.find(session.session);
+    if (found != streams_.end()) found->second->send(session.news);
+  });
 }
 
 void NetThread::announce_drain(std::chrono::milliseconds deadline) {

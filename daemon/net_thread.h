@@ -54,6 +54,7 @@ class NetThread {
   // Any thread.
   void adopt(asio::ip::tcp::socket socket);  // its executor is io()'s
   void deliver(EncodedFrame frame);
+  void tell(const SessionDegraded& session);
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);  // to the sessions of that scene
   void stop();                                   // says Bye to everybody, then ends the thread; returns when it has

@@ -59,6 +59,12 @@ struct JobFinished {
   bool device_lost = false;
 };
 
+// A frame has left; its tenant may have a limit of bytes.
+struct BytesSent {
+  TenantId tenant;
+  size_t bytes = 0;
+};
+
 struct LeaseDropped {};  // a frame slot may be free again
 
 // The device is shared on other terms from now on. Tenants are never fewer than before.
@@ -69,7 +75,7 @@ struct TermsChanged {
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
 using RenderEvent = std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, JobFinished, LeaseDropped,
-                                 LightChanged, BackgroundDone, TermsChanged, StopRendering>;
+                                 BytesSent, LightChanged, BackgroundDone, TermsChanged, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

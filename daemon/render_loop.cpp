@@ -16,6 +16,12 @@ Nanoseconds trace_time(const gpu::FrameDone& done) {
   return Nanoseconds(done.stages.empty() ? done.gpu_ns : ns);
 }
 
+// A camera that comes a little early is no offence.
+scheduler::RateLimit limit_to(double rate_hz) {
+  const std::chrono::duration<double> early(rate_hz > 0 ? 1.5 / rate_hz : 0);
+  return scheduler::RateLimit(rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
+}
+
 FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoint now) {
   FrameMeta meta;
   meta.session = view.session;
@@ -33,11 +39,13 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
 }  // namespace
 
 RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
-                       std::function<void(RenderedFrame)> rendered)
+                       std::function<void(RenderedFrame)> rendered,
+                       std::function<void(const SessionDegraded&)> degraded)
     : device_(device),
       inbox_(inbox),
       metrics_(metrics),
       rendered_(std::move(rendered)),
+      degraded_(std::move(degraded)),
       motion_(device, metrics, [&inbox] { inbox.push(BackgroundDone{}); }) {
   apply(terms, TimePoint{});
 }
@@ -79,6 +87,7 @@ void RenderLoop::on(const ViewRequest& view, TimePoint now) {
   const auto found = sessions_.find(view.session);
   if (found == sessions_.end()) return metrics_.report(Fault::session_gone);
   RenderSession& session = found->second;
+  ++session.arrived;
   if (session.newest) {
     ++session.coalesced;
     metrics_.coalesced(session.opened.tenant);
@@ -90,9 +99,10 @@ void RenderLoop::on(const ViewRequest& view, TimePoint now) {
 void RenderLoop::on(const SessionOpened& opened, TimePoint) {
   RenderSession session;
   session.opened = opened;
-  // A camera that comes a little early is no offence.
-  const std::chrono::duration<double> early(opened.rate_hz > 0 ? 1.5 / opened.rate_hz : 0);
-  session.rate = scheduler::RateLimit(opened.rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
+  session.granted_width = opened.width;
+  session.granted_height = opened.height;
+  session.rate = limit_to(opened.rate_hz);
+  session.degradation.set_terms(terms_.tenants[opened.tenant.value].degradation);
   sessions_.emplace(opened.session, std::move(session));
   scheduler_->add_session(opened.session, opened.tenant);
 }
@@ -137,6 +147,8 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
 
 void RenderLoop::on(const LeaseDropped&, TimePoint) { --in_flight_; }
 
+void RenderLoop::on(const BytesSent& sent, TimePoint now) { account_.sent(sent.tenant, sent.bytes, now); }
+
 void RenderLoop::on(const TermsChanged& changed, TimePoint now) { apply(changed.terms, now); }
 
 void RenderLoop::on(const StopRendering&, TimePoint) {
@@ -162,6 +174,9 @@ void RenderLoop::apply(const Terms& terms, TimePoint now) {
   }
   for (uint32_t i = 0; i < terms.tenants.size(); ++i) {
     scheduler_->set_tenant(TenantId{i}, terms.tenants[i].terms);
+  }
+  for (auto& [id, session] : sessions_) {
+    session.degradation.set_terms(terms.tenants[session.opened.tenant.value].degradation);
   }
   if (!other_policy) return;
   for (auto& [id, session] : sessions_) {
@@ -218,6 +233,7 @@ void RenderLoop::submit(RenderSession& session, const scheduler::Ticket& ticket,
 // The camera is the newest there is at this moment.
 void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   const ViewRequest view = *std::exchange(session.newest, std::nullopt);
+  if (session.wanted_grid() != session.grid()) adopt_size(session);
   const uint32_t all_rows = session.grid().tiles_y();
   // A frame that is cut holds a slot for long: the last one is for those that are done at once.
   if (session.next.rows.count < all_rows && device_.renderer().free_slots() < 2) {
@@ -232,11 +248,46 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
   if (!submitted) return not_started(session, ticket, now, submitted.error());
   session.coalesced = 0;
+  ++session.answered;
   session.rate.spend(1, now);
   ++in_flight_;
   ++begun_;
   session.begun = std::move(frame);
   started(session, ticket, now);
+}
+
+// Frames change their size between two, never within one.
+void RenderLoop::adopt_size(RenderSession& session) {
+  const TileGrid wanted = session.wanted_grid();
+  session.opened.width = wanted.width;
+  session.opened.height = wanted.height;
+  session.next = next_job(session, models_[session.opened.scene], terms_.slice);
+  tell(session);
+}
+
+void RenderLoop::tell(const RenderSession& session) {
+  protocol::Degraded news;
+  news.width = static_cast<uint16_t>(session.opened.width);
+  news.height = static_cast<uint16_t>(session.opened.height);
+  news.rate_hz = static_cast<float>(session.rate_hz());
+  const bool full = session.degradation.point() == scheduler::OperatingPoint{};
+  news.reason = full ? "the device keeps up again" : "the device cannot keep up";
+  degraded_({session.opened.session, session.opened.net_thread, news});
+}
+
+// Who has no rate of its own asks again when it is answered: it cannot be overrun.
+void RenderLoop::review_sessions(Nanoseconds since_last) {
+  for (auto& [id, session] : sessions_) {
+    const uint32_t arrived = std::exchange(session.arrived, 0), answered = std::exchange(session.answered, 0);
+    if (session.opened.rate_hz <= 0) continue;
+    const auto allowed = static_cast<uint32_t>(session.rate_hz() * to_seconds(since_last));
+    const scheduler::OperatingPoint before = session.degradation.point();
+    if (!session.degradation.observe({std::min(arrived, allowed), answered})) continue;
+    const scheduler::OperatingPoint after = session.degradation.point();
+    metrics_.degraded(session.opened.tenant, after.rate * after.size < before.rate * before.size);
+    session.rate = limit_to(session.rate_hz());
+    if (after.rate != before.rate) tell(session);
+  }
 }
 
 void RenderLoop::resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {

@@ -24,8 +24,10 @@ namespace gnomon::daemon {
 class RenderLoop {
  public:
   // `rendered` is called from the renderer's completion thread. All references outlive the loop and its leases.
-  RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
-             std::function<void(RenderedFrame)> rendered);
+  RenderLoop(
+      const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+      std::function<void(RenderedFrame)> rendered,
+      std::function<void(const SessionDegraded&)> degraded = [](const SessionDegraded&) {});
 
   void start(TimePoint now);                      // start what capacity allows
   void handle(RenderEvent event, TimePoint now);  // then react to one event
@@ -37,6 +39,8 @@ class RenderLoop {
   SceneMotion& motion() { return motion_; }
 
   const CostModels& costs() const { return models_; }
+  // Once in a while: sessions that the device did not keep up with since the last time get less, others more again.
+  void review_sessions(Nanoseconds since_last);
   ShareReport shares();  // since the last call
 
  private:
@@ -46,6 +50,7 @@ class RenderLoop {
   void on(const SceneArrived& arrived, TimePoint now);
   void on(const JobFinished& finished, TimePoint now);
   void on(const LeaseDropped&, TimePoint now);
+  void on(const BytesSent& sent, TimePoint now);
   void on(const TermsChanged& changed, TimePoint now);
   void on(const LightChanged& changed, TimePoint now);
   void on(const BackgroundDone&, TimePoint) {}  // start() looks after it
@@ -58,6 +63,8 @@ class RenderLoop {
   void release_held(TimePoint now);
   void drop_hopeless(TimePoint now);
   void submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
+  void adopt_size(RenderSession& session);
+  void tell(const RenderSession& session);
   void begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
@@ -72,6 +79,7 @@ class RenderLoop {
   RenderInbox& inbox_;
   Metrics& metrics_;
   std::function<void(RenderedFrame)> rendered_;
+  std::function<void(const SessionDegraded&)> degraded_;
   SceneMotion motion_;
 
   Terms terms_;

@@ -13,7 +13,17 @@ scheduler::Work work_of(const TileGrid& grid, const TileRows& rows) {
   return {pixels, uint64_t{grid.width} * (bottom - top) * grid.lights, rows.first == 0};
 }
 
+uint32_t shrunk(uint32_t side, double share) {
+  if (share >= 1) return side;
+  return std::max(kTileSize, static_cast<uint32_t>(side * share) / kTileSize * kTileSize);
+}
+
 }  // namespace
+
+TileGrid RenderSession::wanted_grid() const {
+  const double size = degradation.point().size;
+  return {shrunk(granted_width, size), shrunk(granted_height, size), opened.lights};
+}
 
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice) {
   const TileGrid grid = session.grid();

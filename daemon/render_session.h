@@ -7,6 +7,7 @@
 
 #include "daemon/render_inbox.h"
 #include "scheduler/cost_model.h"
+#include "scheduler/degradation.h"
 #include "scheduler/rate_limit.h"
 
 namespace gnomon::daemon {
@@ -36,8 +37,14 @@ struct RenderSession {
   bool held = false;   // waits until its tenant's or its own rate lets it ask
   NextJob next;
   scheduler::ViewFactor view;
-  scheduler::RateLimit rate;  // granted to it
+  scheduler::RateLimit rate;  // in force
+  scheduler::Degradation degradation;
+  uint32_t granted_width = 0, granted_height = 0;
+  uint32_t arrived = 0, answered = 0;  // views since the last review
 
+  // In force now, and where the degradation wants it.
+  double rate_hz() const { return opened.rate_hz * degradation.point().rate; }
+  TileGrid wanted_grid() const;
   TileGrid grid() const { return {opened.width, opened.height, opened.lights}; }
   bool has_work() const { return begun || newest; }
 };

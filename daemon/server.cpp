@@ -64,6 +64,8 @@ void Server::accept() {
   });
 }
 
+void Server::tell(const SessionDegraded& session) { threads_[session.net_thread]->tell(session); }
+
 void Server::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& thread : threads_) thread->announce_drain(deadline);
 }

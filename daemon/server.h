@@ -22,6 +22,7 @@ class Server {
 
   // Any thread.
   void deliver(EncodedFrame frame) { threads_[frame.meta.net_thread]->deliver(std::move(frame)); }
+  void tell(const SessionDegraded& session);
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);
   std::vector<SessionStatus> sessions() const;

@@ -7,6 +7,7 @@
 
 #include "common/clock.h"
 #include "daemon/config.h"
+#include "scheduler/degradation.h"
 #include "scheduler/scheduler.h"
 
 namespace gnomon::daemon {
@@ -22,6 +23,7 @@ struct TenantRates {
 struct TenantShare {
   scheduler::TenantTerms terms;
   TenantRates rates;
+  scheduler::DegradationTerms degradation;
 };
 
 struct Terms {

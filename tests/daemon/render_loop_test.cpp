@@ -27,7 +27,8 @@ class RenderLoopTest : public testing::Test {
     }));
     loop_ = std::make_unique<RenderLoop>(
         Terms{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_, inbox_,
-        metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); });
+        metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
+        [this](const SessionDegraded& d) { degraded_.push_back(d); });
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
                                [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
                   now_);
@@ -76,6 +77,7 @@ class RenderLoopTest : public testing::Test {
   FakeRenderer* fake_ = nullptr;
   std::unique_ptr<RenderDevice> device_;
   std::vector<RenderedFrame> rendered_;
+  std::vector<SessionDegraded> degraded_;
   std::unique_ptr<RenderLoop> loop_;
 };
 
@@ -449,6 +451,58 @@ TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
   EXPECT_EQ(fake_->waiting(), 1u);
   EXPECT_EQ(metrics_.count_of(Fault::view_hopeless), 1u);
   EXPECT_NE(metrics_.text().find("gnomon_frames_hopeless_total{tenant=\"default\"} 1"), std::string::npos);
+}
+
+// A session that asks for more than it gets: its rate goes down, then its size, both are told, and both come back.
+class OverloadTest : public RenderLoopTest {
+ protected:
+  static constexpr SessionId kBusy{88};
+
+  void SetUp() override {
+    RenderLoopTest::SetUp();
+    Terms terms = terms_of({});
+    terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
+    loop_->handle(TermsChanged{terms}, now_);
+    SessionOpened opened{kBusy, kTenant, kScene, 160, 96, 2, protocol::CodecId::tiles_lz4, 0};
+    opened.rate_hz = 40;
+    loop_->handle(opened, now_);
+  }
+
+  // A second in which a view comes every 25 ms and every n-th is answered.
+  void second(uint32_t answered_of) {
+    for (uint32_t i = 0; i < 40; ++i) {
+      view(kBusy, ++frame_);
+      if (i % answered_of == 0) {
+        settle();
+        while (fake_->waiting() > 0) {
+          last_ = fake_->job(0);
+          fake_->complete();
+        }
+        rendered_.clear();
+      }
+      settle();
+      now_ += 23ms;
+    }
+    loop_->review_sessions(1s);
+  }
+
+  uint32_t frame_ = 0;
+  gpu::RenderJob last_;
+};
+
+TEST_F(OverloadTest, LessIsToldAndMoreAgain) {
+  for (int i = 0; i < 20; ++i) second(8);
+  ASSERT_FALSE(degraded_.empty());
+  EXPECT_EQ(degraded_.front().news.width, 160) << "the rate first";
+  EXPECT_EQ(degraded_.front().news.rate_hz, 30);
+  EXPECT_LT(degraded_.back().news.width, 160);
+  EXPECT_GE(degraded_.back().news.width, 80);
+  EXPECT_GE(degraded_.back().news.rate_hz, 20);
+  EXPECT_EQ(last_.width, degraded_.back().news.width) << "told what is in force";
+  for (int i = 0; i < 200; ++i) second(1);
+  EXPECT_EQ(degraded_.back().news.width, 160);
+  EXPECT_EQ(degraded_.back().news.rate_hz, 40);
+  EXPECT_EQ(last_.width, 160u);
 }
 
 TEST(RenderInbox, BoundsWaitingViewsAndNothingElse) {

@@ -1,0 +1,63 @@
+#include "scheduler/degradation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::scheduler {
+namespace {
+
+constexpr uint32_t kFewestViews = 4;  // a window with fewer tells nothing
+constexpr double kBad = 0.8;          // of the offered views answered: fewer is overload
+constexpr double kGood = 0.95;
+
+constexpr uint32_t kBadWindows = 2;
+constexpr uint32_t kGoodWindows = 5;
+constexpr uint32_t kMostPatience = 160;
+constexpr uint32_t kProven = 30;  // windows that a step up has held
+
+constexpr double kRateStep = 0.75, kSizeStep = 0.75;
+
+// How many steps of that factor stay at `least` or above.
+uint32_t steps(double factor, double least) {
+  return least >= 1 ? 0 : static_cast<uint32_t>(std::log(std::max(least, 0.01)) / std::log(factor) + 1e-9);
+}
+
+}  // namespace
+
+bool Degradation::observe(const Window& window) {
+  if (since_step_up_ > 0 && ++since_step_up_ > kProven) {
+    since_step_up_ = 0;
+    patience_ = 0;
+  }
+  if (window.offered < kFewestViews) return false;
+  const double answered = window.answered + 1;  // one may be under way
+  bad_ = answered < kBad * window.offered ? bad_ + 1 : 0;
+  good_ = answered >= kGood * window.offered ? good_ + 1 : 0;
+  if (bad_ >= kBadWindows) return down();
+  if (level_ > 0 && good_ >= kGoodWindows + patience_) return up();
+  return false;
+}
+
+bool Degradation::down() {
+  bad_ = 0;
+  if (since_step_up_ > 0) patience_ = std::clamp(2 * patience_, kGoodWindows, kMostPatience);
+  since_step_up_ = 0;
+  if (level_ >= steps(kRateStep, terms_.least_rate) + steps(kSizeStep, terms_.least_size)) return false;
+  ++level_;
+  return true;
+}
+
+bool Degradation::up() {
+  good_ = 0;
+  since_step_up_ = 1;
+  --level_;
+  return true;
+}
+
+OperatingPoint Degradation::point() const {
+  const uint32_t by_rate = std::min(level_, steps(kRateStep, terms_.least_rate));
+  const uint32_t by_size = std::min(level_ - by_rate, steps(kSizeStep, terms_.least_size));
+  return {std::pow(kRateStep, by_rate), std::pow(kSizeStep, by_size)};
+}
+
+}  // namespace gnomon::scheduler

@@ -1,0 +1,99 @@
+#include "scheduler/degradation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace gnomon::scheduler {
+namespace {
+
+constexpr double kRate = 60;  // views a window
+
+// A session that needs `load` of a device at the granted rate and size; the device gives it `room`.
+struct Session {
+  Degradation degradation;
+  uint32_t changes = 0;
+
+  double need(double load) const {
+    const OperatingPoint p = degradation.point();
+    return load * p.rate * p.size * p.size;
+  }
+  void run(uint32_t windows, double load, double room) {
+    for (uint32_t i = 0; i < windows; ++i) {
+      const double offered = kRate * degradation.point().rate;
+      const double answered = offered * std::min(1.0, room / need(load));
+      changes += degradation.observe({static_cast<uint32_t>(offered), static_cast<uint32_t>(answered)});
+    }
+  }
+};
+
+Session session(double least_rate, double least_size) {
+  return {Degradation({.least_rate = least_rate, .least_size = least_size}), 0};
+}
+
+TEST(Degradation, NothingChangesWhileAllIsWell) {
+  Session s = session(0.25, 0.5);
+  s.run(1000, 0.9, 1);
+  EXPECT_EQ(s.changes, 0u);
+  EXPECT_EQ(s.degradation.point(), OperatingPoint{});
+}
+
+TEST(Degradation, OneBadWindowIsForgiven) {
+  Session s = session(0.25, 0.5);
+  for (int i = 0; i < 100; ++i) {
+    s.run(1, 10, 1);
+    s.run(1, 0.5, 1);
+  }
+  EXPECT_EQ(s.changes, 0u);
+}
+
+TEST(Degradation, TheRateGoesFirstThenTheSizeAndNeitherTooFar) {
+  Session s = session(0.5, 0.5);
+  OperatingPoint before = s.degradation.point();
+  for (int i = 0; i < 50; ++i) {
+    s.run(2, 1000, 1);
+    const OperatingPoint now = s.degradation.point();
+    EXPECT_LE(now.rate, before.rate);
+    EXPECT_LE(now.size, before.size);
+    if (now.size < before.size) {
+      EXPECT_LT(now.rate * 0.75, 0.5) << "the rate had gone as far as it may";
+    }
+    before = now;
+  }
+  EXPECT_GE(before.rate, 0.5);
+  EXPECT_GE(before.size, 0.5);
+  EXPECT_LT(before.rate * before.size, 0.5);
+}
+
+TEST(Degradation, WhoMayNotBeDegradedIsNot) {
+  Session s = session(1, 1);
+  s.run(100, 10, 1);
+  EXPECT_EQ(s.changes, 0u);
+}
+
+TEST(Degradation, RecoversWhenTheLoadFalls) {
+  Session s = session(0.25, 0.5);
+  s.run(50, 5, 1);
+  EXPECT_LT(s.degradation.point().rate, 1);
+  s.run(1000, 0.5, 1);
+  EXPECT_EQ(s.degradation.point(), OperatingPoint{});
+}
+
+// A steady overload: first steps down, then tries to go up that become rarer and rarer.
+TEST(Degradation, ASteadyOverloadSettles) {
+  Session s = session(0.25, 0.5);
+  s.run(100, 2, 1);
+  const uint32_t settling = s.changes;
+  s.changes = 0;
+  s.run(1000, 2, 1);
+  EXPECT_LE(s.changes, 16u) << settling << " while it settled";
+  EXPECT_LE(s.need(2), 1 / 0.75 + 1e-9) << "at most the one step too high that is being tried";
+}
+
+TEST(Degradation, WindowsWithoutViewsTellNothing) {
+  Session s = session(0.25, 0.5);
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(s.degradation.observe({3, 0}));
+}
+
+}  // namespace
+}  // namespace gnomon::scheduler
