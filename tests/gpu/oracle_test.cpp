@@ -9,6 +9,7 @@
 
 #include "scenes/loader.h"
 #include "tests/gpu/embree_oracle.h"
+#include "tests/gpu/made_scenes.h"
 #include "tests/gpu/test_device.h"
 
 namespace gnomon::test {
@@ -65,7 +66,9 @@ struct Difference {
   }
 };
 
-void compare(const scenes::ScenePtr& scene, const EmbreeOracle& oracle, const std::string& tracer) {
+// `oracle`: of the scene, or of the scene stopped at `time`.
+void compare(const scenes::ScenePtr& scene, const EmbreeOracle& oracle, const std::string& tracer,
+             scenes::SceneTime time = {}) {
   // A CPU answers ray queries slowly: fewer pixels, as many poses.
   const uint32_t width = tracer == "ray_query" ? 160 : 320, height = width * 9 / 16;
   auto probe = SurfaceProbe::create(device_options(tracer), scene);
@@ -74,7 +77,7 @@ void compare(const scenes::ScenePtr& scene, const EmbreeOracle& oracle, const st
   Difference difference;
   for (uint32_t pose = 0; pose < kPoses; ++pose) {
     const CameraView camera = random_view(scene->bounds, random, width, height);
-    const auto frame = probe->render(camera, width, height);
+    const auto frame = probe->render(camera, width, height, time);
     ASSERT_TRUE(frame) << frame.error().message;
     const auto words = oracle.trace(camera, frame->grid, frame->samples, EmbreeQuery::single, 2);
     difference.add(*frame, {frame->grid, words});
@@ -107,6 +110,41 @@ TEST_P(Oracle, AgreesWithEmbree) {
   for (const std::string& tracer : tracers()) {
     SCOPED_TRACE(tracer);
     compare(*scene, oracle, tracer);
+  }
+}
+
+// Every fifth instance of the scene turns and shifts where it stands, and so does the first light.
+scenes::ScenePtr set_in_motion(const scenes::Scene& scene) {
+  auto moving = std::make_shared<scenes::Scene>(scene);
+  const auto move = [&](const glm::mat4& where) {
+    scenes::MovingNode node = swing({0, 0, 0}, {0.2f, 0.1f, -0.15f});
+    node.parent_to_world = glm::dmat4(where);
+    moving->moving_nodes.push_back(std::move(node));
+    return static_cast<uint32_t>(moving->moving_nodes.size()) - 1;
+  };
+  for (size_t i = 0; i < moving->instances.size(); i += 5)
+    moving->instances[i].moved_by = move(moving->instances[i].object_to_world);
+  glm::mat4 lamp(1.0f);
+  lamp[3] = glm::vec4(moving->lights[0].position, 1.0f);
+  moving->lights[0].moved_by = move(lamp);
+  moving->period = std::chrono::seconds(2);
+  moving->bounds = scenes::moved_bounds(*moving, moving->bounds);
+  return moving;
+}
+
+TEST(MovingOracle, AgreesWithEmbreeOverTheSceneStopped) {
+  const auto file = fs::path(GNOMON_SCENES_DIR) / "living_room.glb";
+  const auto scene = scenes::load_scene(file);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const scenes::ScenePtr moving = set_in_motion(**scene);
+  const std::vector<scenes::Instance> moved = scenes::moved_instances(*moving, {});
+  ASSERT_GT(moved.size(), 5u);
+  for (const scenes::SceneTime time : {scenes::SceneTime(0), scenes::SceneTime(1'370'000)}) {
+    const EmbreeOracle oracle(scenes::frozen_at(*moving, time), true);
+    for (const std::string& tracer : tracers()) {
+      SCOPED_TRACE(tracer);
+      compare(moving, oracle, tracer, time);
+    }
   }
 }
 
