@@ -1,4 +1,5 @@
-// Earliest deadline first. A view that was begun is finished first: half of it would be of no use to anybody.
+// Earliest deadline first. A view that was begun is finished first: half of it would be of no use to anybody. A newer
+// view takes the place of the one that it replaces, or a session that sends many would push itself back for ever.
 #include "scheduler/indexed_heap.h"
 #include "scheduler/sessions.h"
 
@@ -9,6 +10,7 @@ struct Session {
   SessionId id;
   TenantId tenant;
   Request request;
+  TimePoint place;  // of the first of the views that replaced each other
 };
 
 // By deadline; those of one deadline (or of none) in the order of their coming.
@@ -25,7 +27,7 @@ class Deadline final : public Scheduler {
   void set_tenant(TenantId tenant, const TenantTerms&) override { services_.know(tenant); }
 
   void add_session(SessionId session, TenantId tenant) override {
-    sessions_.add(session, Session{session, tenant, {}});
+    sessions_.add(session, Session{session, tenant, {}, {}});
     waiting_.reserve(sessions_.capacity());
   }
 
@@ -37,9 +39,12 @@ class Deadline final : public Scheduler {
   void make_ready(SessionId session, const Request& request, TimePoint) override {
     const auto number = sessions_.find(session);
     if (!number) return;
-    sessions_[*number].request = request;
-    sessions_[*number].request.cost = charged_cost(request);
-    waiting_.set(*number, {request.continues ? TimePoint::min() : request.deadline, ++turns_});
+    Session& s = sessions_[*number];
+    s.request = request;
+    s.request.cost = charged_cost(request);
+    if (waiting_.contains(*number) && s.place <= request.deadline) return;
+    s.place = request.continues ? TimePoint::min() : request.deadline;
+    waiting_.set(*number, {s.place, ++turns_});
   }
 
   void withdraw(SessionId session) override {

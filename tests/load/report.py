@@ -3,8 +3,8 @@ import csv
 import subprocess
 import sys
 
-COLUMNS = ["experiment", "policy", "tenant", "weight", "share", "expected_share", "vbps", "vbps_alone", "p50_ms",
-           "p50_alone_ms", "p99_ms", "p99_alone_ms", "jain"]
+COLUMNS = ["experiment", "policy", "tenant", "weight", "rate_hz", "share", "expected_share", "vbps", "vbps_alone", "p50_ms",
+           "p50_alone_ms", "p99_ms", "p99_alone_ms", "slice_ms", "p99_allowed_ms", "jain"]
 
 
 def text(value):

@@ -3,6 +3,7 @@ import contextlib
 import json
 import pathlib
 import re
+import signal
 import subprocess
 import tempfile
 import time
@@ -17,15 +18,15 @@ class Daemon:
     def __init__(self, args, policy, tenants, **scheduler):
         self.folder = tempfile.TemporaryDirectory(prefix="gnomon-load-")
         self.args = args
-        config = pathlib.Path(self.folder.name, "gnomond.json")  # JSON is YAML
-        config.write_text(json.dumps({
+        self.config = {
             "server": {"control_port": 0, "data_port": 0},
             "admin": {"port": 0},
             "scenes": {"list": [{"name": args.scene, "file": f"{args.scene}.glb"}]},
             "scheduler": {"policy": policy, "admit_percent": 0, **scheduler},
             "tenants": tenants,
             "log": {"level": "error"},
-        }))
+        }
+        config = self.write_config()
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen([args.bin / "gnomond", "--config", config], stdout=self.log,
                                         stderr=subprocess.STDOUT)
@@ -39,6 +40,17 @@ class Daemon:
                 return ready.groups()
             time.sleep(0.05)
         raise SystemExit("gnomond did not start:\n" + pathlib.Path(self.log.name).read_text())
+
+    def write_config(self):
+        file = pathlib.Path(self.folder.name, "gnomond.json")
+        file.write_text(json.dumps(self.config))  # JSON is YAML
+        return file
+
+    def reload(self, **scheduler):
+        self.config["scheduler"].update(scheduler)
+        self.write_config()
+        self.process.send_signal(signal.SIGHUP)
+        time.sleep(0.5)
 
     def metric(self, name):
         """Values by tenant, summed over other labels."""

@@ -72,13 +72,22 @@ TEST_F(Deadlines, WhatWasBegunIsFinished) {
   EXPECT_EQ(pick(), 2u);
 }
 
-TEST_F(Deadlines, ANewerViewBringsItsOwnDeadline) {
-  ready(1, 10ms);
+TEST_F(Deadlines, ANewerViewTakesThePlaceOfTheOneItReplaces) {
+  ready(1, 0ms);
   ready(2, 20ms);
   ready(1, 30ms);
-  EXPECT_EQ(pick(), 2u);
+  EXPECT_FALSE(scheduler_->take_hopeless(kNow)) << "the newer one can still be ready in time";
   EXPECT_EQ(pick(), 1u);
-  EXPECT_FALSE(pick());
+  EXPECT_EQ(pick(), 2u);
+  ready(1, 30ms);
+  ready(2, 20ms);
+  ready(1, 10ms);
+  EXPECT_EQ(pick(), 1u) << "it may also be more urgent";
+}
+
+TEST_F(Deadlines, WhoSendsManyViewsWithoutADeadlineKeepsItsTurn) {
+  for (const uint64_t session : {1, 2, 1, 3, 1}) scheduler_->make_ready(SessionId{session}, {1ms}, kNow);
+  for (const uint64_t expected : {1, 2, 3}) EXPECT_EQ(pick(), expected);
 }
 
 }  // namespace
