@@ -67,11 +67,11 @@ void RenderLoop::start(TimePoint now) {
   device_.renderer().end_batch();
 }
 
-// Of work on the device there is never more than a slice, as far as predictions go, so that whoever comes next waits
-// for no more than that; of frames no more than the encoders can take.
+// Of work on the device there are never more than two jobs of full length, as far as predictions go, so that whoever
+// comes next waits for no more than a slice; of frames there are no more than the encoders can take.
 bool RenderLoop::has_room() const {
   if (device_.renderer().free_slots() == 0 || in_flight_ - begun_ >= terms_.frames_in_flight) return false;
-  return submits_ == 0 || terms_.slice <= Nanoseconds{} || predicted_ <= terms_.slice / 2;
+  return submits_ == 0 || terms_.slice <= Nanoseconds{} || predicted_ <= terms_.slice / kJobsOfASlice;
 }
 
 void RenderLoop::handle(RenderEvent event, TimePoint now) {

@@ -37,7 +37,7 @@ NextJob next_job(const RenderSession& session, const scheduler::CostModel& model
   };
   const uint32_t remaining = grid.tiles_y() - first;
   const NextJob all = piece(remaining);
-  const Nanoseconds most = slice / 2;
+  const Nanoseconds most = slice / kJobsOfASlice;
   if (slice <= Nanoseconds{} || all.cost <= most || remaining == 1) return all;
   const Nanoseconds one_row = piece(1).cost;
   const double a_row = to_seconds(all.cost - one_row) / (remaining - 1);

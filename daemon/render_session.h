@@ -49,8 +49,12 @@ struct RenderSession {
   bool has_work() const { return begun || newest; }
 };
 
-// Cuts what remains of a frame so that no piece costs more than half a slice, as far as whole rows allow: two pieces
-// on the device keep it busy, and nobody waits for more than a slice. slice 0: no cuts.
+// A job costs at most this part of a slice: two on the device keep it busy, one more may be before a newcomer by its
+// virtual deadline, and together they are no more than a slice.
+inline constexpr int kJobsOfASlice = 3;
+
+// Cuts what remains of a frame so that no piece costs more than that, as far as whole rows and the rasterising, which
+// is done in one go, allow. slice 0: no cuts.
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice);
 
 }  // namespace gnomon::daemon

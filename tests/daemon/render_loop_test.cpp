@@ -290,7 +290,7 @@ class SlicedTest : public RenderLoopTest {
     fake_->complete(100us);
     rendered_.clear();
     settle();
-    terms.slice = 50us;
+    terms.slice = 75us;
     loop_->handle(TermsChanged{terms}, now_);
   }
 
@@ -306,7 +306,7 @@ class SlicedTest : public RenderLoopTest {
 
 TEST_F(SlicedTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
   view(kA, 2);
-  EXPECT_EQ(run_to_the_end(), 4u) << "100 us in pieces of half a slice";
+  EXPECT_EQ(run_to_the_end(), 4u) << "100 us in pieces of a third of a slice";
   ASSERT_EQ(rendered_.size(), 1u);
   EXPECT_EQ(rendered_[0].meta.gpu, Nanoseconds(100us));
   EXPECT_EQ(rendered_[0].mask.mask().grid.height, kHeight);
@@ -324,7 +324,7 @@ TEST_F(SlicedTest, OthersPassBetweenBands) {
   settle();
   loop_->handle(SessionOpened{SessionId{44}, kTenant, kScene, 8, 8, 2, protocol::CodecId::tiles_lz4, 0}, now_);
   Terms two = terms_of({});
-  two.slice = 50us;
+  two.slice = 75us;
   two.tenants.push_back({});
   loop_->handle(TermsChanged{two}, now_);
   loop_->handle(SessionOpened{SessionId{55}, TenantId{1}, kScene, 8, 8, 2, protocol::CodecId::tiles_lz4, 0}, now_);
@@ -372,7 +372,7 @@ TEST_F(SlicedTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
 
 TEST_F(SlicedTest, TheLastFreeSlotIsForFramesThatAreDoneAtOnce) {
   Terms both = terms_of({});
-  both.slice = 50us;
+  both.slice = 75us;
   both.policy = "deadline";
   loop_->handle(TermsChanged{both}, now_);
   view(kA, 2);
@@ -424,6 +424,35 @@ TEST_F(RenderLoopTest, ATenantsRateIsKept) {
   }
   EXPECT_NEAR(static_cast<double>(frames), 2 * 50 + 5, 2) << "and a burst of 100 ms";
   EXPECT_LT(loop_->wake_at(), TimePoint::max());
+}
+
+TEST_F(RenderLoopTest, ATenantsShareOfTheDeviceHasACeiling) {
+  Terms terms = terms_of({});
+  terms.tenants[0].rates.gpu_share = 0.2;
+  loop_->handle(TermsChanged{terms}, now_);
+  const TimePoint begin = now_;
+  size_t frames = 0;
+  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
+    view(kA, frame);
+    settle();
+    while (fake_->waiting() > 0) fake_->complete(1ms);
+    frames += std::exchange(rendered_, {}).size();
+    settle();
+  }
+  EXPECT_NEAR(static_cast<double>(frames), 2 * 200 + 20, 5) << "of 1 ms each, and a burst of 100 ms at that share";
+}
+
+TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
+  Terms terms = terms_of({});
+  terms.tenants[0].rates.bytes_per_second = 1000;
+  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(BytesSent{kTenant, 2000}, now_);
+  view(kA, 1);
+  settle();
+  EXPECT_EQ(fake_->waiting(), 0u);
+  now_ = loop_->wake_at();
+  settle();
+  EXPECT_EQ(fake_->waiting(), 1u);
 }
 
 TEST_F(RenderLoopTest, AGrantedRateIsKept) {
