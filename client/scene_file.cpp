@@ -31,7 +31,8 @@ std::optional<fs::path> find_scene_file(const std::string& scene, const fs::path
   return std::nullopt;
 }
 
-Result<scenes::ScenePtr> load_own_scene(const std::string& scene, const fs::path& scene_folder) {
+Result<scenes::ScenePtr> load_own_scene(const std::string& scene, const fs::path& scene_folder,
+                                        const std::vector<protocol::NodeMotion>& motions) {
   const auto file = find_scene_file(scene, scene_folder);
   if (!file) {
     std::string looked = built_in_folder().string();
@@ -39,7 +40,14 @@ Result<scenes::ScenePtr> load_own_scene(const std::string& scene, const fs::path
     return Error{std::string("no copy of scene '") + scene + "' here: it is no file, nor a .glb or .gltf in " +
                  looked};
   }
-  return scenes::load_scene(*file);
+  std::vector<scenes::NodeMotion> given;
+  for (const protocol::NodeMotion& m : motions) {
+    given.push_back({m.node,
+                     static_cast<scenes::NodeMotion::Kind>(m.kind),
+                     {m.vector[0], m.vector[1], m.vector[2]},
+                     std::chrono::microseconds(m.period_us)});
+  }
+  return scenes::load_scene(*file, {}, given);
 }
 
 Result<void> check_same_scene(const scenes::Scene& own, const protocol::SceneManifest& server) {

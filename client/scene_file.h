@@ -16,8 +16,9 @@ namespace gnomon::client {
 std::optional<std::filesystem::path> find_scene_file(const std::string& scene,
                                                      const std::filesystem::path& scene_folder);
 
-// Finds and loads. Errors are one line and say where was looked.
-Result<scenes::ScenePtr> load_own_scene(const std::string& scene, const std::filesystem::path& scene_folder);
+// Finds and loads; `motions` as the server's Welcome says. Errors are one line and say where was looked.
+Result<scenes::ScenePtr> load_own_scene(const std::string& scene, const std::filesystem::path& scene_folder,
+                                        const std::vector<protocol::NodeMotion>& motions = {});
 
 // Masks fit a G-buffer only if both sides rasterise the same triangles: an error unless the content hashes agree.
 Result<void> check_same_scene(const scenes::Scene& own, const protocol::SceneManifest& server);

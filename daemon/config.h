@@ -34,10 +34,18 @@ struct AdminConfig {
   friend bool operator==(const AdminConfig&, const AdminConfig&) = default;
 };
 
+struct MovingNode {
+  std::string node;                        // its name in the scene's file
+  std::vector<float> spin, shift;          // one of them: an axis, or how far
+  std::chrono::milliseconds period{4000};  // of a turn, or of the way there and back
+  friend bool operator==(const MovingNode&, const MovingNode&) = default;
+};
+
 struct SceneFile {
   std::string name;
   std::filesystem::path file;  // absolute after find_files
   std::string place;           // where the configuration names it, for error messages
+  std::vector<MovingNode> moving = {};
   friend bool operator==(const SceneFile&, const SceneFile&) = default;
 };
 

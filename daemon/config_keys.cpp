@@ -3,6 +3,8 @@
 #include <asio/ip/address.hpp>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include "scheduler/scheduler.h"
 
@@ -71,6 +73,23 @@ bool has_name(const std::vector<S>& items, const std::string& name) {
   return std::any_of(items.begin(), items.end(), [&](const S& item) { return item.name == name; });
 }
 
+std::optional<float> parse_number(const YAML::Node& node) {
+  const auto text = plain_scalar(node);
+  float number = 0;
+  if (!text) return std::nullopt;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
+  if (error != std::errc{} || end != text->data() + text->size() || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+std::string finish_moving(const Value&, const std::vector<MovingNode>&, MovingNode& moving) {
+  if (moving.node.empty()) return "node is needed";
+  if (moving.spin.empty() == moving.shift.empty()) return "either spin or shift is needed";
+  const std::vector<float>& vector = moving.spin.empty() ? moving.shift : moving.spin;
+  const bool all_zero = std::all_of(vector.begin(), vector.end(), [](float v) { return v == 0; });
+  return vector.size() != 3 || all_zero ? "spin and shift take three numbers that are not all 0" : "";
+}
+
 std::string finish_scene(const Value& value, const std::vector<SceneFile>& before, SceneFile& scene) {
   if (scene.name.empty() || scene.file.empty()) return "name and file are both needed";
   if (has_name(before, scene.name)) return "a second scene named " + scene.name + "; allowed: one of each name";
@@ -100,9 +119,20 @@ Keys<ServerConfig> server_keys() {
   };
 }
 
+Keys<MovingNode> moving_keys() {
+  using M = MovingNode;
+  return {
+      scalar("node", &M::node, "a node's name", parse_text),
+      scalars("spin", &M::spin, "a list of three numbers", parse_number),
+      scalars("shift", &M::shift, "a list of three numbers", parse_number),
+      integer("period_ms", &M::period, 10, kHourMs),
+  };
+}
+
 Keys<ScenesConfig> scenes_keys() {
   Keys<SceneFile> item{name_key(&SceneFile::name),
-                       scalar("file", &SceneFile::file, "the path of a .gltf or .glb file", parse_path)};
+                       scalar("file", &SceneFile::file, "the path of a .gltf or .glb file", parse_path),
+                       sections("moving", &SceneFile::moving, moving_keys(), finish_moving)};
   return {
       sections("list", &ScenesConfig::list, std::move(item), finish_scene),
       scalars("allow_files", &ScenesConfig::allow_files, "a list of folders", parse_path),

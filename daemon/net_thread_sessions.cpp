@@ -136,6 +136,7 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
   welcome.features = accepted.features;
   welcome.scene.lights = to_wire(news.lights);
   welcome.lights_version = news.version;
+  welcome.motions = to_wire(shared_.catalog.motions(accepted.scene));
   stream->send(welcome);
   log::info("session opened", {{"session", id.value},
                                {"tenant", shared_.config.tenants[accepted.tenant.value].name},

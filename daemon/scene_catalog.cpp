@@ -1,9 +1,24 @@
 #include "daemon/scene_catalog.h"
 
+#include <algorithm>
+
 namespace gnomon::daemon {
 namespace fs = std::filesystem;
 
 namespace {
+
+std::vector<scenes::NodeMotion> motions_of(const SceneFile& scene) {
+  std::vector<scenes::NodeMotion> motions;
+  for (const MovingNode& moving : scene.moving) {
+    const bool spins = !moving.spin.empty();
+    const std::vector<float>& v = spins ? moving.spin : moving.shift;
+    motions.push_back({moving.node,
+                       spins ? scenes::NodeMotion::Kind::spin : scenes::NodeMotion::Kind::shift,
+                       {v[0], v[1], v[2]},
+                       moving.period});
+  }
+  return motions;
+}
 
 bool is_gltf(const fs::directory_entry& entry) {
   const auto extension = entry.path().extension();
@@ -16,7 +31,7 @@ bool is_gltf(const fs::directory_entry& entry) {
 Result<SceneCatalog> SceneCatalog::read(const ScenesConfig& config) {
   SceneCatalog catalog;
   for (const SceneFile& scene : config.list) {
-    catalog.sources_.push_back({scene.name, scene.file});
+    catalog.sources_.push_back({scene.name, scene.file, motions_of(scene)});
     catalog.names_[scene.name] = scene.name;
   }
   for (const fs::path& folder : config.allow_files) {
@@ -36,6 +51,11 @@ Result<SceneCatalog> SceneCatalog::read(const ScenesConfig& config) {
     if (error) return Error{"scenes.allow_files: " + folder.string() + ": " + error.message()};
   }
   return catalog;
+}
+
+std::vector<scenes::NodeMotion> SceneCatalog::motions(const std::string& name) const {
+  const auto found = std::find_if(sources_.begin(), sources_.end(), [&](const auto& s) { return s.name == name; });
+  return found == sources_.end() ? std::vector<scenes::NodeMotion>{} : found->motions;
 }
 
 std::string SceneCatalog::find(const std::string& asked) const {

@@ -22,6 +22,9 @@ class SceneCatalog {
   // The configured scenes, then the files.
   const std::vector<scenes::SceneSource>& sources() const { return sources_; }
 
+  // That the configuration gives to nodes of a source.
+  std::vector<scenes::NodeMotion> motions(const std::string& name) const;
+
   // Of a scene's name, a file's path below its folder or a file's absolute path; empty: there is no such scene.
   std::string find(const std::string& asked) const;
 

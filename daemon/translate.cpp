@@ -53,6 +53,15 @@ std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& light
   return out;
 }
 
+std::vector<protocol::NodeMotion> to_wire(const std::vector<scenes::NodeMotion>& motions) {
+  std::vector<protocol::NodeMotion> out;
+  for (const scenes::NodeMotion& m : motions) {
+    out.push_back(
+        {m.node, static_cast<uint8_t>(m.kind), to_wire(m.vector), static_cast<uint32_t>(m.period.count())});
+  }
+  return out;
+}
+
 protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::string& name, float aspect) {
   protocol::SceneManifest manifest;
   manifest.name = name;

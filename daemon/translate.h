@@ -13,6 +13,8 @@ gpu::CameraView to_gpu(const protocol::CameraView& camera);
 
 std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights);
 
+std::vector<protocol::NodeMotion> to_wire(const std::vector<scenes::NodeMotion>& motions);
+
 // `aspect`: width over height of the client's buffer, for the default camera's frustum.
 protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::string& name, float aspect);
 

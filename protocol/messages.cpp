@@ -17,6 +17,7 @@ constexpr size_t kMaxScene = 1024;
 constexpr size_t kMaxSentence = 1024;
 constexpr size_t kMaxCodecs = 16;
 constexpr size_t kMaxPasses = 32;
+constexpr size_t kMaxMotions = 256;
 
 constexpr size_t kLengthBytes = 4;
 constexpr size_t kTypeBytes = 2;
@@ -53,6 +54,14 @@ void fields(A& a, Of<A, SceneManifest>& m) {
 }
 
 template <class A>
+void fields(A& a, Of<A, NodeMotion>& m) {
+  a.text(m.node, kMaxName);
+  a(m.kind, m.vector, m.period_us);
+  const bool finite = std::isfinite(m.vector[0]) && std::isfinite(m.vector[1]) && std::isfinite(m.vector[2]);
+  a.check(m.kind <= 1 && finite && m.period_us > 0, "a motion is of unknown kind, not finite or without time");
+}
+
+template <class A>
 void fields(A& a, Of<A, Hello>& m) {
   a(m.version_min, m.version_max, m.features);
   a.check(m.version_min <= m.version_max, "version_min is above version_max");
@@ -82,7 +91,10 @@ void fields(A& a, Of<A, Welcome>& m) {
   a.text(m.tracer, kMaxName);
   a(m.silence_timeout_ms);
   fields(a, m.scene);
-  if (m.features & kFeatureMoments) a(m.lights_version);
+  if (m.features & kFeatureMoments) {
+    a(m.lights_version);
+    a.list(m.motions, kMaxMotions, [&](auto& motion) { fields(a, motion); });
+  }
 }
 
 template <class A>

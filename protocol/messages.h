@@ -47,7 +47,9 @@ struct Welcome {
   std::string tracer;
   uint32_t silence_timeout_ms = 0;  // a session silent for this long is closed
   SceneManifest scene;
-  uint32_t lights_version = 0;  // of the manifest's lights; on the wire with kFeatureMoments
+  // On the wire with kFeatureMoments:
+  uint32_t lights_version = 0;      // of the manifest's lights
+  std::vector<NodeMotion> motions;  // beside the animations of the scene's file
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 

@@ -62,6 +62,15 @@ struct Moment {
   friend bool operator==(const Moment&, const Moment&) = default;
 };
 
+// A motion that the operator gives to nodes of the scene's file.
+struct NodeMotion {
+  std::string node;
+  uint8_t kind = 0;  // 0 spin, 1 shift
+  Vec3 vector{};
+  uint32_t period_us = 0;
+  friend bool operator==(const NodeMotion&, const NodeMotion&) = default;
+};
+
 // What a client needs to know of a scene to match its own copy and to shade.
 struct SceneManifest {
   std::string name;

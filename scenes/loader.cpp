@@ -29,8 +29,8 @@ constexpr float kFarthest = 1e9f;
 // Fills a scene from the placed nodes, reading each mesh when the first node uses it.
 class Assembly {
  public:
-  Assembly(Document& document, const LoadLimits& limits)
-      : document_(document), limits_(limits), scene_(std::make_shared<Scene>()) {}
+  Assembly(Document& document, const LoadLimits& limits, const std::vector<NodeMotion>& motions)
+      : document_(document), limits_(limits), motions_(motions), scene_(std::make_shared<Scene>()) {}
 
   Result<std::shared_ptr<Scene>> run() {
     auto materials = gltf::read_materials(document_, limits_.max_texels);
@@ -40,7 +40,7 @@ class Assembly {
     const auto nodes = gltf::place_nodes(document_.model, limits_);
     if (!nodes) return nodes.error();
     gltf::Animations animations(document_);
-    gltf::MovingNodes moving(*nodes, animations);
+    gltf::MovingNodes moving(document_.model, *nodes, animations, motions_);
     for (uint32_t i = 0; i < nodes->size(); ++i) {
       if (const auto ok = add_mesh((*nodes)[i], i, moving); !ok) return ok.error();
       if (const auto ok = add_light((*nodes)[i], i, moving); !ok) return ok.error();
@@ -128,7 +128,9 @@ class Assembly {
 
   // What moves is put where it is at time 0; the places in the file were those without animation.
   Result<void> set_in_motion(gltf::MovingNodes& moving) {
-    scene_->period = moving.period();
+    const auto period = moving.fill_period();
+    if (!period) return period.error();
+    scene_->period = *period;
     scene_->moving_nodes = std::move(moving.nodes());
     if (!moves(*scene_)) return {};
     const std::vector<Instance> moved = moved_instances(*scene_, SceneTime(0));
@@ -148,6 +150,7 @@ class Assembly {
 
   Document& document_;
   const LoadLimits& limits_;
+  const std::vector<NodeMotion>& motions_;
   std::shared_ptr<Scene> scene_;
   gltf::Materials materials_;
   std::vector<uint32_t> mesh_index_;  // for each mesh of the file: index into Scene::meshes
@@ -166,12 +169,13 @@ void tell_what_stays_as_stored(const std::filesystem::path& file, const tinygltf
   warn("animated weights are left out: their meshes stay as stored", weights);
 }
 
-Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits) {
+Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits,
+                                          const std::vector<NodeMotion>& motions) {
   try {
     auto document = gltf::open_document(file, limits);
     if (!document) return document.error();
     tell_what_stays_as_stored(file, document->model);
-    return Assembly(*document, limits).run();
+    return Assembly(*document, limits, motions).run();
   } catch (const std::bad_alloc&) {
     return Error{"there is not enough memory for it"};
   }
@@ -188,8 +192,9 @@ Error about(const std::filesystem::path& file, std::string message) {
 
 }  // namespace
 
-Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits) {
-  auto read = read_scene(file, limits);
+Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits,
+                            const std::vector<NodeMotion>& motions) {
+  auto read = read_scene(file, limits, motions);
   if (!read) return about(file, read.error().message);
   Scene& scene = **read;
   scene.name = file.stem().string();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "common/result.h"
 #include "scenes/scene.h"
@@ -30,6 +31,10 @@ struct LoadLimits {
 //
 // Any bytes give a scene or an error: no crash, no hang, no allocation beyond the limits, no read outside the
 // file's own folder. Blocking; any thread. The scene's name is the file's stem.
-Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {});
+//
+// `motions` move nodes in the place of animations of the same property. Error too: no node of that name carries
+// anything that could move, or it has a matrix.
+Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {},
+                            const std::vector<NodeMotion>& motions = {});
 
 }  // namespace gnomon::scenes

@@ -24,7 +24,7 @@ Result<LoadedScene> Registry::get(const std::string& name) {
     if (entry.loaded) return *entry.loaded;
   }
   const TimePoint start = Clock::now();
-  Result<ScenePtr> scene = load_scene(entry.source.file, limits_);
+  Result<ScenePtr> scene = load_scene(entry.source.file, limits_, entry.source.motions);
   if (!scene) return scene.error();
   const LoadedScene loaded{entry.id, *scene, to_seconds(Clock::now() - start), (*scene)->memory_bytes()};
   log::info("scene loaded", {{"scene", name},

@@ -19,6 +19,7 @@ namespace gnomon::scenes {
 struct SceneSource {
   std::string name;  // what clients ask for
   std::filesystem::path file;
+  std::vector<NodeMotion> motions = {};
 };
 
 struct LoadedScene {

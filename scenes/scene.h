@@ -133,6 +133,16 @@ struct MovingNode {
   std::vector<Channel> channels;
 };
 
+// A motion that is given to a node beside the animations of its file.
+struct NodeMotion {
+  enum class Kind : uint8_t { spin, shift };
+  std::string node;                     // its name; all nodes of that name
+  Kind kind = Kind::spin;               // turns about an axis of its own, or shifts in its parent's axes and back
+  glm::vec3 vector{0.0f, 1.0f, 0.0f};   // the axis, or how far
+  std::chrono::microseconds period{0};  // of one turn, or of the way there and back
+  friend bool operator==(const NodeMotion&, const NodeMotion&) = default;
+};
+
 struct Bounds {
   glm::vec3 min{0.0f};
   glm::vec3 max{0.0f};

@@ -25,7 +25,8 @@ Result<DebugView> DebugView::create(const scenes::ScenePtr& scene, DebugKind kin
 }
 
 Result<std::vector<Picture>> DebugView::pictures(const FlownFrame& frame) {
-  const auto grid = frame_->reserve(frame.mask.grid.width, frame.mask.grid.height);
+  const scenes::SceneTime time(frame.mask.moment.scene_time_us);
+  const auto grid = frame_->reserve(frame.mask.grid.width, frame.mask.grid.height, time);
   if (!grid) return grid.error();
   if (auto rendered = frame_->render(to_gpu(frame.camera), *grid); !rendered) return rendered.error();
   const auto bytes = frame_->host(gpu::resource::kHostSurface);

@@ -140,7 +140,7 @@ Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::Sc
 Result<void> run(const Arguments& a) {
   const auto options = flight_options(a);
   if (!options) return options.error();
-  const auto scene = load_own_scene(a.scene, a.scene_folder);
+  auto scene = load_own_scene(a.scene, a.scene_folder);
   if (!scene) return scene.error();
   std::optional<Gallery> gallery;
   if (!a.out.empty()) {
@@ -155,6 +155,14 @@ Result<void> run(const Arguments& a) {
 
   Flight flight(*options);
   if (auto opened = flight.open(); !opened) return opened;
+  if (const auto& motions = flight.welcome().motions; !motions.empty()) {
+    scene = load_own_scene(a.scene, a.scene_folder, motions);
+    if (!scene) return scene.error();
+    view = OwnView::create(*scene, a.device);
+    if (!view) return view.error();
+    debug = debug_view(a, *scene);
+    if (!debug) return debug.error();
+  }
   if (auto same = check_same_scene(**scene, flight.welcome().scene); !same) return same;
 
   const auto draw = [&](const FlownFrame& frame) -> Result<void> {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <limits>
 #include <optional>
 #include <string>
@@ -75,6 +76,30 @@ Result<Channel> read_channel(const Document& document, const tinygltf::Animation
   return channel;
 }
 
+constexpr double kMostRepeats = 1000;
+
+double seconds_of(std::chrono::microseconds time) { return std::chrono::duration<double>(time).count(); }
+
+// In the place of what moves the property so far: keys until `until` seconds at least.
+void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
+  const bool spins = motion.kind == NodeMotion::Kind::spin;
+  Channel channel;
+  channel.path = spins ? Channel::Path::rotation : Channel::Path::translation;
+  const double step = seconds_of(motion.period) / (spins ? 4 : 2);
+  for (int key = 0; key == 0 || static_cast<double>(key - 1) * step < until; ++key) {
+    channel.times.push_back(static_cast<float>(static_cast<double>(key) * step));
+    if (spins) {
+      const auto angle = static_cast<float>(key % 4) * glm::half_pi<float>();
+      const glm::quat turned = node.local.rotation * glm::angleAxis(angle, glm::normalize(motion.vector));
+      channel.values.emplace_back(turned.x, turned.y, turned.z, turned.w);
+    } else {
+      channel.values.emplace_back(node.local.translation + (key % 2 ? motion.vector : glm::vec3(0.0f)), 0.0f);
+    }
+  }
+  std::erase_if(node.channels, [&](const Channel& c) { return c.path == channel.path; });
+  node.channels.push_back(std::move(channel));
+}
+
 constexpr size_t kMaxValues = size_t{1} << 23;  // what a file may ask for: many nodes may name the same long keys
 
 }  // namespace
@@ -107,11 +132,36 @@ Result<std::vector<Channel>> Animations::of(const PlacedNode& node) {
   return channels;
 }
 
-MovingNodes::MovingNodes(const std::vector<PlacedNode>& placed, Animations& animations)
-    : placed_(placed), animations_(animations), index_(placed.size(), kNone) {
+MovingNodes::MovingNodes(const tinygltf::Model& model, const std::vector<PlacedNode>& placed,
+                         Animations& animations, const std::vector<NodeMotion>& motions)
+    : model_(model), placed_(placed), animations_(animations), index_(placed.size(), kNone), motions_(motions) {
   for (const PlacedNode& node : placed) {
-    moved_.push_back(animations.move(node) || (node.parent != kNone && moved_[node.parent]));
+    const bool itself = animations.move(node) || is_given_motion(node);
+    moved_.push_back(itself || (node.parent != kNone && moved_[node.parent]));
   }
+}
+
+bool MovingNodes::is_given_motion(const PlacedNode& node) const {
+  if (node.local.has_matrix) return false;
+  const std::string& name = model_.nodes[static_cast<size_t>(node.node)].name;
+  return std::any_of(motions_.begin(), motions_.end(), [&](const NodeMotion& m) { return m.node == name; });
+}
+
+Result<std::chrono::microseconds> MovingNodes::fill_period() {
+  for (const NodeMotion& motion : motions_) {
+    const bool moves_something =
+        std::any_of(given_.begin(), given_.end(), [&](const Given& given) { return given.motion == &motion; });
+    if (!moves_something) return Error{"no node named '" + motion.node + "' carries anything that could move"};
+  }
+  const std::chrono::microseconds period = longest();
+  const double until = seconds_of(period);
+  for (const Given& given : given_) {
+    if (until / seconds_of(given.motion->period) > kMostRepeats) {
+      return Error{"the motion of node '" + given.motion->node + "' is too fast beside the longest animation"};
+    }
+    set_motion(*given.motion, until, nodes_[given.node]);
+  }
+  return period;
 }
 
 Result<uint32_t> MovingNodes::find(uint32_t placed) {
@@ -129,12 +179,19 @@ Result<uint32_t> MovingNodes::find(uint32_t placed) {
   auto channels = animations_.of(source);
   if (!channels) return channels.error();
   node.channels = std::move(*channels);
+  if (!source.local.has_matrix) {
+    for (const NodeMotion& motion : motions_) {
+      if (motion.node != model_.nodes[static_cast<size_t>(source.node)].name) continue;
+      given_.push_back({static_cast<uint32_t>(nodes_.size()), &motion});
+      set_motion(motion, seconds_of(motion.period), node);
+    }
+  }
   index_[placed] = static_cast<uint32_t>(nodes_.size());
   nodes_.push_back(std::move(node));
   return index_[placed];
 }
 
-std::chrono::microseconds MovingNodes::period() const {
+std::chrono::microseconds MovingNodes::longest() const {
   double seconds = 0;
   for (const MovingNode& node : nodes_) {
     for (const Channel& channel : node.channels)

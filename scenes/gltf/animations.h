@@ -37,20 +37,37 @@ class Animations {
 // The nodes that carry something and move, for Scene::moving_nodes.
 class MovingNodes {
  public:
-  MovingNodes(const std::vector<PlacedNode>& placed, Animations& animations);
+  // All references outlive it.
+  MovingNodes(const tinygltf::Model& model, const std::vector<PlacedNode>& placed, Animations& animations,
+              const std::vector<NodeMotion>& motions);
 
   // Of a placed node that carries something: its index in nodes(), kNone where it rests. Error: as Animations::of.
   Result<uint32_t> find(uint32_t placed);
 
+  // When all nodes were found: the time of the longest animation, until which the given motions are repeated. Error:
+  // one of them moves nothing, or is too fast for that.
+  Result<std::chrono::microseconds> fill_period();
+
   std::vector<MovingNode>& nodes() { return nodes_; }
-  std::chrono::microseconds period() const;
 
  private:
+  // Of a moving node and a motion that was given to it.
+  struct Given {
+    uint32_t node;
+    const NodeMotion* motion;
+  };
+
+  bool is_given_motion(const PlacedNode& node) const;
+  std::chrono::microseconds longest() const;
+
+  const tinygltf::Model& model_;
   const std::vector<PlacedNode>& placed_;
   Animations& animations_;
   std::vector<bool> moved_;      // for each placed node: itself, or through an ancestor
   std::vector<uint32_t> index_;  // for each placed node, kNone: not yet
   std::vector<MovingNode> nodes_;
+  const std::vector<NodeMotion>& motions_;
+  std::vector<Given> given_;
 };
 
 }  // namespace gnomon::scenes::gltf

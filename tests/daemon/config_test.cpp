@@ -168,7 +168,10 @@ struct Line {
   std::string value;  // what follows it, comment included
 };
 
-Line line_of(const std::string& text) {
+// An example that is commented out documents its keys too.
+Line line_of(std::string text) {
+  const size_t sign = text.find_first_not_of(' ');
+  if (sign != std::string::npos && sign > 0 && text[sign] == '#') text[sign] = ' ';
   Line line;
   line.indent = std::min(text.find_first_not_of(' '), text.size());
   const bool item = text.compare(line.indent, 2, "- ") == 0;
@@ -191,7 +194,7 @@ std::vector<Line> lines_of(const std::string& text) {
 // Dotted keys, by the file's own indentation.
 std::vector<std::string> keys_in(const std::string& text) {
   std::vector<std::string> keys;
-  std::string section, list;
+  std::string section, list, nested;
   for (const Line& line : lines_of(text)) {
     if (line.key.empty()) continue;
     if (line.indent == 0) {
@@ -199,11 +202,33 @@ std::vector<std::string> keys_in(const std::string& text) {
       list.clear();
     } else if (line.key == "list") {
       list = ".list";
+    } else if (line.key == "moving") {
+      nested = ".moving";
     } else {
-      keys.push_back(section + (line.indent >= 4 ? list : "") + "." + line.key);
+      if (line.indent < 10) nested.clear();
+      keys.push_back(section + (line.indent >= 4 ? list : "") + nested + "." + line.key);
     }
   }
   return keys;
+}
+
+TEST(MovingNodes, AreReadAndChecked) {
+  const auto parse = [](const std::string& moving) {
+    return parse_config("scenes: {list: [{name: a, file: a.glb, moving: [" + moving + "]}]}", "edge.yaml");
+  };
+  const auto config = parse("{node: fan, spin: [0, 0.5, 0], period_ms: 900}, {node: cart, shift: [2, 0, -1]}");
+  ASSERT_TRUE(config) << config.error().message;
+  const auto& moving = config->scenes.list.at(0).moving;
+  ASSERT_EQ(moving.size(), 2u);
+  EXPECT_EQ(moving[0].node, "fan");
+  EXPECT_EQ(moving[0].spin, (std::vector<float>{0, 0.5f, 0}));
+  EXPECT_EQ(moving[0].period.count(), 900);
+  EXPECT_EQ(moving[1].shift, (std::vector<float>{2, 0, -1}));
+  for (const char* wrong :
+       {"{spin: [0, 1, 0]}", "{node: fan}", "{node: fan, spin: [0, 1]}", "{node: fan, spin: [0, 0, 0]}",
+        "{node: fan, spin: [a, b, c]}", "{node: fan, spin: [0, 1, 0], shift: [1, 0, 0]}",
+        "{node: fan, spin: [0, 1, 0], speed: 4}"})
+    EXPECT_FALSE(parse(wrong)) << wrong;
 }
 
 TEST(ShippedConfig, DocumentsEveryKeyWithItsDefault) {

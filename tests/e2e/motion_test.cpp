@@ -17,7 +17,7 @@ namespace {
 
 namespace made = scenes::testing;
 
-// A floor, a block that rests, a beam that turns above it within two seconds; a lamp that rests and one that swings.
+// A floor, a block, a beam that turns above it within two seconds; a lamp that rests and one that swings.
 std::string moving_hall() {
   made::GltfFile file;
   const auto box = [&](glm::vec3 half) {
@@ -31,7 +31,7 @@ std::string moving_hall() {
     return file.add_mesh({{"attributes", {{"POSITION", positions}}}, {"indices", faces}});
   };
   file.add_node({{"mesh", box({4, 0.1f, 4})}});
-  file.add_node({{"mesh", box({0.4f, 0.5f, 0.4f})}, {"translation", {1, 0.6f, 0}}});
+  file.add_node({{"mesh", box({0.4f, 0.5f, 0.4f})}, {"translation", {1, 0.6f, 0}}, {"name", "block"}});
   file.add_node({{"mesh", box({1.6f, 0.1f, 0.3f})}, {"translation", {0, 1.6f, 0}}});
   const made::json bulb = {{"type", "point"}, {"intensity", 60}};
   file.add_lamp(bulb, {{"translation", {0.5f, 3.5f, 1}}});
@@ -43,16 +43,27 @@ std::string moving_hall() {
   return file.gltf();
 }
 
+const std::vector<scenes::NodeMotion> kShove{
+    {"block", scenes::NodeMotion::Kind::shift, {-1.5f, 0, 0.5f}, std::chrono::milliseconds(1500)}};
+
+// The operator has the block shoved.
 struct Hall {
   explicit Hall(const std::string& scenes_keys, const std::string& tracer = "light_buffer")
-      : file(folder.write("hall.gltf", moving_hall())), scene(scenes::load_scene(file).value()), daemon(R"(
+      : file(folder.write("hall.gltf", moving_hall())),
+        scene(scenes::load_scene(file, {}, kShove).value()),
+        daemon(R"(
 server: {listen: 127.0.0.1, control_port: 0, data_port: 0}
 admin: {listen: 127.0.0.1, port: 0}
-render: {device: cpu, tracer: )" + tracer + R"(}
+render: {device: cpu, tracer: )" +
+               tracer + R"(}
 scenes:
   list:
-    - {name: hall, file: )" + file.string() + R"(}
-  )" + scenes_keys + R"(
+    - name: hall
+      file: )" +
+               file.string() + R"(
+      moving: [{node: block, shift: [-1.5, 0, 0.5], period_ms: 1500}]
+  )" + scenes_keys +
+               R"(
 tenants:
   - {name: studio}
   - {name: arcade}
@@ -149,6 +160,14 @@ TEST(Motion, APictureIsThatOfTheSceneStopped) {
     EXPECT_EQ(picture->rgba, expected->rgba) << frame->moment.scene_time_us;
     EXPECT_GT(std::set<uint8_t>(picture->rgba.begin(), picture->rgba.end()).size(), 20u);
   }
+}
+
+TEST(Motion, TheClientFindsTheServersScene) {
+  Hall hall("clock_hz: 60");
+  const auto [status, output] =
+      run("gnomon-client", {"--server", hall.daemon.server(), "--tenant", "studio", "--scene", "hall",
+                            "--scene-dir", hall.folder.path().string(), "--size", "160x90", "--frames", "4"});
+  EXPECT_EQ(status, 0) << output;
 }
 
 TEST(Motion, AChangedLightIsToldToAllAndRestsAgain) {

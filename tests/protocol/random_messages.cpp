@@ -103,7 +103,13 @@ Welcome welcome(Random& random) {
   m.tracer = text(random);
   m.silence_timeout_ms = static_cast<uint32_t>(random());
   m.scene = manifest(random);
-  if (m.features & kFeatureMoments) m.lights_version = static_cast<uint32_t>(random());
+  if (m.features & kFeatureMoments) {
+    m.lights_version = static_cast<uint32_t>(random());
+    for (uint64_t i = below(random, 4); i > 0; --i) {
+      m.motions.push_back({text(random), static_cast<uint8_t>(below(random, 2)), vector(random),
+                           static_cast<uint32_t>(1 + below(random, 1u << 30))});
+    }
+  }
   return m;
 }
 

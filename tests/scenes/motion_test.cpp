@@ -141,6 +141,41 @@ TEST(Motion, CountsInTheContentHash) {
   EXPECT_NE(there, hash_of({}));
 }
 
+ScenePtr load_with(const GltfFile& file, const std::vector<NodeMotion>& motions) {
+  const ScratchFolder folder;
+  auto scene = load_scene(folder.write("scene.gltf", file.gltf()), {}, motions);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? *scene : std::make_shared<Scene>();
+}
+
+TEST(GivenMotion, SpinsAndShiftsAndRepeatsUntilTheLongestEnds) {
+  GltfFile file = carousel();
+  file.root["nodes"][1]["name"] = "wheel";
+  file.root["nodes"][3]["name"] = "lamp";
+  using Kind = NodeMotion::Kind;
+  const ScenePtr scene =
+      load_with(file, {{"wheel", Kind::spin, {0, 2, 0}, 4s}, {"lamp", Kind::shift, {0, 1, 0}, 1s}});
+  EXPECT_EQ(scene->period, SceneTime(4s));
+  expect_near(build_moving_mesh(*scene, 0s).positions.at(0), {2, 0, 0});
+  expect_near(build_moving_mesh(*scene, 1s).positions.at(0), {0, 0, -2});
+  expect_near(build_moving_mesh(*scene, 500ms).positions.at(0), {2 * kQuarter, 0, -2 * kQuarter});
+  expect_near(build_moving_mesh(*scene, 3s).positions.at(0), {0, 0, 2});
+  for (const SceneTime turn : {SceneTime(0), SceneTime(1s), SceneTime(3s)}) {
+    EXPECT_NEAR(lights_at(*scene, scene->lights, turn).at(0).position.y, 0, 1e-5);
+    EXPECT_NEAR(lights_at(*scene, scene->lights, turn + 250ms).at(0).position.y, 0.5, 1e-5);
+    EXPECT_NEAR(lights_at(*scene, scene->lights, turn + 500ms).at(0).position.y, 1, 1e-5);
+  }
+  EXPECT_NE(scene->content_hash, load_with(file, {{"wheel", Kind::spin, {0, 2, 0}, 4s}})->content_hash);
+}
+
+TEST(GivenMotion, MustMoveSomething) {
+  const ScratchFolder folder;
+  const auto file = folder.write("scene.gltf", carousel().gltf());
+  const auto scene = load_scene(file, {}, {{"fan", NodeMotion::Kind::spin, {0, 1, 0}, 4s}});
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("no node named 'fan' carries anything"), std::string::npos);
+}
+
 TEST(Motion, BrokenAnimationsAreNamed) {
   GltfFile file = carousel();
   animate<glm::vec3>(file, 1, "translation", "LINEAR", {0, 2, 1}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
