@@ -96,7 +96,13 @@ void Daemon::render() {
   if (loop_->failure() && options_.on_failure) options_.on_failure(*loop_->failure());
 }
 
-Result<void> Daemon::reload(const Config& next) {
+Result<void> Daemon::reload(const Result<Config>& next) {
+  const auto done = next ? apply(*next) : Result<void>(next.error());
+  metrics_.reloaded(done.has_value());
+  return done;
+}
+
+Result<void> Daemon::apply(const Config& next) {
   if (names_of(next.tenants) != names_of(options_.config.tenants)) {
     return Error{"tenants: other names, or another order, than at the start; allowed: the same ones"};
   }

@@ -34,7 +34,8 @@ class Daemon {
   // Shares the device on the terms of `next` from now on and takes its limits and log level; no session is dropped.
   // Error: it names other tenants than we started with, and nothing has changed. What else differs needs a restart,
   // which the log says. The main thread.
-  Result<void> reload(const Config& next);
+  // An error in the place of a configuration is counted and given back.
+  Result<void> reload(const Result<Config>& next);
 
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
@@ -44,6 +45,7 @@ class Daemon {
  private:
   Daemon(Options options, SceneCatalog catalog);
 
+  Result<void> apply(const Config& next);
   Result<void> bring_up();
   Result<void> open_device();
   Result<void> load_scenes();

@@ -94,8 +94,7 @@ void leave_at(TimePoint deadline) {
 void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
   hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
     if (error) return;
-    const auto config = load_config(arguments);
-    const auto done = config ? daemon.reload(*config) : Result<void>(config.error());
+    const auto done = daemon.reload(load_config(arguments));
     if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
     reload_on_hangup(hangup, daemon, arguments);
   });

@@ -145,6 +145,10 @@ struct Metrics::Families {
   Counter& device_busy =
       counter(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.").Add({});
 
+  Family<Counter>& all_reloads =
+      counter(registry, "gnomon_config_reloads_total", "Configurations read while running, taken or not.");
+  Counter& reloads = all_reloads.Add({{"result", "done"}});
+  Counter& failed_reloads = all_reloads.Add({{"result", "failed"}});
   Family<Counter>& limit_refusals =
       counter(registry, "gnomon_tenant_refusals_total", "Sessions refused a tenant, by the limit that they met.");
 
@@ -237,6 +241,8 @@ void Metrics::dropped(TenantId tenant, Fault fault) {
   report(fault);
   if (fault == Fault::view_hopeless) families_->tenants[tenant.value]->hopeless.Increment();
 }
+
+void Metrics::reloaded(bool done) { (done ? families_->reloads : families_->failed_reloads).Increment(); }
 
 void Metrics::degraded(TenantId tenant, bool down) {
   TenantSeries& series = *families_->tenants[tenant.value];

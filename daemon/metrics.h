@@ -41,6 +41,7 @@ class Metrics {
   // A view or frame of a tenant came to nothing.
   void dropped(TenantId tenant, Fault fault);
   void shares(const ShareReport& report);
+  void reloaded(bool done);
   void degraded(TenantId tenant, bool down);
   void refused(TenantId tenant, scheduler::Limit limit);
   // Of a configured scene; others have no series.

@@ -170,6 +170,9 @@ TEST_F(Served, AReloadChangesTermsAndLimitsAndDropsNobody) {
 
   next.tenants.push_back({.name = "stranger"});
   EXPECT_FALSE(daemon_->reload(next));
+  EXPECT_FALSE(daemon_->reload(Error{"not a configuration"}));
+  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"done\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"failed\"} 2"));
 }
 
 TEST_F(Served, LimitsSessionsAndGivesSeatsBack) {

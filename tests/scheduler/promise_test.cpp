@@ -1,6 +1,10 @@
 // The promise of scheduler.h, over millions of picks, and that these checks find a broken policy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <vector>
+
 #include "tests/scheduler/broken_policies.h"
 #include "tests/scheduler/workload.h"
 
@@ -51,6 +55,38 @@ TEST(Promise, BusyTenantsGetTheirWeightsToTheLastSlice) {
                                      .withdraws = false});
   expect_clean(found, 300'000);
   EXPECT_GT(found.jain, 0.999999);
+}
+
+// The same statement one level below: sessions of one tenant, equal weights, whatever other tenants do.
+TEST(Promise, HoldsAmongTheSessionsOfATenant) {
+  constexpr uint32_t kSessions = 8;
+  constexpr double kLargest = 4e6;
+  const auto fair = make_fair();
+  std::mt19937_64 random(6);
+  std::vector<double> service(kSessions + 1);
+  const auto ask = [&](uint64_t session) {  // each has jobs of its own size; number 8 is another tenant's
+    const auto most = static_cast<uint64_t>(kLargest) / (1 + session % 4);
+    fair->make_ready(SessionId{session}, {Nanoseconds(1 + random() % most)}, {});
+  };
+  for (uint32_t tenant = 0; tenant < 2; ++tenant) fair->set_tenant(TenantId{tenant}, {.weight = 1 + tenant});
+  for (uint32_t i = 0; i <= kSessions; ++i) {
+    fair->add_session(SessionId{i}, TenantId{i / kSessions});
+    ask(i);
+  }
+  double low = 0, high = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const auto ticket = fair->pick({});
+    ASSERT_TRUE(ticket);
+    service[ticket->session.value] += static_cast<double>(ticket->predicted.count());
+    ask(ticket->session.value);
+    for (uint32_t a = 0; a < kSessions; ++a) {
+      for (uint32_t b = 0; b < a; ++b) {
+        low = std::min(low, service[a] - service[b]);
+        high = std::max(high, service[a] - service[b]);
+      }
+    }
+    ASSERT_LE(high - low, 2 * 5 * kLargest) << i;  // of any two pairs: twice the bound of one
+  }
 }
 
 TEST(Promise, RoundRobinKeepsTheDeviceBusyButNotTheShares) {
