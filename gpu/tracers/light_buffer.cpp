@@ -1,4 +1,7 @@
 // Tracer "light_buffer": what each light sees, built once (gpu/tracers/light_buffer/). For static geometry and lights.
+#include <array>
+#include <utility>
+
 #include "common/clock.h"
 #include "common/log.h"
 #include "gpu/tracers/light_buffer/builder.h"
@@ -10,10 +13,12 @@
 namespace gnomon::gpu {
 namespace {
 
-// As shaders/trace_light_buffer.glsl declares it, after the address of the masks.
+// As shaders/trace_light_buffer.glsl declares it, after the addresses of the masks.
 struct Push {
-  VkDeviceAddress nodes = 0;
-  VkDeviceAddress lists = 0;
+  VkDeviceAddress grid = 0;
+  VkDeviceAddress leaves = 0;
+  VkDeviceAddress entries = 0;
+  VkDeviceAddress corners = 0;
   VkDeviceAddress views = 0;
   uint32_t first_masked = 0;
   uint32_t reserved = 0;
@@ -21,15 +26,47 @@ struct Push {
 
 class LightBufferScene : public TracedScene {
  public:
-  LightBufferScene(Buffer nodes, Buffer lists, Buffer views, uint32_t first_masked)
-      : nodes_(std::move(nodes)), lists_(std::move(lists)), views_(std::move(views)) {
-    push_ = {nodes_.address(), lists_.address(), views_.address(), first_masked, 0};
+  // Error: out of memory.
+  static Result<std::unique_ptr<TracedScene>> create(const DevicePtr& device, const light_buffer::LightBuffer& buffer,
+                                                     const scenes::WorldMesh& mesh) {
+    auto scene = std::make_unique<LightBufferScene>();
+    const std::vector<glm::vec3> corners = corners_of(mesh);
+    const std::array<std::pair<std::span<const std::byte>, VkDeviceAddress*>, 5> parts = {{
+        {std::as_bytes(std::span(buffer.grid)), &scene->push_.grid},
+        {std::as_bytes(std::span(buffer.leaves)), &scene->push_.leaves},
+        {std::as_bytes(std::span(buffer.entries)), &scene->push_.entries},
+        {std::as_bytes(std::span(corners)), &scene->push_.corners},
+        {std::as_bytes(std::span(buffer.lights)), &scene->push_.views},
+    }};
+    for (const auto& [bytes, address] : parts) {
+      auto uploaded = upload(device, bytes);
+      if (!uploaded) return uploaded.error();
+      *address = uploaded->address();
+      scene->buffers_.push_back(std::move(*uploaded));
+    }
+    scene->push_.first_masked = mesh.opaque_count;
+    return std::unique_ptr<TracedScene>(std::move(scene));
   }
-  uint64_t memory_bytes() const override { return nodes_.bytes() + lists_.bytes() + views_.bytes(); }
+
+  uint64_t memory_bytes() const override {
+    uint64_t bytes = 0;
+    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
+    return bytes;
+  }
   std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
 
  private:
-  Buffer nodes_, lists_, views_;
+  // Of every triangle, side by side: a walk then reads one place instead of four.
+  static std::vector<glm::vec3> corners_of(const scenes::WorldMesh& mesh) {
+    std::vector<glm::vec3> corners;
+    corners.reserve(3 * mesh.triangles.size());
+    for (const glm::uvec3& t : mesh.triangles) {
+      for (int k = 0; k < 3; ++k) corners.push_back(mesh.positions[t[k]]);
+    }
+    return corners;
+  }
+
+  std::vector<Buffer> buffers_;
   Push push_;
 };
 
@@ -50,14 +87,9 @@ class LightBufferTracer : public Tracer {
     const TimePoint start = Clock::now();
     bool from_cache = false;
     const light_buffer::LightBuffer buffer = load_or_build(input, from_cache);
-    auto nodes = upload(device_, std::as_bytes(std::span(buffer.nodes)));
-    if (!nodes) return nodes.error();
-    auto lists = upload(device_, std::as_bytes(std::span(buffer.lists)));
-    if (!lists) return lists.error();
-    auto views = upload(device_, std::as_bytes(std::span(buffer.lights)));
-    if (!views) return views.error();
-    std::unique_ptr<TracedScene> scene = std::make_unique<LightBufferScene>(
-        std::move(*nodes), std::move(*lists), std::move(*views), input.mesh.opaque_count);
+    auto created = LightBufferScene::create(device_, buffer, input.mesh);
+    if (!created) return created.error();
+    std::unique_ptr<TracedScene> scene = std::move(*created);
     scene->build_seconds = to_seconds(Clock::now() - start);
     scene->list_statistics = lists_of(buffer.statistics, from_cache);
     log_built(input.scene, buffer.statistics.bytes, *scene);

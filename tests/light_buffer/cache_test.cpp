@@ -51,10 +51,10 @@ TEST_F(Cache, GivesBackWhatWasSaved) {
   ASSERT_TRUE(light_buffer::save(folder_, key_, buffer_));
   const auto loaded = light_buffer::load(folder_, key_, why);
   ASSERT_TRUE(loaded) << why;
-  ASSERT_EQ(loaded->nodes.size(), buffer_.nodes.size());
+  ASSERT_EQ(loaded->leaves.size(), buffer_.leaves.size());
   EXPECT_EQ(
-      std::memcmp(loaded->nodes.data(), buffer_.nodes.data(), buffer_.nodes.size() * sizeof(buffer_.nodes[0])), 0);
-  EXPECT_EQ(loaded->lists, buffer_.lists);
+      std::memcmp(loaded->leaves.data(), buffer_.leaves.data(), buffer_.leaves.size() * sizeof(buffer_.leaves[0])), 0);
+  EXPECT_EQ(loaded->entries, buffer_.entries);
   EXPECT_EQ(loaded->statistics.longest_list, buffer_.statistics.longest_list);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()), 1);
 }

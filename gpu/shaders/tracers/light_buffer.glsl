@@ -2,19 +2,11 @@
 // answers are exact. query.cpp does the same in C++.
 #include "tracers/alpha.glsl"
 
-const uint kNone = 0xffffffffu;
-const uint kRootLevel = 4u;
-const uint kGroupLevel = 8u;
+const uint kTopLevel = 8u;
 const uint kIndexBits = 14u;
-const float kFaceExtent = 1.0625;
-const float kFixedPerUnit = 16384.0 / (2.0 * kFaceExtent);
+const uint kCountBits = 24u;
+const uint kDepthBits = 3u;
 
-struct Node {
-  vec3 near_plane;
-  uint children;
-  vec3 cover_plane;
-  uint list;
-};
 struct LightView {
   vec3 reference;
   uint directional;
@@ -23,83 +15,80 @@ struct LightView {
   vec3 v_axis;
   float v_offset;
   vec3 depth_axis;
-  uint roots;
+  uint cells;
   vec3 direction;  // directional: of every segment
   uint reserved;
 };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Nodes { Node at[]; };
+struct Leaf {
+  vec3 near_plane;
+  uint first;
+  vec3 cover_plane;
+  uint count;
+};
+struct ListEntry {
+  uint box;
+  float reciprocal_depth;
+  uint triangle;
+};
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightViews { LightView at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
 
-// A place on a light's face: fixed-point position, and the axis along which depth is measured.
+// By way of int: vector units convert to that, not all to uint.
+uvec2 to_fixed(vec2 p) { return uvec2(ivec2(clamp(p, vec2(0.0), vec2(16383.0)))); }
+
+// A place on a light's faces, in fixed point, and the depth there.
 struct Place {
   uint face;
-  uvec2 position;
-  vec3 depth_axis;
+  uvec2 at;
+  float depth;
 };
 
-uvec2 to_fixed(vec2 p) { return uvec2(clamp(p, vec2(0.0), vec2(16383.0))); }
-
-// Components of v in the order (u, v, depth) of the faces of axis 0, 1 or 2.
-vec3 turned(vec3 v, uint axis) { return axis == 0u ? v.yzx : axis == 1u ? v.zxy : v; }
-
-uint largest_axis(vec3 size) { return size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u; }
-
-vec3 unit_axis(uint axis) { return vec3(axis == 0u, axis == 1u, axis == 2u); }
-
-Place place_of(LightView light, vec3 rel) {
+Place cube_place(vec3 rel) {
   Place place;
-  if (light.directional != 0u) {
-    place.face = 0u;
-    place.position = to_fixed(vec2(dot(light.u_axis, rel) + light.u_offset, dot(light.v_axis, rel) + light.v_offset));
-    place.depth_axis = light.depth_axis;
-    return place;
-  }
-  uint axis = largest_axis(abs(rel));
-  vec3 seen = turned(rel, axis);
-  bool negative = seen.z < 0.0;
-  place.face = axis * 2u + (negative ? 1u : 0u);
-  place.position = to_fixed(seen.xy * (kFixedPerUnit / abs(seen.z)) + kFixedPerUnit * kFaceExtent);
-  place.depth_axis = unit_axis(axis) * (negative ? -1.0 : 1.0);
+  vec3 size = abs(rel);
+  bool x = size.x >= size.y && size.x >= size.z;
+  bool y = !x && size.y >= size.z;
+  place.depth = x ? size.x : y ? size.y : size.z;
+  vec2 across = x ? rel.yz : y ? rel.zx : rel.xy;
+  bool negative = (x ? rel.x : y ? rel.y : rel.z) < 0.0;
+  place.face = (x ? 0u : y ? 2u : 4u) + (negative ? 1u : 0u);
+  place.at = to_fixed(across * (8192.0 / place.depth) + 8192.0);
   return place;
 }
 
-// The node of at most `level` that holds the place.
-uint node_at(LightView light, Place place, uint level) {
-  uint shift = kIndexBits - kRootLevel;
-  uint node = light.roots + (place.face << (2u * kRootLevel)) + ((place.position.y >> shift) << kRootLevel) +
-              (place.position.x >> shift);
-  uint last = kIndexBits - level;
-  for (uint children = Nodes(push.nodes).at[node].children; children != kNone && shift > last;) {
-    --shift;
-    node = children + ((place.position.y >> shift) & 1u) * 2u + ((place.position.x >> shift) & 1u);
-    children = Nodes(push.nodes).at[node].children;
-  }
-  return node;
+Place flat_place(LightView view, vec3 rel) {
+  return Place(0u, to_fixed(vec2(dot(view.u_axis, rel) + view.u_offset, dot(view.v_axis, rel) + view.v_offset)),
+               dot(view.depth_axis, rel));
 }
 
-// Does a triangle of the list block the segment? `depth` of its origin.
-bool list_blocks(uint list, float depth, vec3 origin, vec3 direction) {
-  uint count = Uints(push.lists).at[list];
-  for (uint k = 0u; k < count; ++k) {
-    uint entry = list + 1u + 2u * k;
-    uint triangle = Uints(push.lists).at[entry];
-    if (depth * uintBitsToFloat(Uints(push.lists).at[entry + 1u]) < 1.0) return false;
-    uvec3 corners = frame.triangles.at[triangle];
-    vec3 p0 = frame.positions.at[corners.x];
-    vec3 p1 = frame.positions.at[corners.y];
-    vec3 p2 = frame.positions.at[corners.z];
-    if (segment_meets_triangle(origin, direction, p0, p1, p2)) {
-      if (triangle < push.first_masked || blocks_by_alpha(triangle, origin, direction, p0, p1, p2)) return true;
-    }
-  }
-  return false;
+// `rel`: of a point to the light's reference.
+Place place_of(LightView view, vec3 rel) {
+  if (view.directional != 0u) return flat_place(view, rel);
+  return cube_place(rel);
 }
 
-// One pixel on its own.
-bool blocked_alone(LightView light, vec3 rel, vec3 origin, vec3 direction) {
-  Place place = place_of(light, rel);
-  Node node = Nodes(push.nodes).at[node_at(light, place, kIndexBits)];
-  if (dot(node.near_plane, rel) < 1.0) return false;
-  if (dot(node.cover_plane, rel) > 1.0) return true;
-  return list_blocks(node.list, dot(place.depth_axis, rel), origin, direction);
+const uint kCellShift = kIndexBits - kTopLevel;
+
+uint cell_at(LightView view, Place place) {
+  uvec2 cell = place.at >> kCellShift;
+  return Uints(push.grid).at[view.cells + (place.face << (2u * kTopLevel)) + (cell.y << kTopLevel) + cell.x];
+}
+
+// The leaf within the cell.
+uint leaf_at(uint cell, Place place) {
+  uint bits = cell & ((1u << kDepthBits) - 1u);
+  uvec2 sub = (place.at >> (kCellShift - bits)) & ((1u << bits) - 1u);
+  return Uints(push.grid).at[(cell >> kDepthBits) + (sub.y << bits) + sub.x];
+}
+
+// In 256ths of the leaf's side, x in the low half. `count`: the leaf's, with its level.
+uint place_in_leaf(uvec2 at, uint count) {
+  uvec2 place = ((at << (count >> kCountBits)) & ((1u << kIndexBits) - 1u)) >> (kIndexBits - 8u);
+  return place.x | place.y << 16;
+}
+
+bool in_box(uint box, uint place) {
+  uint x = place & 255u, y = place >> 16;
+  return x >= (box & 255u) && y >= ((box >> 8) & 255u) && x <= ((box >> 16) & 255u) && y <= box >> 24;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "common/clock.h"
@@ -12,49 +13,69 @@ namespace {
 
 constexpr size_t kChunk = 4096;  // triangles set up by one call
 
-class Build {
- public:
-  // Only one root in `stride` is built, to learn what all would take.
-  Build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds, const BuildSettings& settings,
-        const Detail& detail, size_t stride)
-      : mesh_(mesh),
-        bounds_(bounds),
-        detail_(detail),
-        stride_(stride),
-        threads_(settings.threads != 0 ? settings.threads : std::max(1u, std::thread::hardware_concurrency())) {}
+// One light's footprints, face by face.
+using Footprints = std::vector<std::vector<Footprint>>;
 
-  void add(const exact::TracedLight& light, LightBuffer& out) {
-    LightFaces faces = light_faces(light, bounds_);
-    faces.view.roots = static_cast<uint32_t>(out.nodes.size());
-    out.nodes.resize(out.nodes.size() + faces.faces.size() * kRootCount, Node{});
-    out.lights.push_back(faces.view);
-    for (size_t f = 0; f < faces.faces.size(); ++f) {
-      add_face(faces, f, light, out, faces.view.roots + static_cast<uint32_t>(f) * kRootCount);
+// One root square and what may meet it.
+struct Root {
+  size_t face = 0;
+  uint32_t i = 0, j = 0;
+  std::vector<const Footprint*> met;
+};
+
+class LightBuild {
+ public:
+  LightBuild(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds, const exact::TracedLight& light,
+             unsigned threads)
+      : mesh_(mesh), light_(light), faces_(light_faces(light, bounds)), threads_(threads) {
+    for (size_t f = 0; f < faces_.faces.size(); ++f) {
+      footprints_.push_back(faces_.used[f] ? footprints(faces_.faces[f]) : std::vector<Footprint>());
+      add_roots(f);
     }
+    // Long ones first, so that no thread is left with one at the end.
+    order_.resize(roots_.size());
+    std::iota(order_.begin(), order_.end(), size_t{0});
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](size_t a, size_t b) { return roots_[a].met.size() > roots_[b].met.size(); });
+  }
+
+  size_t face_count() const { return faces_.faces.size(); }
+  const LightView& view() const { return faces_.view; }
+
+  // One root in `stride`, in the order of their faces; the others stay empty.
+  std::vector<Piece> pieces(const Detail& detail, size_t stride) const {
+    std::vector<Piece> pieces(roots_.size());
+    parallel_for(order_.size(), threads_, [&](size_t n) {
+      const size_t r = order_[n];
+      if ((r + r / 16 * 5) % stride != 0) return;  // spread over rows and columns
+      const Root& root = roots_[r];
+      pieces[r] = build_piece(faces_.faces[root.face], detail, root.i, root.j, root.met);
+    });
+    return pieces;
   }
 
  private:
   // What cannot block a segment of this light: beyond its range.
-  bool reaches(const exact::TracedLight& light, const std::array<glm::dvec3, 3>& corners) const {
-    if (light.kind == 2 || light.reach == 0.0f) return true;
+  bool reaches(const std::array<glm::dvec3, 3>& corners) const {
+    if (light_.kind == 2 || light_.reach == 0.0f) return true;
     const glm::dvec3 low = glm::min(corners[0], glm::min(corners[1], corners[2]));
     const glm::dvec3 high = glm::max(corners[0], glm::max(corners[1], corners[2]));
     const glm::dvec3 nearest = glm::clamp(glm::dvec3(0.0), low, high);
-    return glm::length(nearest) <= 1.001 * light.reach;
+    return glm::length(nearest) <= 1.001 * light_.reach;
   }
 
-  std::vector<Footprint> footprints(const LightFaces& faces, const Face& face, const exact::TracedLight& light) {
+  std::vector<Footprint> footprints(const Face& face) const {
     const size_t count = mesh_.triangles.size();
     std::vector<std::vector<Footprint>> chunks((count + kChunk - 1) / kChunk);
     parallel_for(chunks.size(), threads_, [&](size_t c) {
       for (size_t t = c * kChunk; t < std::min(count, (c + 1) * kChunk); ++t) {
         std::array<glm::dvec3, 3> corners;
         for (int k = 0; k < 3; ++k) {
-          corners[static_cast<size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[t][k]]) - faces.reference;
+          corners[static_cast<size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[t][k]]) - faces_.reference;
         }
-        if (!reaches(light, corners)) continue;
-        std::optional<Footprint> f = footprint(face, faces.diameter, corners);
-        if (!f || !shown(face, *f)) continue;
+        if (!reaches(corners)) continue;
+        std::optional<Footprint> f = footprint(face, faces_.diameter, corners);
+        if (!f || !meets(*f, face.square(0, 0, 0))) continue;
         f->triangle = static_cast<uint32_t>(t);
         f->can_cover = f->can_cover && t < mesh_.opaque_count;
         chunks[c].push_back(*f);
@@ -65,108 +86,121 @@ class Build {
     return all;
   }
 
-  static bool shown(const Face& face, const Footprint& f) {
-    const uint32_t last = (1u << kRootLevel) - 1;
-    const Rect first = face.node_rect(kRootLevel, 0, 0);
-    const Rect final = face.node_rect(kRootLevel, last, last);
-    return meets(f, {first.u0, first.v0, final.u1, final.v1});
+  void add_roots(size_t f) {
+    const Face& face = faces_.faces[f];
+    const size_t first = roots_.size();
+    for (uint32_t r = 0; r < kRootCount; ++r) {
+      roots_.push_back({f, r % (1u << kRootLevel), r >> kRootLevel, {}});
+    }
+    for (const Footprint& footprint : footprints_[f]) {
+      const auto [i0, i1] = root_span(footprint.box.u0, footprint.box.u1, face.low_u, face.size);
+      const auto [j0, j1] = root_span(footprint.box.v0, footprint.box.v1, face.low_v, face.size);
+      for (uint32_t j = j0; j <= j1; ++j) {
+        for (uint32_t i = i0; i <= i1; ++i) roots_[first + (j << kRootLevel) + i].met.push_back(&footprint);
+      }
+    }
   }
 
-  // Root indices of one axis whose nodes may meet [low, high].
+  // Root indices of one axis whose squares may meet [low, high].
   static std::pair<uint32_t, uint32_t> root_span(double low, double high, double face_low, double face_size) {
     const double side = 1u << kRootLevel;
-    const double first = std::floor((low - face_low) / face_size * side - 2.01);
+    const double first = std::floor((low - face_low) / face_size * side - 0.01);
     const double last = std::floor((high - face_low) / face_size * side + 0.01);
     return {static_cast<uint32_t>(std::clamp(first, 0.0, side - 1)),
             static_cast<uint32_t>(std::clamp(last, 0.0, side - 1))};
   }
 
-  void add_face(const LightFaces& faces, size_t f, const exact::TracedLight& light, LightBuffer& out,
-                uint32_t root) {
-    const Face& face = faces.faces[f];
-    const std::vector<Footprint> all = faces.used[f] ? footprints(faces, face, light) : std::vector<Footprint>();
-    std::vector<std::vector<const Footprint*>> met(kRootCount);
-    for (const Footprint& footprint : all) {
-      const auto [i0, i1] = root_span(footprint.box.u0, footprint.box.u1, face.low_u, face.size);
-      const auto [j0, j1] = root_span(footprint.box.v0, footprint.box.v1, face.low_v, face.size);
-      for (uint32_t j = j0; j <= j1; ++j) {
-        for (uint32_t i = i0; i <= i1; ++i) met[(j << kRootLevel) + i].push_back(&footprint);
-      }
-    }
-    std::vector<Subtree> trees(kRootCount);
-    parallel_for(kRootCount, threads_, [&](size_t r) {
-      if ((r * 7 + f) % stride_ != 0) return;
-      trees[r] = build_subtree(face, detail_, static_cast<uint32_t>(r) % (1u << kRootLevel),
-                               static_cast<uint32_t>(r) >> kRootLevel, std::move(met[r]));
-    });
-    for (uint32_t r = 0; r < kRootCount; ++r) append(trees[r], root + r, out);
-  }
-
-  static void append(const Subtree& tree, uint32_t root, LightBuffer& out) {
-    const uint32_t node_base = static_cast<uint32_t>(out.nodes.size()) - 1;  // tree node 1 comes first
-    const uint32_t list_base = static_cast<uint32_t>(out.lists.size());
-    for (size_t n = 0; n < tree.nodes.size(); ++n) {
-      Node node = tree.nodes[n];
-      if (node.children != kNone) node.children += node_base;
-      if (node.list != kNone) node.list += list_base;
-      if (n == 0) {
-        out.nodes[root] = node;
-      } else {
-        out.nodes.push_back(node);
-      }
-    }
-    out.lists.insert(out.lists.end(), tree.lists.begin(), tree.lists.end());
-  }
-
   const scenes::WorldMesh& mesh_;
-  const scenes::Bounds& bounds_;
-  const Detail detail_;
-  const size_t stride_;
+  const exact::TracedLight& light_;
+  const LightFaces faces_;
   const unsigned threads_;
+  Footprints footprints_;
+  std::vector<Root> roots_;
+  std::vector<size_t> order_;
+};
+
+uint64_t bytes_of(const std::vector<Piece>& pieces) {
+  uint64_t bytes = 0;
+  for (const Piece& p : pieces) {
+    bytes += p.blocks.size() * sizeof(uint32_t) + p.leaves.size() * sizeof(Leaf) + p.entries.size() * sizeof(ListEntry);
+  }
+  return bytes;
+}
+
+// Less by about a third.
+Detail coarser(Detail detail) {
+  if (detail.finest_level > detail.usual_level + 1) {
+    --detail.finest_level;
+  } else if (detail.usual_level > kRootLevel) {
+    --detail.usual_level;
+  }
+  detail.longest_walk *= 1.5;
+  return detail;
+}
+
+// As fine as fits into `bytes`, beside the cells.
+std::vector<Piece> fitting_pieces(const LightBuild& build, Detail detail, uint64_t bytes) {
+  constexpr size_t kStride = 16;
+  constexpr int kMostSteps = 12;
+  int step = 0;
+  while (step < kMostSteps && bytes_of(build.pieces(detail, kStride)) * kStride > bytes) {
+    detail = coarser(detail);
+    ++step;
+  }
+  std::vector<Piece> pieces = build.pieces(detail, 1);
+  for (; step < kMostSteps && bytes_of(pieces) > bytes; ++step) {
+    detail = coarser(detail);
+    pieces = build.pieces(detail, 1);
+  }
+  return pieces;
+}
+
+class Assembly {
+ public:
+  explicit Assembly(LightBuffer& out) : out_(out) { out_.leaves.resize(1); }
+
+  void add(LightView view, size_t faces, const std::vector<Piece>& pieces) {
+    view.cells = static_cast<uint32_t>(out_.grid.size());
+    out_.lights.push_back(view);
+    out_.grid.resize(out_.grid.size() + faces * kCellCount);
+    for (size_t r = 0; r < pieces.size(); ++r) append(pieces[r], cell_of_root(view.cells, r));
+  }
+
+ private:
+  static size_t cell_of_root(uint32_t cells, size_t r) {
+    const size_t side = size_t{1} << kRootLevel;
+    const size_t in_face = r % kRootCount;
+    return cells + (r / kRootCount) * kCellCount + (in_face / side * kRootCells << kTopLevel) +
+           in_face % side * kRootCells;
+  }
+
+  void append(const Piece& piece, size_t first_cell) {
+    const uint32_t block_base = static_cast<uint32_t>(out_.grid.size());
+    const uint32_t leaf_base = static_cast<uint32_t>(out_.leaves.size()) - 1;  // its leaf 0 is ours
+    const uint32_t entry_base = static_cast<uint32_t>(out_.entries.size());
+    for (size_t y = 0; y < kRootCells; ++y) {
+      for (size_t x = 0; x < kRootCells; ++x) {
+        out_.grid[first_cell + (y << kTopLevel) + x] =
+            piece.cells[y * kRootCells + x] + (block_base << kDepthBits);
+      }
+    }
+    for (const uint32_t leaf : piece.blocks) out_.grid.push_back(leaf == 0 ? 0 : leaf + leaf_base);
+    for (size_t n = 1; n < piece.leaves.size(); ++n) {
+      out_.leaves.push_back(piece.leaves[n]);
+      out_.leaves.back().first += entry_base;
+    }
+    out_.entries.insert(out_.entries.end(), piece.entries.begin(), piece.entries.end());
+  }
+
+  LightBuffer& out_;
 };
 
 void count(LightBuffer& buffer) {
   Statistics& s = buffer.statistics;
   s.bytes = buffer.memory_bytes();
-  for (const Node& node : buffer.nodes) {
-    if (node.list == kNone) continue;
-    const uint32_t length = buffer.lists[node.list];
-    ++s.leaves;
-    s.entries += length;
-    s.longest_list = std::max(s.longest_list, length);
-  }
-}
-
-// About half the memory.
-Detail coarser(Detail detail) {
-  if (detail.usual_level > kRootLevel) --detail.usual_level;
-  detail.longest_walk *= 1.5;
-  return detail;
-}
-
-LightBuffer build_at(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
-                     std::span<const exact::TracedLight> lights, const BuildSettings& settings,
-                     const Detail& detail, size_t stride) {
-  LightBuffer buffer;
-  Build build(mesh, bounds, settings, detail, stride);
-  for (size_t l = 0; l < lights.size(); ++l) {
-    if (settings.progress && stride == 1) {
-      settings.progress(static_cast<double>(l) / static_cast<double>(lights.size()));
-    }
-    build.add(lights[l], buffer);
-  }
-  return buffer;
-}
-
-// From a sixteenth of the roots.
-uint64_t estimated_bytes(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
-                         std::span<const exact::TracedLight> lights, const BuildSettings& settings,
-                         const Detail& detail) {
-  constexpr size_t kStride = 16;
-  const LightBuffer sample = build_at(mesh, bounds, lights, settings, detail, kStride);
-  const uint64_t roots = 6 * kRootCount * sizeof(Node) * lights.size();
-  const uint64_t bytes = sample.memory_bytes();
-  return bytes > roots ? roots + (bytes - roots) * kStride : bytes;
+  s.leaves = buffer.leaves.size();
+  s.entries = buffer.entries.size();
+  for (const Leaf& leaf : buffer.leaves) s.longest_list = std::max(s.longest_list, leaf.count & ((1u << kCountBits) - 1));
 }
 
 }  // namespace
@@ -178,17 +212,20 @@ uint64_t default_budget(size_t lights) {
 LightBuffer build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
                   std::span<const exact::TracedLight> lights, const BuildSettings& settings) {
   const TimePoint start = Clock::now();
-  constexpr int kMostSteps = 10;
   const uint64_t budget = settings.budget_bytes != 0 ? settings.budget_bytes : default_budget(lights.size());
-  Detail detail = settings.detail;
-  int step = 0;
-  for (; step < kMostSteps && estimated_bytes(mesh, bounds, lights, settings, detail) > budget; ++step) {
-    detail = coarser(detail);
-  }
-  LightBuffer buffer = build_at(mesh, bounds, lights, settings, detail, 1);
-  for (; step < kMostSteps && buffer.memory_bytes() > budget; ++step) {
-    detail = coarser(detail);
-    buffer = build_at(mesh, bounds, lights, settings, detail, 1);
+  const unsigned threads =
+      settings.threads != 0 ? settings.threads : std::max(1u, std::thread::hardware_concurrency());
+  LightBuffer buffer;
+  Assembly assembly(buffer);
+  for (size_t l = 0; l < lights.size(); ++l) {
+    if (settings.progress) settings.progress(static_cast<double>(l) / static_cast<double>(lights.size()));
+    const LightBuild build(mesh, bounds, lights[l], threads);
+    // What earlier lights left over is shared by those to come.
+    const uint64_t cells = build.face_count() * kCellCount * sizeof(uint32_t);
+    const uint64_t used = buffer.memory_bytes();
+    const uint64_t share = budget > used ? (budget - used) / (lights.size() - l) : 0;
+    assembly.add(build.view(), build.face_count(),
+                 fitting_pieces(build, settings.detail, share > cells ? share - cells : 0));
   }
   if (settings.progress) settings.progress(1.0);
   count(buffer);

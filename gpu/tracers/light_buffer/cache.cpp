@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -12,7 +13,7 @@ namespace gnomon::gpu::light_buffer {
 namespace {
 
 // To be raised whenever the same scene and settings would be built into other bytes, or be read otherwise.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
 
 static_assert(std::endian::native == std::endian::little, "files are little-endian");
@@ -23,23 +24,24 @@ struct Header {
   uint32_t longest_list = 0;
   scenes::ContentHash content{};
   uint64_t settings = 0;
-  uint64_t lights = 0, nodes = 0, lists = 0;  // elements, in this order behind the header
-  uint64_t leaves = 0, entries = 0;
+  uint64_t lights = 0, grid = 0, leaves = 0, entries = 0;  // elements, in this order behind the header
   uint64_t payload_hash = 0;
   uint64_t header_hash = 0;  // of all above
 };
-static_assert(sizeof(Header) == 96);
+static_assert(sizeof(Header) == 88);
 
 uint64_t header_hash(const Header& header) { return XXH3_64bits(&header, offsetof(Header, header_hash)); }
 
 uint64_t payload_bytes(const Header& h) {
-  return h.lights * sizeof(LightView) + h.nodes * sizeof(Node) + h.lists * sizeof(uint32_t);
+  return h.lights * sizeof(LightView) + h.grid * sizeof(uint32_t) + h.leaves * sizeof(Leaf) +
+         h.entries * sizeof(ListEntry);
 }
 
 uint64_t payload_hash(const LightBuffer& buffer) {
   uint64_t hash = XXH3_64bits(buffer.lights.data(), buffer.lights.size() * sizeof(LightView));
-  hash = XXH3_64bits_withSeed(buffer.nodes.data(), buffer.nodes.size() * sizeof(Node), hash);
-  return XXH3_64bits_withSeed(buffer.lists.data(), buffer.lists.size() * sizeof(uint32_t), hash);
+  hash = XXH3_64bits_withSeed(buffer.grid.data(), buffer.grid.size() * sizeof(uint32_t), hash);
+  hash = XXH3_64bits_withSeed(buffer.leaves.data(), buffer.leaves.size() * sizeof(Leaf), hash);
+  return XXH3_64bits_withSeed(buffer.entries.data(), buffer.entries.size() * sizeof(ListEntry), hash);
 }
 
 Header describe(const CacheKey& key, const LightBuffer& buffer) {
@@ -48,10 +50,9 @@ Header describe(const CacheKey& key, const LightBuffer& buffer) {
   header.content = key.content;
   header.settings = key.settings;
   header.lights = buffer.lights.size();
-  header.nodes = buffer.nodes.size();
-  header.lists = buffer.lists.size();
-  header.leaves = buffer.statistics.leaves;
-  header.entries = buffer.statistics.entries;
+  header.grid = buffer.grid.size();
+  header.leaves = buffer.leaves.size();
+  header.entries = buffer.entries.size();
   header.payload_hash = payload_hash(buffer);
   header.header_hash = header_hash(header);
   return header;
@@ -74,7 +75,7 @@ std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes
   if (header.version != kVersion) return "is of version " + std::to_string(header.version);
   if (header.header_hash != header_hash(header)) return "has a damaged header";
   if (header.content != key.content || header.settings != key.settings) return "belongs to another scene";
-  if (header.nodes > file_bytes || header.lists > file_bytes || header.lights > file_bytes ||
+  if (std::max({header.lights, header.grid, header.leaves, header.entries}) > file_bytes ||
       file_bytes != sizeof(Header) + payload_bytes(header))
     return "has the wrong length";
   return "";
@@ -110,8 +111,9 @@ std::optional<LightBuffer> load(const std::filesystem::path& folder, const Cache
   if (!why.empty()) return std::nullopt;
   LightBuffer buffer;
   read_array(in, buffer.lights, header.lights);
-  read_array(in, buffer.nodes, header.nodes);
-  read_array(in, buffer.lists, header.lists);
+  read_array(in, buffer.grid, header.grid);
+  read_array(in, buffer.leaves, header.leaves);
+  read_array(in, buffer.entries, header.entries);
   if (!in || payload_hash(buffer) != header.payload_hash) {
     why = "is damaged";
     return std::nullopt;
@@ -134,8 +136,9 @@ Result<void> save(const std::filesystem::path& folder, const CacheKey& key, cons
   std::ofstream out(part, std::ios::binary | std::ios::trunc);
   out.write(reinterpret_cast<const char*>(&header), sizeof(header));
   write_array(out, buffer.lights);
-  write_array(out, buffer.nodes);
-  write_array(out, buffer.lists);
+  write_array(out, buffer.grid);
+  write_array(out, buffer.leaves);
+  write_array(out, buffer.entries);
   out.close();
   if (out) std::filesystem::rename(part, file, failed);
   if (out && !failed) return {};

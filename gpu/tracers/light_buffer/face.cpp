@@ -1,5 +1,6 @@
 #include "gpu/tracers/light_buffer/face.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon::gpu::light_buffer {
@@ -16,14 +17,14 @@ Face cube_face(uint32_t index) {
   face.u_axis[static_cast<int>((axis + 1) % 3)] = 1.0;
   face.v_axis[static_cast<int>((axis + 2) % 3)] = 1.0;
   face.depth_axis[static_cast<int>(axis)] = index % 2 == 0 ? 1.0 : -1.0;
-  face.low_u = face.low_v = -kFaceExtent;
-  face.size = 2.0 * kFaceExtent;
+  face.low_u = face.low_v = -1.0;
+  face.size = 2.0;
   return face;
 }
 
 // Does the cone around `axis` meet the face's pyramid? Compared with the pyramid's circumscribed cone.
 bool cone_meets_face(const glm::dvec3& axis, double outer_cone_cos, const Face& face) {
-  const double half_angle = std::atan(std::sqrt(2.0) * kFaceExtent) + 0.01;
+  const double half_angle = std::atan(std::sqrt(2.0)) + 0.01;
   const double cone = std::acos(glm::clamp(outer_cone_cos, -1.0, 1.0));
   return std::acos(glm::clamp(glm::dot(axis, face.depth_axis), -1.0, 1.0)) < cone + half_angle;
 }
@@ -74,12 +75,23 @@ LightFaces directional_face(const exact::TracedLight& light, const scenes::Bound
 
 }  // namespace
 
-Rect Face::node_rect(uint32_t level, uint32_t i, uint32_t j) const {
+Rect Face::square(uint32_t level, uint32_t i, uint32_t j) const {
   const double pitch = size * std::ldexp(1.0, -static_cast<int>(level));
   const double pad = size * kPadding * std::ldexp(1.0, -static_cast<int>(kIndexBits));
-  const uint32_t extent = level > kGroupLevel ? 1 : 2;
-  return {low_u + i * pitch - pad, low_v + j * pitch - pad, low_u + (i + extent) * pitch + pad,
-          low_v + (j + extent) * pitch + pad};
+  return {low_u + i * pitch - pad, low_v + j * pitch - pad, low_u + (i + 1) * pitch + pad,
+          low_v + (j + 1) * pitch + pad};
+}
+
+uint32_t Face::box_in_square(const Rect& box, uint32_t level, uint32_t i, uint32_t j) const {
+  const double scale = std::ldexp(1.0, static_cast<int>(kIndexBits)) / size;
+  const double side = std::ldexp(1.0, static_cast<int>(kIndexBits - level));
+  const auto within = [&](double at, double low, uint32_t index) {
+    const double units = std::floor((at - low) * scale) - index * side;
+    return static_cast<uint32_t>(std::clamp(units, 0.0, side - 1.0) * 256.0 / side);
+  };
+  const double pad = kPadding / scale;
+  return within(box.u0 - pad, low_u, i) | within(box.v0 - pad, low_v, j) << 8 |
+         within(box.u1 + pad, low_u, i) << 16 | within(box.v1 + pad, low_v, j) << 24;
 }
 
 bool Face::plane(const Linear& f, double towards, glm::vec3& out) const {

@@ -33,8 +33,11 @@ struct Face {
     return {glm::dot(u_axis, rel), glm::dot(v_axis, rel), glm::dot(depth_axis, rel)};
   }
 
-  // What node (i, j) of `level` covers, padded by more than the rounding of a query's fixed-point position.
-  Rect node_rect(uint32_t level, uint32_t i, uint32_t j) const;
+  // Square (i, j) of 2^level x 2^level, padded by more than the rounding of a query's fixed-point place.
+  Rect square(uint32_t level, uint32_t i, uint32_t j) const;
+
+  // Where within square (i, j) of `level` a query's place may be for a point of `box`; as ListEntry::box.
+  uint32_t box_in_square(const Rect& box, uint32_t level, uint32_t i, uint32_t j) const;
 
   // The plane P (dot(P, rel) = 1) on which the nearness is `f`, moved towards the light (`towards` 1) or away (-1)
   // by more than the rounding of the shader's dot product. False: such a plane has no such form.

@@ -20,9 +20,9 @@ uint32_t to_fixed(float f) {
 Position cube_position(const glm::vec3& rel) {
   const glm::vec3 size = glm::abs(rel);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const float scale = static_cast<float>(1u << kIndexBits) / (2.0f * kFaceExtent);
+  const float scale = static_cast<float>(1u << kIndexBits) / 2.0f;
   const float per_depth = scale / size[axis];
-  const float offset = scale * kFaceExtent;
+  const float offset = scale;
   return {static_cast<uint32_t>(axis) * 2 + (rel[axis] < 0.0f ? 1u : 0u),
           to_fixed(rel[(axis + 1) % 3] * per_depth + offset), to_fixed(rel[(axis + 2) % 3] * per_depth + offset),
           size[axis]};
@@ -33,14 +33,25 @@ Position flat_position(const LightView& light, const glm::vec3& rel) {
           to_fixed(glm::dot(light.v_axis, rel) + light.v_offset), glm::dot(light.depth_axis, rel)};
 }
 
-const Node& find_leaf(const LightBuffer& buffer, const LightView& light, const Position& p) {
-  uint32_t shift = kIndexBits - kRootLevel;
-  uint32_t node = light.roots + p.face * kRootCount + ((p.y >> shift) << kRootLevel) + (p.x >> shift);
-  while (buffer.nodes[node].children != kNone) {
-    --shift;
-    node = buffer.nodes[node].children + ((p.y >> shift) & 1) * 2 + ((p.x >> shift) & 1);
-  }
-  return buffer.nodes[node];
+const Leaf& find_leaf(const LightBuffer& buffer, const LightView& light, const Position& p) {
+  const uint32_t shift = kIndexBits - kTopLevel;
+  const uint32_t cell =
+      buffer.grid[light.cells + p.face * kCellCount + ((p.y >> shift) << kTopLevel) + (p.x >> shift)];
+  const uint32_t bits = cell & ((1u << kDepthBits) - 1);
+  const uint32_t mask = (1u << bits) - 1;
+  const uint32_t x = p.x >> (shift - bits) & mask, y = p.y >> (shift - bits) & mask;
+  return buffer.leaves[buffer.grid[(cell >> kDepthBits) + (y << bits) + x]];
+}
+
+// In 256ths of the leaf's side.
+glm::uvec2 place_in_leaf(const Position& p, const Leaf& leaf) {
+  const uint32_t level = leaf.count >> kCountBits;
+  const uint32_t mask = (1u << kIndexBits) - 1;
+  return {(p.x << level & mask) >> (kIndexBits - 8), (p.y << level & mask) >> (kIndexBits - 8)};
+}
+
+bool in_box(uint32_t box, const glm::uvec2& at) {
+  return at.x >= (box & 255) && at.y >= (box >> 8 & 255) && at.x <= (box >> 16 & 255) && at.y <= box >> 24;
 }
 
 }  // namespace
@@ -50,15 +61,17 @@ Answer query(const LightBuffer& buffer, const LightView& light, const scenes::Wo
   const bool directional = light.directional != 0;
   const glm::vec3 rel = directional ? segment.origin - light.reference : -segment.direction;
   const Position position = directional ? flat_position(light, rel) : cube_position(rel);
-  const Node& node = find_leaf(buffer, light, position);
-  if (glm::dot(node.near_plane, rel) < 1.0f) return {true, End::near_plane, 0};
-  if (glm::dot(node.cover_plane, rel) > 1.0f) return {false, End::cover_plane, 0};
+  const Leaf& leaf = find_leaf(buffer, light, position);
+  if (glm::dot(leaf.near_plane, rel) < 1.0f) return {true, End::near_plane, 0};
+  if (glm::dot(leaf.cover_plane, rel) > 1.0f) return {false, End::cover_plane, 0};
   Answer answer{true, End::list, 0};
-  const uint32_t count = buffer.lists[node.list];
-  for (uint32_t k = 0; k < count; ++k) {
-    const uint32_t entry = node.list + 1 + 2 * k;
-    if (position.depth * std::bit_cast<float>(buffer.lists[entry + 1]) < 1.0f) break;
-    const glm::uvec3 t = mesh.triangles[buffer.lists[entry]];
+  const uint32_t count = leaf.count & ((1u << kCountBits) - 1);
+  const glm::uvec2 in_leaf = place_in_leaf(position, leaf);
+  for (uint32_t k = leaf.first; k < leaf.first + count; ++k) {
+    const ListEntry& entry = buffer.entries[k];
+    if (position.depth * entry.reciprocal_depth < 1.0f) break;
+    if (!in_box(entry.box, in_leaf)) continue;
+    const glm::uvec3 t = mesh.triangles[entry.triangle];
     ++answer.tested;
     if (exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x], mesh.positions[t.y],
                                       mesh.positions[t.z])) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace gnomon::gpu::light_buffer {
@@ -12,41 +11,41 @@ using Met = std::vector<const Footprint*>;
 
 class Builder {
  public:
-  Builder(const Face& face, const Detail& detail, Subtree& out) : face_(face), detail_(detail), out_(out) {}
+  Builder(const Face& face, const Detail& detail, Piece& out) : face_(face), detail_(detail), out_(out) {}
 
-  void build(uint32_t node, uint32_t level, uint32_t i, uint32_t j, Met& met) {
-    const Rect rect = face_.node_rect(level, i, j);
-    drop_hidden(node, rect, met);
-    const Linear near = set_near_plane(node, rect, met);
-    const bool fine = met.size() <= 2 || level >= detail_.finest_level || walk(rect, met, near) <= patience(level);
-    if (fine || !divide(node, level, i, j, met)) set_list(node, rect, met);
+  void build(uint32_t level, uint32_t i, uint32_t j, Met& met) {
+    if (level == kTopLevel) deepest_ = kTopLevel;
+    deepest_ = std::max(deepest_, level);
+    const Rect rect = face_.square(level, i, j);
+    Leaf leaf;
+    drop_hidden(leaf, rect, met);
+    const Linear near = set_near_plane(leaf, rect, met);
+    const bool fine = met.size() <= 1 || level >= detail_.finest_level || walk(rect, met, near) <= patience(level);
+    if (fine || !divide(level, i, j, met)) place(level, i, j, add_leaf(leaf, level, i, j, met));
+    if (level == kTopLevel) close_cell(i, j);
   }
 
  private:
-  void drop_hidden(uint32_t node, const Rect& rect, Met& met) {
+  void drop_hidden(Leaf& leaf, const Rect& rect, Met& met) {
     const Footprint* cover = find_cover(met, rect);
-    glm::vec3 plane(0.0f);
-    if (cover != nullptr && face_.plane(cover->cover, -1.0, plane)) {
+    if (cover != nullptr && face_.plane(cover->cover, -1.0, leaf.cover_plane)) {
       std::erase_if(met, [&](const Footprint* f) { return hidden(*f, *cover, rect); });
     }
-    out_.nodes[node].cover_plane = plane;
   }
 
-  Linear set_near_plane(uint32_t node, const Rect& rect, const Met& met) {
-    // No plane: never in front of it, at any depth that a float can hold.
-    glm::vec3 plane = met.empty() ? glm::vec3(0.0f) : glm::vec3(face_.depth_axis * 1e30);
+  Linear set_near_plane(Leaf& leaf, const Rect& rect, const Met& met) {
     Linear nearness(0, 0, 1e30);
-    if (!met.empty() && fit_near_plane(met, rect, nearness)) {
-      glm::vec3 fitted;
-      if (face_.plane(nearness, 1.0, fitted) || face_.plane(Linear(0, 0, nearest_of_all(rect, met)), 1.0, fitted)) {
-        plane = fitted;
-      }
+    if (met.empty()) return nearness;
+    if (!fit_near_plane(met, rect, nearness) ||
+        (!face_.plane(nearness, 1.0, leaf.near_plane) &&
+         !face_.plane(Linear(0, 0, nearest_of_all(rect, met)), 1.0, leaf.near_plane))) {
+      // No plane: never in front of it, at any depth that a float can hold.
+      leaf.near_plane = glm::vec3(face_.depth_axis * 1e30);
     }
-    out_.nodes[node].near_plane = plane;
     return nearness;
   }
 
-  // Fine nodes are many and seen by few pixels: they are divided further only for long lists.
+  // Fine leaves are many and seen by few pixels: they are divided further only for long lists.
   double patience(uint32_t level) const {
     return level <= detail_.usual_level
                ? detail_.longest_walk
@@ -73,61 +72,91 @@ class Builder {
   }
 
   // False where dividing would not shorten the lists.
-  bool divide(uint32_t node, uint32_t level, uint32_t i, uint32_t j, const Met& met) {
+  bool divide(uint32_t level, uint32_t i, uint32_t j, const Met& met) {
     std::array<Met, 4> child;
     size_t total = 0;
     for (uint32_t c = 0; c < 4; ++c) {
-      const Rect rect = face_.node_rect(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1));
+      const Rect rect = face_.square(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1));
       for (const Footprint* f : met) {
         if (meets(*f, rect)) child[c].push_back(f);
       }
       total += child[c].size();
     }
     if (10 * total > 36 * met.size() && met.size() < 64) return false;
-    const uint32_t first = static_cast<uint32_t>(out_.nodes.size());
-    out_.nodes.resize(first + 4, Node{});
-    out_.nodes[node].children = first;
-    out_.nodes[node].list = kNone;
-    for (uint32_t c = 0; c < 4; ++c) {
-      build(first + c, level + 1, 2 * i + (c & 1), 2 * j + (c >> 1), child[c]);
-    }
+    for (uint32_t c = 0; c < 4; ++c) build(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1), child[c]);
     return true;
   }
 
-  void set_list(uint32_t node, const Rect& rect, const Met& met) {
-    std::vector<ListEntry> entries;
-    entries.reserve(met.size());
+  uint32_t add_leaf(Leaf leaf, uint32_t level, uint32_t i, uint32_t j, const Met& met) {
+    if (met.empty() && leaf.cover_plane == glm::vec3(0.0f)) return 0;
+    leaf.first = static_cast<uint32_t>(out_.entries.size());
+    leaf.count = static_cast<uint32_t>(met.size()) | level << kCountBits;
+    const Rect rect = face_.square(level, i, j);
     for (const Footprint* f : met) {
-      entries.push_back({f->triangle, face_.reciprocal_depth(nearest_in(*f, rect))});
+      out_.entries.push_back({face_.box_in_square(f->box, level, i, j), face_.reciprocal_depth(nearest_in(*f, rect)),
+                              f->triangle});
     }
-    std::sort(entries.begin(), entries.end(), [](const ListEntry& a, const ListEntry& b) {
+    std::sort(out_.entries.begin() + leaf.first, out_.entries.end(), [](const ListEntry& a, const ListEntry& b) {
       return a.reciprocal_depth != b.reciprocal_depth ? a.reciprocal_depth > b.reciprocal_depth
                                                       : a.triangle < b.triangle;
     });
-    out_.nodes[node].children = kNone;
-    out_.nodes[node].list = static_cast<uint32_t>(out_.lists.size());
-    out_.lists.push_back(static_cast<uint32_t>(entries.size()));
-    for (const ListEntry& e : entries) {
-      out_.lists.push_back(e.triangle);
-      out_.lists.push_back(std::bit_cast<uint32_t>(e.reciprocal_depth));
+    out_.leaves.push_back(leaf);
+    return static_cast<uint32_t>(out_.leaves.size()) - 1;
+  }
+
+  // Leaves of at least a cell go to all cells that they hold, finer ones into the open cell's patch.
+  void place(uint32_t level, uint32_t i, uint32_t j, uint32_t leaf) {
+    if (level < kTopLevel) {
+      const uint32_t word = add_block(0, &leaf);
+      const uint32_t side = 1u << (kTopLevel - level);
+      fill(out_.cells.data(), kRootCells, (i * side) % kRootCells, (j * side) % kRootCells, side, word);
+    } else {
+      const uint32_t side = 1u << (kFinestLevel - level);
+      fill(patch_.data(), kPatchSide, (i * side) % kPatchSide, (j * side) % kPatchSide, side, leaf);
     }
   }
 
+  static void fill(uint32_t* grid, uint32_t grid_side, uint32_t i, uint32_t j, uint32_t side, uint32_t value) {
+    for (uint32_t y = j; y < j + side; ++y) std::fill_n(grid + y * grid_side + i, side, value);
+  }
+
+  // The patch, no finer than it need be, becomes the cell's block.
+  void close_cell(uint32_t i, uint32_t j) {
+    const uint32_t bits = deepest_ - kTopLevel;
+    const uint32_t step = kPatchSide >> bits;
+    std::array<uint32_t, kPatchSide * kPatchSide> block;
+    size_t n = 0;
+    for (uint32_t y = 0; y < kPatchSide; y += step) {
+      for (uint32_t x = 0; x < kPatchSide; x += step) block[n++] = patch_[y * kPatchSide + x];
+    }
+    out_.cells[(j % kRootCells) * kRootCells + i % kRootCells] = add_block(bits, block.data());
+  }
+
+  uint32_t add_block(uint32_t bits, const uint32_t* leaves) {
+    const uint32_t start = static_cast<uint32_t>(out_.blocks.size());
+    out_.blocks.insert(out_.blocks.end(), leaves, leaves + (size_t{1} << (2 * bits)));
+    return start << kDepthBits | bits;
+  }
+
+  static constexpr uint32_t kPatchSide = 1u << kBlockBits;
+
   const Face& face_;
   const Detail& detail_;
-  Subtree& out_;
+  Piece& out_;
+  uint32_t deepest_ = kTopLevel;                            // of the open cell
+  std::array<uint32_t, kPatchSide * kPatchSide> patch_{};  // its leaves, at the finest level
 };
 
 }  // namespace
 
-Subtree build_subtree(const Face& face, const Detail& detail, uint32_t i, uint32_t j,
-                      std::vector<const Footprint*> met) {
-  Subtree tree;
-  tree.nodes.resize(1);
-  const Rect rect = face.node_rect(kRootLevel, i, j);
+Piece build_piece(const Face& face, const Detail& detail, uint32_t i, uint32_t j, Met met) {
+  Piece piece;
+  piece.cells.resize(size_t{kRootCells} * kRootCells);
+  piece.leaves.resize(1);
+  const Rect rect = face.square(kRootLevel, i, j);
   std::erase_if(met, [&](const Footprint* f) { return !meets(*f, rect); });
-  Builder(face, detail, tree).build(0, kRootLevel, i, j, met);
-  return tree;
+  Builder(face, detail, piece).build(kRootLevel, i, j, met);
+  return piece;
 }
 
 }  // namespace gnomon::gpu::light_buffer

@@ -1,4 +1,4 @@
-// One root node's quadtree, built top down.
+// One root square of a face, divided into leaves top down.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,26 @@
 
 namespace gnomon::gpu::light_buffer {
 
+// A face is built in 2^4 x 2^4 pieces, each by one thread.
+inline constexpr uint32_t kRootLevel = 4;
+inline constexpr uint32_t kRootCount = 1u << (2 * kRootLevel);
+inline constexpr uint32_t kRootCells = 1u << (kTopLevel - kRootLevel);  // along a side
+
 struct Detail {
-  double longest_walk = 2.0;  // nodes where more triangles are tested, on average, are divided
+  double longest_walk = 1.0;  // leaves where more triangles are tested, on average, are divided
   uint32_t usual_level = 8;   // beyond, each level must promise twice as much
   uint32_t finest_level = kFinestLevel;
 };
 
-// Node 0 is the root; children and lists are indices into these arrays.
-struct Subtree {
-  std::vector<Node> nodes;
-  std::vector<uint32_t> lists;
+// A part of a light buffer; what its words and leaves index is in these arrays. Leaf 0 is empty.
+struct Piece {
+  std::vector<uint32_t> cells;  // kRootCells squared
+  std::vector<uint32_t> blocks;
+  std::vector<Leaf> leaves;
+  std::vector<ListEntry> entries;
 };
 
 // `met`: the footprints that may meet root (i, j).
-Subtree build_subtree(const Face& face, const Detail& detail, uint32_t i, uint32_t j,
-                      std::vector<const Footprint*> met);
+Piece build_piece(const Face& face, const Detail& detail, uint32_t i, uint32_t j, std::vector<const Footprint*> met);
 
 }  // namespace gnomon::gpu::light_buffer
