@@ -27,7 +27,8 @@ struct Push {
 class LightBufferScene : public TracedScene {
  public:
   // Error: out of memory.
-  static Result<std::unique_ptr<TracedScene>> create(const DevicePtr& device, const light_buffer::LightBuffer& buffer,
+  static Result<std::unique_ptr<TracedScene>> create(const DevicePtr& device,
+                                                     const light_buffer::LightBuffer& buffer,
                                                      const scenes::WorldMesh& mesh) {
     auto scene = std::make_unique<LightBufferScene>();
     const std::vector<glm::vec3> corners = corners_of(mesh);

@@ -56,8 +56,8 @@ class Tracer {
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
 };
 
-// `name`: "bvh", "light_buffer", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or the device
-// does not offer it.
+// `name`: "bvh", "light_buffer", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or
+// the device does not offer it.
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
                                             const TracerOptions& options = {});
 

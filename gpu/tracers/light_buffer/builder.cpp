@@ -122,7 +122,8 @@ class LightBuild {
 uint64_t bytes_of(const std::vector<Piece>& pieces) {
   uint64_t bytes = 0;
   for (const Piece& p : pieces) {
-    bytes += p.blocks.size() * sizeof(uint32_t) + p.leaves.size() * sizeof(Leaf) + p.entries.size() * sizeof(ListEntry);
+    bytes +=
+        p.blocks.size() * sizeof(uint32_t) + p.leaves.size() * sizeof(Leaf) + p.entries.size() * sizeof(ListEntry);
   }
   return bytes;
 }
@@ -180,8 +181,7 @@ class Assembly {
     const uint32_t entry_base = static_cast<uint32_t>(out_.entries.size());
     for (size_t y = 0; y < kRootCells; ++y) {
       for (size_t x = 0; x < kRootCells; ++x) {
-        out_.grid[first_cell + (y << kTopLevel) + x] =
-            piece.cells[y * kRootCells + x] + (block_base << kDepthBits);
+        out_.grid[first_cell + (y << kTopLevel) + x] = piece.cells[y * kRootCells + x] + (block_base << kDepthBits);
       }
     }
     for (const uint32_t leaf : piece.blocks) out_.grid.push_back(leaf == 0 ? 0 : leaf + leaf_base);
@@ -200,7 +200,8 @@ void count(LightBuffer& buffer) {
   s.bytes = buffer.memory_bytes();
   s.leaves = buffer.leaves.size();
   s.entries = buffer.entries.size();
-  for (const Leaf& leaf : buffer.leaves) s.longest_list = std::max(s.longest_list, leaf.count & ((1u << kCountBits) - 1));
+  for (const Leaf& leaf : buffer.leaves)
+    s.longest_list = std::max(s.longest_list, leaf.count & ((1u << kCountBits) - 1));
 }
 
 }  // namespace

@@ -93,8 +93,8 @@ class Builder {
     leaf.count = static_cast<uint32_t>(met.size()) | level << kCountBits;
     const Rect rect = face_.square(level, i, j);
     for (const Footprint* f : met) {
-      out_.entries.push_back({face_.box_in_square(f->box, level, i, j), face_.reciprocal_depth(nearest_in(*f, rect)),
-                              f->triangle});
+      out_.entries.push_back(
+          {face_.box_in_square(f->box, level, i, j), face_.reciprocal_depth(nearest_in(*f, rect)), f->triangle});
     }
     std::sort(out_.entries.begin() + leaf.first, out_.entries.end(), [](const ListEntry& a, const ListEntry& b) {
       return a.reciprocal_depth != b.reciprocal_depth ? a.reciprocal_depth > b.reciprocal_depth
@@ -143,7 +143,7 @@ class Builder {
   const Face& face_;
   const Detail& detail_;
   Piece& out_;
-  uint32_t deepest_ = kTopLevel;                            // of the open cell
+  uint32_t deepest_ = kTopLevel;                           // of the open cell
   std::array<uint32_t, kPatchSide * kPatchSide> patch_{};  // its leaves, at the finest level
 };
 

@@ -29,6 +29,7 @@ struct Piece {
 };
 
 // `met`: the footprints that may meet root (i, j).
-Piece build_piece(const Face& face, const Detail& detail, uint32_t i, uint32_t j, std::vector<const Footprint*> met);
+Piece build_piece(const Face& face, const Detail& detail, uint32_t i, uint32_t j,
+                  std::vector<const Footprint*> met);
 
 }  // namespace gnomon::gpu::light_buffer
