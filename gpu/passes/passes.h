@@ -94,6 +94,7 @@ Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::str
 struct ComputeStep {
   PassLayout layout;
   Pipeline pipeline;
+  uint32_t rows_at_once = 0;  // tile rows of one dispatch
 };
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader);

@@ -1,10 +1,10 @@
 // The trace pass with light buffers: one subgroup of LANES answers for one 8x8 tile and stores for each light a word of
 // bits and a word that says which of them were asked for.
 //
-// Written for vector units too (lavapipe): a branch that lanes agree on is jumped over, any other is masked.
+// This is what narrow and wide subgroups share: the pixels, and what the planes of their leaves say. Those differ in
+// how they walk the lists of the pixels that are left: trace_light_buffer_8.comp, trace_light_buffer_32.comp.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_control_flow_attributes : require
 #include "frame.glsl"
 #define TILE_INVOCATIONS LANES
@@ -120,126 +120,21 @@ vec3 direction_of(LightView view, vec3 origin) {
   return view.directional != 0u ? view.direction : to_light;
 }
 
-// One pixel's way through its leaf's list.
-struct Walk {
-  uint round;
-  vec3 origin;
-  vec3 direction;
-  float depth;
-  uint place;      // in the leaf
-  uint next, end;  // entries
-};
-
-Walk start_walk(Asked asked, Pixels pixels, uint round) {
-  Walk walk;
-  uint leaf = asked.leaf[0];
-  uint at = asked.place[0];
-  walk.depth = asked.depth[0];
-  walk.origin = pixels.origin[0];
-  // By selection: an array that is indexed by a variable would live in memory, element by element.
-  [[unroll]] for (uint r = 1u; r < kRounds; ++r) {
-    leaf = round == r ? asked.leaf[r] : leaf;
-    at = round == r ? asked.place[r] : at;
-    walk.depth = round == r ? asked.depth[r] : walk.depth;
-    walk.origin = round == r ? pixels.origin[r] : walk.origin;
+void store_words(uint light, uint lit, uint care) {
+  uvec2 mask_word = tile_word(lit), care_word = tile_word(care);
+  if (subgroupElect()) {
+    uint word = light * frame.tile_count + gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
+    push.masks.at[word] = mask_word;
+    push.cares.at[word] = care_word;
   }
-  walk.round = round;
-  walk.direction = direction_of(asked.view, walk.origin);
-  uint count = Leaves(push.leaves).at[leaf].count;
-  walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
-  walk.next = Leaves(push.leaves).at[leaf].first;
-  walk.end = walk.next + (count & ((1u << kCountBits) - 1u));
-  return walk;
 }
 
-// The next triangle that may block; kNone: no more.
-uint next_candidate(inout Walk walk) {
-  uint candidate = kNone;
-  while (candidate == kNone && walk.next < walk.end) {
-    ListEntry entry = Entries(push.entries).at[walk.next];
-    bool behind = walk.depth * entry.reciprocal_depth >= 1.0;
-    candidate = behind && in_box(entry.box, walk.place) ? entry.triangle : kNone;
-    walk.next = behind ? walk.next + 1u : walk.end;
-  }
-  return candidate;
-}
-
-bool meets(uint triangle, Walk walk) {
-  return segment_meets_triangle(walk.origin, walk.direction, Vec3s(push.corners).at[3u * triangle],
+bool meets(uint triangle, vec3 origin, vec3 direction) {
+  return segment_meets_triangle(origin, direction, Vec3s(push.corners).at[3u * triangle],
                                 Vec3s(push.corners).at[3u * triangle + 1u], Vec3s(push.corners).at[3u * triangle + 2u]);
 }
 
-bool passes_alpha(uint triangle, Walk walk) {
-  return blocks_by_alpha(triangle, walk.origin, walk.direction, Vec3s(push.corners).at[3u * triangle],
+bool passes_alpha(uint triangle, vec3 origin, vec3 direction) {
+  return blocks_by_alpha(triangle, origin, direction, Vec3s(push.corners).at[3u * triangle],
                          Vec3s(push.corners).at[3u * triangle + 1u], Vec3s(push.corners).at[3u * triangle + 2u]);
-}
-
-// Of the pixels `asking`, in bits of rounds, those that an opaque triangle blocks; `masked`: those of the others that
-// meet a triangle with an alpha test. A lane that is done with one pixel takes its next.
-uint blocked_pixels(Asked asked, Pixels pixels, uint asking, out uint masked) {
-  uint blocked = 0u;
-  masked = 0u;
-  Walk walk;
-  walk.next = walk.end = 0u;
-  while (asking != 0u || walk.next < walk.end) {
-    if (walk.next >= walk.end) {
-      walk = start_walk(asked, pixels, uint(findLSB(asking)));
-      asking &= asking - 1u;
-    }
-    uint candidate = next_candidate(walk);
-    if (candidate != kNone && meets(candidate, walk)) {
-      bool opaque = candidate < push.first_masked;
-      blocked |= opaque ? 1u << walk.round : 0u;
-      masked |= opaque ? 0u : 1u << walk.round;
-      walk.next = opaque ? walk.end : walk.next;
-    }
-  }
-  masked &= ~blocked;
-  return blocked;
-}
-
-// Of the pixels `asking`, those that an alpha-tested triangle blocks.
-uint blocked_by_masked(Asked asked, Pixels pixels, uint asking) {
-  uint blocked = 0u;
-  for (; asking != 0u; asking &= asking - 1u) {
-    Walk walk = start_walk(asked, pixels, uint(findLSB(asking)));
-    while (walk.next < walk.end) {
-      uint candidate = next_candidate(walk);
-      if (candidate != kNone && candidate >= push.first_masked && meets(candidate, walk) &&
-          passes_alpha(candidate, walk)) {
-        blocked |= 1u << walk.round;
-        walk.next = walk.end;
-      }
-    }
-  }
-  return blocked;
-}
-
-// The undecided pixels that nothing blocks.
-uint walk_lists(Asked asked, Pixels pixels) {
-  uint masked;
-  uint blocked = blocked_pixels(asked, pixels, asked.undecided, masked);
-  if (subgroupAny(masked != 0u)) blocked |= blocked_by_masked(asked, pixels, masked);
-  return asked.undecided & ~blocked;
-}
-
-void main() {
-  Pixels pixels;
-  load_pixels(pixels);
-  uint tile = gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
-  for (uint light = 0u; light < frame.light_count; ++light) {
-    uint care = care_bits(light, pixels);
-    uint lit = 0u;
-    if (subgroupAny(care != 0u)) {
-      Asked asked = ask_planes(light, pixels, care);
-      lit = asked.lit;
-      if (subgroupAny(asked.undecided != 0u)) lit |= walk_lists(asked, pixels);
-    }
-    uvec2 mask_word = tile_word(lit), care_word = tile_word(care);
-    if (subgroupElect()) {
-      uint word = light * frame.tile_count + tile;
-      push.masks.at[word] = mask_word;
-      push.cares.at[word] = care_word;
-    }
-  }
 }

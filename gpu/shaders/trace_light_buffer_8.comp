@@ -1,4 +1,115 @@
+// Light by light; for vector units (lavapipe): a branch that lanes agree on is jumped over, any other is masked, and a
+// loop's body runs at least once. So rare things stand in loops and branches of their own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_vote : require
 #define LANES 8
 #include "trace_light_buffer.glsl"
+
+// One pixel's way through its leaf's list.
+struct Walk {
+  uint round;
+  vec3 origin;
+  vec3 direction;
+  float depth;
+  uint place;      // in the leaf
+  uint next, end;  // entries
+};
+
+Walk start_walk(Asked asked, Pixels pixels, uint round) {
+  Walk walk;
+  uint leaf = asked.leaf[0];
+  uint at = asked.place[0];
+  walk.depth = asked.depth[0];
+  walk.origin = pixels.origin[0];
+  // By selection: an array that is indexed by a variable would live in memory, element by element.
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) {
+    leaf = round == r ? asked.leaf[r] : leaf;
+    at = round == r ? asked.place[r] : at;
+    walk.depth = round == r ? asked.depth[r] : walk.depth;
+    walk.origin = round == r ? pixels.origin[r] : walk.origin;
+  }
+  walk.round = round;
+  walk.direction = direction_of(asked.view, walk.origin);
+  uint count = Leaves(push.leaves).at[leaf].count;
+  walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
+  walk.next = Leaves(push.leaves).at[leaf].first;
+  walk.end = walk.next + (count & ((1u << kCountBits) - 1u));
+  return walk;
+}
+
+// The next triangle that may block; kNone: no more.
+uint next_candidate(inout Walk walk) {
+  uint candidate = kNone;
+  while (candidate == kNone && walk.next < walk.end) {
+    ListEntry entry = Entries(push.entries).at[walk.next];
+    bool behind = walk.depth * entry.reciprocal_depth >= 1.0;
+    candidate = behind && in_box(entry.box, walk.place) ? entry.triangle : kNone;
+    walk.next = behind ? walk.next + 1u : walk.end;
+  }
+  return candidate;
+}
+
+// Of the pixels `asking`, in bits of rounds, those that an opaque triangle blocks; `masked`: those of the others that
+// meet a triangle with an alpha test. A lane that is done with one pixel takes its next.
+uint blocked_pixels(Asked asked, Pixels pixels, uint asking, out uint masked) {
+  uint blocked = 0u;
+  masked = 0u;
+  Walk walk;
+  walk.next = walk.end = 0u;
+  while (asking != 0u || walk.next < walk.end) {
+    if (walk.next >= walk.end) {
+      walk = start_walk(asked, pixels, uint(findLSB(asking)));
+      asking &= asking - 1u;
+    }
+    uint candidate = next_candidate(walk);
+    if (candidate != kNone && meets(candidate, walk.origin, walk.direction)) {
+      bool opaque = candidate < push.first_masked;
+      blocked |= opaque ? 1u << walk.round : 0u;
+      masked |= opaque ? 0u : 1u << walk.round;
+      walk.next = opaque ? walk.end : walk.next;
+    }
+  }
+  masked &= ~blocked;
+  return blocked;
+}
+
+// Of the pixels `asking`, those that an alpha-tested triangle blocks.
+uint blocked_by_masked(Asked asked, Pixels pixels, uint asking) {
+  uint blocked = 0u;
+  for (; asking != 0u; asking &= asking - 1u) {
+    Walk walk = start_walk(asked, pixels, uint(findLSB(asking)));
+    while (walk.next < walk.end) {
+      uint candidate = next_candidate(walk);
+      if (candidate != kNone && candidate >= push.first_masked && meets(candidate, walk.origin, walk.direction) &&
+          passes_alpha(candidate, walk.origin, walk.direction)) {
+        blocked |= 1u << walk.round;
+        walk.next = walk.end;
+      }
+    }
+  }
+  return blocked;
+}
+
+// The undecided pixels that nothing blocks.
+uint walk_lists(Asked asked, Pixels pixels) {
+  uint masked;
+  uint blocked = blocked_pixels(asked, pixels, asked.undecided, masked);
+  if (subgroupAny(masked != 0u)) blocked |= blocked_by_masked(asked, pixels, masked);
+  return asked.undecided & ~blocked;
+}
+
+void main() {
+  Pixels pixels;
+  load_pixels(pixels);
+  for (uint light = 0u; light < frame.light_count; ++light) {
+    uint care = care_bits(light, pixels);
+    uint lit = 0u;
+    if (subgroupAny(care != 0u)) {
+      Asked asked = ask_planes(light, pixels, care);
+      lit = asked.lit;
+      if (subgroupAny(asked.undecided != 0u)) lit |= walk_lists(asked, pixels);
+    }
+    store_words(light, lit, care);
+  }
+}

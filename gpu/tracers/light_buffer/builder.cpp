@@ -128,14 +128,9 @@ uint64_t bytes_of(const std::vector<Piece>& pieces) {
   return bytes;
 }
 
-// Less by about a third.
+// Less by about a fifth. Long lists are divided as before: they cost most.
 Detail coarser(Detail detail) {
-  if (detail.finest_level > detail.usual_level + 1) {
-    --detail.finest_level;
-  } else if (detail.usual_level > kRootLevel) {
-    --detail.usual_level;
-  }
-  detail.longest_walk *= 1.5;
+  detail.longest_walk *= 1.4;
   return detail;
 }
 

@@ -13,7 +13,7 @@ namespace gnomon::gpu::light_buffer {
 namespace {
 
 // To be raised whenever the same scene and settings would be built into other bytes, or be read otherwise.
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
 
 static_assert(std::endian::native == std::endian::little, "files are little-endian");
