@@ -148,8 +148,12 @@ class LightBufferTracer : public Tracer {
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options) {
-  return std::make_unique<LightBufferTracer>(device, options);
+Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options) {
+  const uint32_t lanes = device->features().subgroup_size;
+  if (lanes != 8 && lanes != 32) {
+    return Error{"tracer 'light_buffer' needs subgroups of 8 or 32 lanes; the device has " + std::to_string(lanes)};
+  }
+  return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, options));
 }
 
 }  // namespace gnomon::gpu

@@ -56,13 +56,14 @@ class Tracer {
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
 };
 
-// `name`: "bvh", "light_buffer", "ray_query", or "auto" for what is fastest on this device. Error: no such tracer, or
+// `name`: "bvh", "light_buffer", "ray_query", or "auto" for the fastest that this device can run. Error: no such tracer, or
 // the device does not offer it.
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
                                             const TracerOptions& options = {});
 
 std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device);
-std::unique_ptr<Tracer> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
+// Error: the device's subgroups are neither of 8 nor of 32 lanes, which its shaders are written for.
+Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
 Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);
 
 }  // namespace gnomon::gpu

@@ -48,7 +48,7 @@ const std::vector<scenes::NodeMotion> kShove{
 
 // The operator has the block shoved.
 struct Hall {
-  explicit Hall(const std::string& scenes_keys, const std::string& tracer = "light_buffer")
+  explicit Hall(const std::string& scenes_keys, const std::string& tracer = "auto")
       : file(folder.write("hall.gltf", moving_hall())),
         scene(scenes::load_scene(file, {}, kShove).value()),
         daemon(R"(

@@ -57,8 +57,8 @@ TEST_P(InMotion, MasksAreThoseOfTheSceneStopped) {
 TEST_P(InMotion, SurfacesAndCaresAreThoseOfTheSceneStopped) {
   const auto scene = swinging_soup(9, GetParam());
   for (const SceneTime time : {SceneTime(0), SceneTime(700ms)}) {
-    auto moving = SurfaceProbe::create(device_options("light_buffer"), scene);
-    auto stopped = SurfaceProbe::create(device_options("light_buffer"), scenes::frozen_at(*scene, time));
+    auto moving = SurfaceProbe::create(device_options(), scene);
+    auto stopped = SurfaceProbe::create(device_options(), scenes::frozen_at(*scene, time));
     ASSERT_TRUE(moving && stopped);
     const auto a = moving->render(camera(), kWidth, kHeight, time);
     const auto b = stopped->render(camera(), kWidth, kHeight);
@@ -117,8 +117,8 @@ TEST(Motion, MaskedTrianglesMoveWithTheirHoles) {
 // A frame's pose is its slot's: neither another frame in flight nor one between its bands changes it.
 TEST(Motion, FramesInFlightHaveTheirOwnTimes) {
   const auto scene = swinging_soup(4, {true, true});
-  auto probe = SurfaceProbe::create(device_options("light_buffer"), scene);
-  auto renderer = make_renderer(device_options("light_buffer"));
+  auto probe = SurfaceProbe::create(device_options(), scene);
+  auto renderer = make_renderer(device_options());
   ASSERT_TRUE(probe && renderer);
   ASSERT_TRUE((*renderer)->make_resident(SceneId(0), scene));
   std::vector<std::promise<std::vector<uint64_t>>> arrivals(3);

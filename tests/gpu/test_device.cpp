@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "gpu/tracers/tracer.h"
+
 namespace gnomon::test {
 
 gpu::RendererOptions device_options(const std::string& tracer) {
@@ -16,12 +18,14 @@ gpu::RendererOptions device_options(const std::string& tracer) {
 
 std::vector<std::string> tracers() {
   static const std::vector<std::string> offered = [] {
-    std::vector<std::string> names{"bvh", "light_buffer"};
+    std::vector<std::string> names;
     const auto device = gpu::Device::create({device_options().device, {}});
-    if (device && (*device)->features().ray_query) {
-      names.push_back("ray_query");
-    } else {
-      std::printf("skipped: tracer ray_query, which this device does not offer\n");
+    for (const std::string name : {"bvh", "light_buffer", "ray_query"}) {
+      if (device && gpu::make_tracer(name, *device)) {
+        names.push_back(name);
+      } else {
+        std::printf("skipped: tracer %s, which this device does not offer\n", name.c_str());
+      }
     }
     return names;
   }();

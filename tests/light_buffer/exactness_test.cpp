@@ -60,7 +60,7 @@ TEST_P(Exactness, EqualsBruteForce) {
     light_buffer::BuildSettings settings;
     settings.threads = 1;
     settings.detail.longest_walk = scene < 4 ? 0.5 : 8.0;
-    settings.detail.finest_level = shape == Shape::touching ? 9 : 10;
+    settings.detail.finest_level = shape == Shape::touching ? 8 : 9;
     const light_buffer::LightBuffer buffer =
         light_buffer::build(soup.mesh, soup.bounds, std::span(&soup.light, 1), settings);
     const Ends ends = compare(soup, buffer, random, kPoints);
