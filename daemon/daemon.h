@@ -1,7 +1,9 @@
 // The daemon as a whole: every part made, connected and, in the end, stopped in the right order.
 #pragma once
 
+#include <atomic>
 #include <functional>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -20,6 +22,7 @@ class Daemon {
     Config config;  // scene files found, passes named
     RendererFactory make_renderer;
     std::string version;
+    std::function<void()> on_drain = {};           // any thread: an operator asks for what SIGTERM asks for
     std::function<void(const Error&)> on_failure;  // from the render thread, once: the device is beyond repair
   };
 
@@ -54,6 +57,11 @@ class Daemon {
   void stop();
   Admin::Pages pages();
   Admin::Actions actions();
+  Page kick(const std::string& session, const std::string& body);
+  Page begin_drain();
+  Page load_scene(const std::string& name);
+  Page unload_scene(const std::string& name);
+  Page await(std::future<Result<void>> done, const char* what);
   Page change_light(const std::string& scene, const std::string& light, const std::string& body);
   std::string status_json() const;
 
@@ -68,7 +76,8 @@ class Daemon {
   Published<Terms> terms_;
   Published<ShareReport> shares_;
   Published<CostModels> costs_;
-  TimePoint next_shares_{};  // the render thread's
+  std::atomic<bool> loading_{false};  // a scene that an operator asked for
+  TimePoint next_shares_{};           // the render thread's
   std::string tracer_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;

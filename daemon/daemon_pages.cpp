@@ -1,4 +1,5 @@
 // What operators see over HTTP.
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "daemon/daemon.h"
@@ -7,12 +8,17 @@ namespace gnomon::daemon {
 namespace {
 
 using nlohmann::json;
+using namespace std::chrono_literals;
+
+constexpr const char* kText = "text/plain; charset=utf-8";
+constexpr size_t kMaxWhy = 200;  // bytes that a client is told
 
 json to_json(const std::string& name, const HostedScene& scene) {
   return {{"name", name},
           {"triangles", scene.loaded.scene->triangle_count},
           {"lights", scene.loaded.scene->lights.size()},
           {"hash", scenes::to_hex(scene.loaded.scene->content_hash)},
+          {"sessions", scene.users},
           {"load_seconds", scene.loaded.load_seconds},
           {"memory_bytes", scene.loaded.memory_bytes},
           {"device_memory_bytes", scene.on_device.memory_bytes},
@@ -82,37 +88,91 @@ std::string Daemon::status_json() const {
 
 // Says what is wrong before the render thread is asked; that it was asked is all that it says otherwise.
 Page Daemon::change_light(const std::string& name, const std::string& light, const std::string& body) {
-  const char* text = "text/plain; charset=utf-8";
   const auto resident = scenes_->resident();
   const auto scene = resident.find(name);
-  if (scene == resident.end()) return {404, text, "no such scene is resident\n"};
+  if (scene == resident.end()) return {404, kText, "no such scene is resident\n"};
   const std::vector<scenes::Light>& lights = scene->second.lights.lights;
   const size_t index = light.size() > 4 ? lights.size() : std::stoul(light);
-  if (index >= lights.size()) return {404, text, "the scene has " + std::to_string(lights.size()) + " lights\n"};
+  if (index >= lights.size()) return {404, kText, "the scene has " + std::to_string(lights.size()) + " lights\n"};
   const auto change = parse_light_change(body);
-  if (!change) return {400, text, change.error().message + "\n"};
+  if (!change) return {400, kText, change.error().message + "\n"};
   const auto changed = changed_light(lights[index], scene->second.loaded.scene->lights[index], *change);
-  if (!changed) return {409, text, changed.error().message + "\n"};
+  if (!changed) return {409, kText, changed.error().message + "\n"};
   inbox_.push(LightChanged{scene->second.loaded.id, static_cast<uint32_t>(index), *change});
-  return {202, text, "accepted\n"};
+  return {202, kText, "accepted\n"};
+}
+
+Page Daemon::kick(const std::string& session, const std::string& body) {
+  SessionId id;
+  const auto read = std::from_chars(session.data(), session.data() + session.size(), id.value);
+  const json asked = json::parse(body, nullptr, false);
+  if (read.ec != std::errc()) return {404, kText, "no such session\n"};
+  if (!asked.is_object()) return {400, kText, "the body must be a JSON object\n"};
+  const auto why = asked.find("why");
+  if (why != asked.end() && (!why->is_string() || why->get_ref<const std::string&>().size() > kMaxWhy)) {
+    return {400, kText, "why: allowed is a text of up to " + std::to_string(kMaxWhy) + " bytes\n"};
+  }
+  const std::string told = why == asked.end() ? "closed by the operator" : why->get<std::string>();
+  return server_->kick(id, told) ? Page{200, kText, "closed\n"} : Page{404, kText, "no such session\n"};
+}
+
+Page Daemon::begin_drain() {
+  if (!options_.on_drain) return {501, kText, "this daemon cannot be drained from here\n"};
+  health_.draining = true;  // at once: main may be busy
+  options_.on_drain();
+  return {202, kText, "draining\n"};
+}
+
+// Those who answer may end before they do: a daemon that stops keeps nobody waiting.
+Page Daemon::await(std::future<Result<void>> done, const char* what) {
+  while (done.wait_for(50ms) != std::future_status::ready) {
+    if (health_.draining) return {503, kText, "the server is stopping\n"};
+  }
+  const auto result = done.get();
+  return result ? Page{200, kText, std::string(what) + "\n"} : Page{409, kText, result.error().message + "\n"};
+}
+
+// One at a time: each holds a thread of this server's few for as long as it takes.
+Page Daemon::load_scene(const std::string& asked) {
+  const std::string name = catalog_.find(asked);
+  if (name.empty()) return {404, kText, "the configuration has no such scene\n"};
+  if (loading_.exchange(true)) return {409, kText, "another scene is being loaded\n"};
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  scenes_->fetch(name, [done](Result<SceneForUse> scene) {
+    done->set_value(scene ? Result<void>() : Result<void>(scene.error()));
+  });
+  const Page answer = await(done->get_future(), "loaded");
+  loading_ = false;
+  return answer;
+}
+
+Page Daemon::unload_scene(const std::string& asked) {
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  scenes_->unload(catalog_.find(asked), [done](Result<void> gone) { done->set_value(std::move(gone)); });
+  return await(done->get_future(), "unloaded");
 }
 
 Admin::Actions Daemon::actions() {
-  return {{"/scenes/(.+)/lights/([0-9]+)", [this](const std::vector<std::string>& groups, const std::string& body) {
-             return change_light(groups[0], groups[1], body);
-           }}};
+  using Groups = std::vector<std::string>;
+  return {
+      {"/sessions/([0-9]+)/kick", [this](const Groups& g, const std::string& body) { return kick(g[0], body); }},
+      {"/drain", [this](const Groups&, const std::string&) { return begin_drain(); }},
+      {"/scenes/(.+)/load", [this](const Groups& g, const std::string&) { return load_scene(g[0]); }},
+      {"/scenes/(.+)/unload", [this](const Groups& g, const std::string&) { return unload_scene(g[0]); }},
+      {"/scenes/(.+)/lights/([0-9]+)",
+       [this](const Groups& g, const std::string& body) { return change_light(g[0], g[1], body); }},
+  };
 }
 
 Admin::Pages Daemon::pages() {
-  const char* text = "text/plain; charset=utf-8";
   return {
       {"/healthz",
-       [text] {
-         return Page{200, text, "alive\n"};
+       [] {
+         return Page{200, kText, "alive\n"};
        }},
       {"/readyz",
-       [this, text] {
-         return health_.ready() ? Page{200, text, "ready\n"} : Page{503, text, "not ready\n"};
+       [this] {
+         return health_.ready() ? Page{200, kText, "ready\n"} : Page{503, kText, "not ready\n"};
        }},
       {"/metrics",
        [this] {

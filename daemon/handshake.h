@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <variant>
 
@@ -21,7 +22,8 @@ struct Accepted {
   uint16_t height = 0;
   float rate_hz = 0;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
-  uint64_t features = 0;  // of the client's those that are known here
+  uint64_t features = 0;                       // of the client's those that are known here
+  std::shared_ptr<const void> scene_use = {};  // keeps the scene from being unloaded, once it was fetched
 };
 
 // The server's name of the scene that a client asks for; empty: there is none.

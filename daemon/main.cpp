@@ -109,7 +109,8 @@ int serve(const Config& config, const Arguments& arguments) {
       events.stop();
     });
   };
-  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, failed});
+  const auto drain = [&] { asio::post(events, [&] { events.stop(); }); };
+  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed});
   if (!daemon) return fail(daemon.error());
   asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
   signals.async_wait([&](asio::error_code, int) { events.stop(); });

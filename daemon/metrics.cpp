@@ -118,6 +118,8 @@ struct Metrics::Families {
   Gauge& worst_lag =
       gauge(registry, "gnomon_fairness_worst_lag_seconds", "The largest lag of any tenant, either way.").Add({});
   Family<Gauge>& sessions = gauge(registry, "gnomon_sessions", "Open sessions.");
+  Family<Gauge>& resident =
+      gauge(registry, "gnomon_scene_resident", "1: the scene is on the device, 0: it is not.");
   Family<Gauge>& load_seconds =
       gauge(registry, "gnomon_scene_load_seconds", "Time that reading the scene took, when it was last loaded.");
   Family<Gauge>& scene_bytes = gauge(registry, "gnomon_scene_memory_bytes", "Host memory that the scene occupies.");
@@ -272,6 +274,7 @@ void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene
                              const gpu::SceneFootprint& on_device) {
   if (!families_->tenants.front()->scenes.contains(scene)) return;
   const prometheus::Labels labels{{"scene", scene}};
+  families_->resident.Add(labels).Set(1);
   families_->load_seconds.Add(labels).Set(loaded.load_seconds);
   families_->build_seconds.Add(labels).Set(on_device.tracer_build_seconds);
   families_->scene_bytes.Add(labels).Set(static_cast<double>(loaded.memory_bytes));
@@ -280,6 +283,15 @@ void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene
   families_->from_cache.Add(labels).Set(on_device.tracer_from_cache ? 1 : 0);
   families_->average_list.Add(labels).Set(on_device.tracer_average_list);
   families_->longest_list.Add(labels).Set(on_device.tracer_longest_list);
+}
+
+void Metrics::scene_unloaded(const std::string& scene) {
+  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  const prometheus::Labels labels{{"scene", scene}};
+  for (auto* family :
+       {&families_->resident, &families_->scene_bytes, &families_->device_bytes, &families_->tracer_bytes}) {
+    family->Add(labels).Set(0);
+  }
 }
 
 void Metrics::scene_lights(const std::string& scene, const gpu::LightState& lights) {

@@ -48,6 +48,8 @@ class Metrics {
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                       const gpu::SceneFootprint& on_device);
 
+  void scene_unloaded(const std::string& scene);
+
   // The same.
   void scene_lights(const std::string& scene, const gpu::LightState& lights);
   void lights_rebuilt(const std::string& scene);

@@ -1,6 +1,7 @@
 #include "daemon/net_thread.h"
 
 #include <asio/post.hpp>
+#include <future>
 
 #include "daemon/translate.h"
 
@@ -12,6 +13,7 @@ using namespace std::chrono_literals;
 constexpr auto kTick = 50ms;
 constexpr auto kStatsInterval = 1s;
 constexpr auto kFarewellTime = 100ms;        // for our last words to leave when the server stops
+constexpr auto kAnswerTime = 1s;             // for this thread to answer another; beyond it, it has ended
 constexpr uint32_t kMaxFramesWaiting = 256;  // encoded, but this thread has not come to send them
 
 }  // namespace
@@ -96,6 +98,16 @@ void NetThread::tell(const SessionDegraded& session) {
     const auto found = streams_.find(session.session);
     if (found != streams_.end()) found->second->send(session.news);
   });
+}
+
+bool NetThread::kick(SessionId id, const std::string& why) {
+  auto answer = std::make_shared<std::promise<bool>>();
+  std::future<bool> kicked = answer->get_future();
+  asio::post(io_, [this, id, why, answer] {
+    answer->set_value(sessions_.find(id) != nullptr);
+    close_session(id, why);
+  });
+  return kicked.wait_for(kAnswerTime) == std::future_status::ready && kicked.get();
 }
 
 void NetThread::announce_drain(std::chrono::milliseconds deadline) {

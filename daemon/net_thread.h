@@ -55,6 +55,7 @@ class NetThread {
   void adopt(asio::ip::tcp::socket socket);  // its executor is io()'s
   void deliver(EncodedFrame frame);
   void tell(const SessionDegraded& session);
+  bool kick(SessionId id, const std::string& why);  // false: it is not here. Blocking; not on this thread
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);  // to the sessions of that scene
   void stop();                                   // says Bye to everybody, then ends the thread; returns when it has

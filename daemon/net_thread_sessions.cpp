@@ -79,11 +79,12 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
   });
   auto kept_seat = std::make_shared<Seat>(std::move(std::get<Seat>(seat)));
   const std::weak_ptr<ControlStream> weak = stream;
-  shared_.scenes.fetch(accepted.scene, [this, weak, accepted, kept_seat](Result<scenes::LoadedScene> scene) {
-    asio::post(io_, [this, weak, accepted, kept_seat, scene = std::move(scene)] {
+  shared_.scenes.fetch(accepted.scene, [this, weak, accepted, kept_seat](Result<SceneForUse> scene) {
+    asio::post(io_, [this, weak, accepted = Accepted(accepted), kept_seat, scene = std::move(scene)]() mutable {
       const auto waiting = weak.lock();
       if (!waiting || !lobby_.hosts(waiting.get())) return;
       if (!scene) return refuse(waiting, refusal(RefusalCode::scene_unavailable, scene.error().message));
+      accepted.scene_use = scene->use;
       if (book(waiting, accepted, *kept_seat, *scene)) {
         open_session(waiting, accepted, std::move(*kept_seat), *scene);
       }

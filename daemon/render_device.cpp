@@ -17,6 +17,11 @@ Result<gpu::SceneFootprint> RenderDevice::add_scene(const scenes::LoadedScene& s
   return renderer_->footprint(scene.id);
 }
 
+void RenderDevice::remove_scene(SceneId scene) {
+  renderer_->evict(scene);
+  scenes_.erase(scene);
+}
+
 Result<void> RenderDevice::rebuild(TimePoint now) {
   losses_.push_back(now);
   while (now - losses_.front() > kLossWindow) losses_.pop_front();

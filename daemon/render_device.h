@@ -29,6 +29,8 @@ class RenderDevice {
   // Blocking: uploads the scene and builds what the tracer needs.
   Result<gpu::SceneFootprint> add_scene(const scenes::LoadedScene& scene);
 
+  void remove_scene(SceneId scene);  // precondition: nobody will submit a frame of it
+
   // A new renderer with the same scenes. Precondition: no lease of the old one is out.
   // Error: it failed, or the device was lost more than kMaxLosses times within kLossWindow.
   Result<void> rebuild(TimePoint now);

@@ -39,6 +39,12 @@ struct SceneArrived {
   std::string name = {};
 };
 
+struct SceneLeaves {
+  SceneId scene;
+  std::function<bool()>
+      may_go;  // called on the render thread; true: no session uses it, nor will before it is back
+};
+
 struct LightChanged {
   SceneId scene;
   uint32_t light = 0;
@@ -74,8 +80,9 @@ struct TermsChanged {
 
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
-using RenderEvent = std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, JobFinished, LeaseDropped,
-                                 BytesSent, LightChanged, BackgroundDone, TermsChanged, StopRendering>;
+using RenderEvent =
+    std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, SceneLeaves, JobFinished, LeaseDropped,
+                 BytesSent, LightChanged, BackgroundDone, TermsChanged, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

@@ -125,6 +125,12 @@ void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
   arrived.resident(added);
 }
 
+void RenderLoop::on(const SceneLeaves& leaves, TimePoint) {
+  if (!leaves.may_go()) return;
+  device_.remove_scene(leaves.scene);
+  motion_.remove(leaves.scene);
+}
+
 void RenderLoop::on(const LightChanged& changed, TimePoint now) {
   motion_.change(changed.scene, changed.light, changed.change, now);
 }

@@ -48,6 +48,7 @@ class RenderLoop {
   void on(const SessionOpened& opened, TimePoint now);
   void on(const SessionClosed& closed, TimePoint now);
   void on(const SceneArrived& arrived, TimePoint now);
+  void on(const SceneLeaves& leaves, TimePoint now);
   void on(const JobFinished& finished, TimePoint now);
   void on(const LeaseDropped&, TimePoint now);
   void on(const BytesSent& sent, TimePoint now);

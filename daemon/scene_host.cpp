@@ -24,7 +24,7 @@ void SceneHost::fetch(const std::string& name, Ready ready) {
   {
     std::unique_lock lock(mutex_);
     if (const auto found = resident_.find(name); found != resident_.end()) {
-      const scenes::LoadedScene scene = found->second.loaded;
+      const SceneForUse scene{found->second.loaded, found->second.use};
       lock.unlock();
       return ready(scene);
     }
@@ -41,25 +41,62 @@ void SceneHost::load(Request request) {
   arrived.name = request.name;
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
     if (!on_device) return request.ready(on_device.error());
-    keep(request.name, {scene, *on_device, {request.name, 0, scene.scene->lights}});
-    request.ready(scene);
+    HostedScene hosted;
+    hosted.loaded = scene;
+    hosted.on_device = *on_device;
+    hosted.lights = {request.name, 0, scene.scene->lights};
+    request.ready(keep(request.name, hosted));
   };
   if (!inbox_.push(std::move(arrived))) request.ready(Error{"the server is stopping"});
 }
 
-void SceneHost::keep(const std::string& name, const HostedScene& scene) {
+SceneForUse SceneHost::keep(const std::string& name, const HostedScene& scene) {
   log::info("scene resident", {{"scene", name},
                                {"device_bytes", scene.on_device.memory_bytes},
                                {"tracer_bytes", scene.on_device.tracer_memory_bytes},
                                {"build_seconds", scene.on_device.tracer_build_seconds},
                                {"from_cache", scene.on_device.tracer_from_cache}});
   std::lock_guard lock(mutex_);
-  resident_.emplace(name, scene);
+  const HostedScene& kept = resident_.emplace(name, scene).first->second;
+  return {kept.loaded, kept.use};
+}
+
+void SceneHost::unload(const std::string& name, std::function<void(Result<void>)> done) {
+  SceneLeaves leaves;
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = resident_.find(name);
+    if (found != resident_.end()) leaves.scene = found->second.loaded.id;
+    if (found == resident_.end()) return done(Error{"no such scene is resident"});
+  }
+  leaves.may_go = [this, name, done] {
+    const auto gone = let_go(name);
+    done(gone);
+    return gone.has_value();
+  };
+  if (!inbox_.push(std::move(leaves))) done(Error{"the server is stopping"});
+}
+
+// On the render thread, where scenes also come to the device: whoever got the scene before is seen here as a user, and
+// whoever asks after this has it brought again.
+Result<void> SceneHost::let_go(const std::string& name) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = resident_.find(name);
+    if (found == resident_.end()) return Error{"no such scene is resident"};
+    const long users = found->second.use.use_count() - 1;
+    if (users > 0) return Error{"sessions use it: " + std::to_string(users)};
+    resident_.erase(found);
+  }
+  registry_.forget(name);
+  metrics_.scene_unloaded(name);
+  log::info("scene unloaded", {{"scene", name}});
+  return {};
 }
 
 Result<void> SceneHost::fetch_now(const std::string& name) {
   std::promise<Result<void>> answered;
-  fetch(name, [&](Result<scenes::LoadedScene> scene) {
+  fetch(name, [&](Result<SceneForUse> scene) {
     answered.set_value(scene ? Result<void>() : Result<void>(scene.error()));
   });
   return answered.get_future().get();
@@ -78,7 +115,12 @@ LightsNews SceneHost::lights_of(const std::string& name) const {
 
 std::map<std::string, HostedScene> SceneHost::resident() const {
   std::lock_guard lock(mutex_);
-  return resident_;
+  std::map<std::string, HostedScene> scenes = resident_;
+  for (auto& [name, scene] : scenes) {
+    scene.users = scene.use.use_count() - 2;  // ours and this copy's
+    scene.use.reset();
+  }
+  return scenes;
 }
 
 }  // namespace gnomon::daemon

@@ -15,15 +15,22 @@
 
 namespace gnomon::daemon {
 
+// A resident scene, for whoever uses it. It is not unloaded as long as `use` lives.
+struct SceneForUse : scenes::LoadedScene {
+  std::shared_ptr<const void> use;
+};
+
 struct HostedScene {
   scenes::LoadedScene loaded;
   gpu::SceneFootprint on_device;
   LightsNews lights;
+  std::shared_ptr<const void> use = std::make_shared<char>();  // copies of it are the users
+  long users = 0;                                              // at the time of asking
 };
 
 class SceneHost {
  public:
-  using Ready = std::function<void(Result<scenes::LoadedScene>)>;
+  using Ready = std::function<void(Result<SceneForUse>)>;
 
   // All references outlive the host.
   SceneHost(const SceneCatalog& catalog, RenderInbox& inbox, Metrics& metrics);
@@ -34,6 +41,10 @@ class SceneHost {
 
   // Blocking, for the start: the scene is resident, or why not. Needs a running render thread.
   Result<void> fetch_now(const std::string& name);
+
+  // Any thread: takes a scene that nobody uses off the device and out of memory; whoever asks for it next has its
+  // file read anew. `done` is called once, on the caller's or the render thread. Error: not resident, or in use.
+  void unload(const std::string& name, std::function<void(Result<void>)> done);
 
   std::map<std::string, HostedScene> resident() const;
 
@@ -48,7 +59,8 @@ class SceneHost {
   };
 
   void load(Request request);
-  void keep(const std::string& name, const HostedScene& scene);
+  Result<void> let_go(const std::string& name);
+  SceneForUse keep(const std::string& name, const HostedScene& scene);
 
   scenes::Registry registry_;
   RenderInbox& inbox_;

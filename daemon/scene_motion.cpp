@@ -49,7 +49,9 @@ void SceneMotion::apply(SceneId id, State& state) {
   state.applying = true;
   const uint32_t asked = state.asked;
   const auto changed = [this, id, asked, lights = state.wanted](Result<void> done) {
-    State& s = scenes_.at(id);
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end()) return;  // unloaded meanwhile
+    State& s = found->second;
     s.applying = false;
     if (!done) return log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
     s.applied = asked;
@@ -66,7 +68,9 @@ void SceneMotion::settle(SceneId id, State& state) {
   state.settling = true;
   const TimePoint changed_at = *state.changed_at;
   const auto settled = [this, id, changed_at](Result<void> done) {
-    State& s = scenes_.at(id);
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end()) return;  // unloaded meanwhile
+    State& s = found->second;
     s.settling = false;
     if (s.changed_at == changed_at) s.changed_at.reset();
     if (!done)

@@ -41,6 +41,8 @@ class SceneMotion {
   // A scene that was made resident.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);
 
+  void remove(SceneId id) { scenes_.erase(id); }
+
   scenes::SceneTime time_of(SceneId scene, TimePoint now) const;
   // Empty: the scene is as its file has it, for ever.
   std::optional<protocol::Moment> moment_of(SceneId scene, TimePoint now) const;

@@ -1,5 +1,7 @@
 #include "daemon/server.h"
 
+#include <algorithm>
+
 namespace gnomon::daemon {
 namespace {
 
@@ -65,6 +67,10 @@ void Server::accept() {
 }
 
 void Server::tell(const SessionDegraded& session) { threads_[session.net_thread]->tell(session); }
+
+bool Server::kick(SessionId id, const std::string& why) {
+  return std::any_of(threads_.begin(), threads_.end(), [&](const auto& thread) { return thread->kick(id, why); });
+}
 
 void Server::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& thread : threads_) thread->announce_drain(deadline);

@@ -37,6 +37,11 @@ Result<LoadedScene> Registry::get(const std::string& name) {
   return loaded;
 }
 
+void Registry::forget(const std::string& name) {
+  std::lock_guard lock(mutex_);
+  if (const auto found = entries_.find(name); found != entries_.end()) found->second.loaded.reset();
+}
+
 bool Registry::knows(const std::string& name) const { return entries_.count(name) != 0; }
 
 std::vector<std::string> Registry::names() const {

@@ -37,6 +37,9 @@ class Registry {
   // Error: no such scene, or why it could not be loaded (a later call tries again).
   Result<LoadedScene> get(const std::string& name);
 
+  // The next get() reads the file anew; whoever has the scene keeps it.
+  void forget(const std::string& name);
+
   bool knows(const std::string& name) const;
   std::vector<std::string> names() const;
   std::vector<LoadedScene> loaded() const;

@@ -62,6 +62,7 @@ class Served : public testing::Test {
     Daemon::Options options;
     options.config = config_;
     options.version = "test";
+    options.on_drain = on_drain_;
     options.make_renderer = [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
       return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(3, kLights, frame_time_));
     };
@@ -104,6 +105,7 @@ class Served : public testing::Test {
   std::filesystem::path folder_;
   Config config_;
   std::chrono::milliseconds frame_time_{0};
+  std::function<void()> on_drain_;
   std::unique_ptr<Daemon> daemon_;
 };
 

@@ -1,0 +1,33 @@
+// Speaks to a running gnomond's admin HTTP server.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/result.h"
+
+namespace httplib {
+class Client;
+}
+
+namespace gnomon::ctl {
+
+class AdminClient {
+ public:
+  // `url` as http://HOST:PORT.
+  explicit AdminClient(std::string url);
+  ~AdminClient();
+
+  Result<nlohmann::json> status();
+
+  // The answer's text without its last line end. Error: what the daemon says against it, or that nobody answers.
+  // Some requests are answered when they are done, which may take minutes.
+  Result<std::string> post(const std::string& path, const nlohmann::json& body = nlohmann::json::object());
+
+ private:
+  std::string url_;
+  std::unique_ptr<httplib::Client> http_;
+};
+
+}  // namespace gnomon::ctl

@@ -1,0 +1,121 @@
+// gnomonctl: what an operator asks of a running gnomond, from a shell.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+
+#include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/top.h"
+#include "daemon/ctl/views.h"
+
+namespace gnomon::ctl {
+namespace {
+
+struct Arguments {
+  std::string admin = "http://127.0.0.1:7601";
+  bool json = false;
+  std::string session;
+  std::string why;
+  std::string scene;
+  double interval_s = 1;
+  uint32_t count = 0;
+};
+
+using Command = std::function<Result<void>(const Arguments&)>;
+using View = std::string (*)(const nlohmann::json&);
+
+void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
+
+// `key`: the part of /status that --json prints; empty: all of it.
+Command show(View view, std::string key) {
+  return [view, key = std::move(key)](const Arguments& arguments) -> Result<void> {
+    const auto status = AdminClient(arguments.admin).status();
+    if (!status) return status.error();
+    const auto part = key.empty() ? *status : status->value(key, nlohmann::json::array());
+    print(arguments.json ? part.dump(2) + "\n" : view(*status));
+    return {};
+  };
+}
+
+Result<void> post(const Arguments& arguments, const std::string& path,
+                  const nlohmann::json& body = nlohmann::json::object()) {
+  const auto answer = AdminClient(arguments.admin).post(path, body);
+  if (!answer) return answer.error();
+  print(arguments.json ? nlohmann::json{{"answer", *answer}}.dump() + "\n" : *answer + "\n");
+  return {};
+}
+
+Result<void> kick(const Arguments& arguments) {
+  nlohmann::json body = nlohmann::json::object();
+  if (!arguments.why.empty()) body["why"] = arguments.why;
+  return post(arguments, "/sessions/" + arguments.session + "/kick", body);
+}
+
+Command change_scene(const std::string& what) {
+  return [what](const Arguments& arguments) { return post(arguments, "/scenes/" + arguments.scene + "/" + what); };
+}
+
+Result<void> live(const Arguments& arguments) {
+  AdminClient admin(arguments.admin);
+  const auto interval = std::chrono::milliseconds(static_cast<int64_t>(arguments.interval_s * 1000));
+  return top(admin, {interval, arguments.count, arguments.json});
+}
+
+// A subcommand that sets `chosen` when it is named.
+CLI::App* add(CLI::App& app, Command& chosen, const char* name, const char* help, Command command) {
+  CLI::App* sub = app.add_subcommand(name, help);
+  sub->fallthrough();  // --admin and --json may also stand behind it
+  if (command) sub->callback([&chosen, command = std::move(command)] { chosen = command; });
+  return sub;
+}
+
+void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
+  CLI::App* scene = add(app, chosen, "scene", "List, load or unload scenes", nullptr);
+  scene->require_subcommand(1);
+  add(*scene, chosen, "list", "The scenes on the device", show(scenes_text, "scenes"));
+  for (const char* what : {"load", "unload"}) {
+    const bool load = what[0] == 'l';
+    CLI::App* sub = add(*scene, chosen, what,
+                        load ? "Bring a scene of the configuration to the device"
+                             : "Take a scene that nobody uses off the device; its file is read anew when asked for",
+                        change_scene(what));
+    sub->add_option("NAME", arguments.scene, "As clients ask for it")->required();
+  }
+}
+
+void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
+  add(app, chosen, "status", "Devices, scenes and tenants", show(status_text, ""));
+  add(app, chosen, "sessions", "Open sessions with their latencies", show(sessions_text, "sessions"));
+  CLI::App* top_command = add(app, chosen, "top", "A live table of tenants and sessions", live);
+  top_command->add_option("--interval", arguments.interval_s, "Seconds between two tables")
+      ->check(CLI::Range(0.1, 3600.0));
+  top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is interrupted");
+  add(app, chosen, "reload", "Read the configuration again; no session is dropped",
+      [](const Arguments& a) { return post(a, "/reload"); });
+  add(app, chosen, "drain", "Admit nobody, tell the clients, then stop",
+      [](const Arguments& a) { return post(a, "/drain"); });
+  CLI::App* kick_command = add(app, chosen, "kick", "Close a session", kick);
+  kick_command->add_option("SESSION", arguments.session, "Its id, as `sessions` shows it")->required();
+  kick_command->add_option("--why", arguments.why, "What the client is told");
+  add_scene_commands(app, chosen, arguments);
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  Command chosen;
+  CLI::App app{"Asks a running gnomond, or tells it what to do."};
+  app.add_option("--admin", arguments.admin, "gnomond's admin server")->envname("GNOMON_ADMIN");
+  app.add_flag("--json", arguments.json, "For programs");
+  app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
+  app.require_subcommand(1);
+  add_commands(app, chosen, arguments);
+  CLI11_PARSE(app, argc, argv);
+  const auto done = chosen(arguments);
+  if (done) return EXIT_SUCCESS;
+  std::fprintf(stderr, "gnomonctl: %s\n", done.error().message.c_str());
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+}  // namespace gnomon::ctl
+
+int main(int argc, char** argv) { return gnomon::ctl::run(argc, argv); }

@@ -1,0 +1,127 @@
+#include "daemon/ctl/views.h"
+
+#include <algorithm>
+#include <map>
+
+#include "daemon/ctl/table.h"
+
+namespace gnomon::ctl {
+namespace {
+
+using nlohmann::json;
+
+// Members that a daemon of another version does not have read as empty or 0.
+std::string text(const json& from, const char* key) { return from.value(key, std::string()); }
+double number(const json& from, const char* key) { return from.value(key, 0.0); }
+std::string whole(const json& from, const char* key) { return fixed(number(from, key), 0); }
+
+std::string size_of(const json& session) { return whole(session, "width") + "x" + whole(session, "height"); }
+
+const json& list(const json& from, const char* key) {
+  static const json none = json::array();
+  const auto found = from.find(key);
+  return found != from.end() && found->is_array() ? *found : none;
+}
+
+std::string state_of(const json& status) {
+  if (status.value("draining", false)) return "draining";
+  return status.value("ready", false) ? "ready" : "not ready";
+}
+
+// Frames by session id.
+std::map<std::string, double> frames_of(const json& status) {
+  std::map<std::string, double> frames;
+  for (const json& session : list(status, "sessions")) frames[text(session, "id")] = number(session, "frames");
+  return frames;
+}
+
+struct Rated {
+  const json* session;
+  double vbps;
+};
+
+std::vector<Rated> rated(const json& before, const json& now, double seconds) {
+  const auto earlier = frames_of(before);
+  std::vector<Rated> all;
+  for (const json& session : list(now, "sessions")) {
+    const auto found = earlier.find(text(session, "id"));
+    const double since = number(session, "frames") - (found == earlier.end() ? 0 : found->second);
+    all.push_back({&session, seconds > 0 ? since / seconds : 0});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Rated& a, const Rated& b) { return a.vbps > b.vbps; });
+  return all;
+}
+
+std::string tenants_table(const json& status, const std::vector<Rated>& sessions) {
+  Table table({"TENANT", ">WEIGHT", ">SESSIONS", ">VBPS", ">SHARE", ">BY WEIGHT", ">LAG ms"});
+  for (const json& tenant : list(status, "tenants")) {
+    double vbps = 0;
+    for (const Rated& each : sessions) {
+      if (text(*each.session, "tenant") == text(tenant, "name")) vbps += each.vbps;
+    }
+    table.add({text(tenant, "name"), whole(tenant, "weight"), whole(tenant, "sessions"), fixed(vbps, 1),
+               percent(number(tenant, "share")), percent(number(tenant, "expected_share")),
+               fixed(number(tenant, "lag_ms"), 1)});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string status_text(const json& status) {
+  std::string out = "gnomond " + text(status, "version") + ": " + state_of(status) + ", policy " +
+                    text(status, "policy") + ", " + std::to_string(list(status, "sessions").size()) +
+                    " sessions, Jain index " + fixed(number(status, "jain"), 3) + "\n";
+  for (const json& device : list(status, "devices")) {
+    out += std::string("device ") + text(device, "name") + " (" + text(device, "driver") + "), tracer " +
+           text(device, "tracer") + ": " + (device.value("up", false) ? "up" : "down") + "\n";
+  }
+  Table tenants({"TENANT", ">WEIGHT", ">SESSIONS", ">SHARE", ">BY WEIGHT", ">GPU s"});
+  for (const json& tenant : list(status, "tenants")) {
+    tenants.add({text(tenant, "name"), whole(tenant, "weight"), whole(tenant, "sessions"),
+                 percent(number(tenant, "share")), percent(number(tenant, "expected_share")),
+                 fixed(number(tenant, "gpu_seconds"), 1)});
+  }
+  return out + "\n" + scenes_text(status) + "\n" + tenants.text();
+}
+
+std::string scenes_text(const json& status) {
+  Table table({"SCENE", ">TRIANGLES", ">LIGHTS", ">SESSIONS", ">HOST MiB", ">DEVICE MiB", ">LOAD s", ">BUILD s"});
+  for (const json& scene : list(status, "scenes")) {
+    table.add({text(scene, "name"), whole(scene, "triangles"), whole(scene, "lights"), whole(scene, "sessions"),
+               mebibytes(number(scene, "memory_bytes")), mebibytes(number(scene, "device_memory_bytes")),
+               fixed(number(scene, "load_seconds"), 2), fixed(number(scene, "tracer_build_seconds"), 2)});
+  }
+  return table.text();
+}
+
+std::string sessions_text(const json& status) {
+  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", "ADDRESS", ">FRAMES", ">COALESCED", ">QUEUE ms", ">GPU ms",
+               ">TOTAL ms"});
+  for (const json& s : list(status, "sessions")) {
+    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), text(s, "address"),
+               whole(s, "frames"), whole(s, "coalesced"), fixed(number(s, "queue_us") / 1000, 1),
+               fixed(number(s, "gpu_us") / 1000, 1), fixed(number(s, "total_us") / 1000, 1)});
+  }
+  return table.text();
+}
+
+std::string top_text(const json& before, const json& now, double seconds) {
+  const auto sessions = rated(before, now, seconds);
+  double vbps = 0;
+  for (const Rated& each : sessions) vbps += each.vbps;
+  std::string out = "gnomond " + text(now, "version") + "  " + state_of(now) + "  policy " + text(now, "policy") +
+                    "  sessions " + std::to_string(sessions.size()) + "  vbps " + fixed(vbps, 1) + "  Jain " +
+                    fixed(number(now, "jain"), 3) + "  worst lag " + fixed(number(now, "worst_lag_ms"), 1) +
+                    " ms\n\n" + tenants_table(now, sessions) + "\n";
+  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", ">VBPS", ">QUEUE ms", ">GPU ms", ">TOTAL ms"});
+  for (const Rated& each : sessions) {
+    const json& s = *each.session;
+    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), fixed(each.vbps, 1),
+               fixed(number(s, "queue_us") / 1000, 1), fixed(number(s, "gpu_us") / 1000, 1),
+               fixed(number(s, "total_us") / 1000, 1)});
+  }
+  return out + table.text();
+}
+
+}  // namespace gnomon::ctl

@@ -1,0 +1,16 @@
+// What /status says, as text for people.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace gnomon::ctl {
+
+std::string status_text(const nlohmann::json& status);
+std::string sessions_text(const nlohmann::json& status);
+std::string scenes_text(const nlohmann::json& status);
+
+// The live table: rates are between `before` and `now`, which are `seconds` apart.
+std::string top_text(const nlohmann::json& before, const nlohmann::json& now, double seconds);
+
+}  // namespace gnomon::ctl

@@ -1,0 +1,108 @@
+// What operators tell a running daemon, through the library behind gnomonctl.
+#include <gtest/gtest.h>
+
+#include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/views.h"
+#include "tests/daemon/served.h"
+
+namespace gnomon::daemon {
+namespace {
+
+class AdminActions : public Served {
+ protected:
+  ctl::AdminClient admin() { return ctl::AdminClient("http://127.0.0.1:" + std::to_string(daemon_->admin_port())); }
+  std::string only_session() {
+    std::string id;
+    EXPECT_TRUE(eventually([&] {
+      const auto sessions = admin().status()->at("sessions");
+      if (sessions.size() == 1) id = sessions[0].at("id");
+      return !id.empty();
+    }));
+    return id;
+  }
+  std::string refusal_of(const std::string& path) {
+    const auto answer = admin().post(path);
+    return answer ? "done: " + *answer : answer.error().message;
+  }
+};
+
+TEST_F(AdminActions, AKickedClientIsToldWhyAndItsSessionIsGone) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  const std::string path = "/sessions/" + only_session() + "/kick";
+  const auto answer = admin().post(path, {{"why", "too loud"}});
+  ASSERT_TRUE(answer) << answer.error().message;
+  const auto bye = c.receive_a<protocol::Bye>();
+  ASSERT_TRUE(bye);
+  EXPECT_EQ(bye->reason, "too loud");
+  EXPECT_EQ(refusal_of(path), "no such session");
+  EXPECT_EQ(refusal_of("/sessions/99999999999999999999999/kick"), "no such session");
+}
+
+TEST_F(AdminActions, ASceneIsUnloadedWhenNobodyUsesItAndComesBackFromItsFile) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  EXPECT_EQ(refusal_of("/scenes/triangle/unload"), "sessions use it: 1");
+  c.send_view(1, 1);
+  EXPECT_FALSE(c.receive_frame(1).empty());
+  c.send(protocol::Bye{});
+  ASSERT_TRUE(eventually([&] { return admin().status()->at("scenes")[0].at("sessions") == 0; }));
+  ASSERT_TRUE(admin().post("/scenes/triangle/unload"));
+  EXPECT_TRUE(admin().status()->at("scenes").empty());
+  EXPECT_TRUE(metrics_say("gnomon_scene_resident{scene=\"triangle\"} 0"));
+  EXPECT_EQ(refusal_of("/scenes/triangle/unload"), "no such scene is resident");
+
+  ASSERT_TRUE(admin().post("/scenes/triangle/load"));
+  EXPECT_EQ(admin().status()->at("scenes").size(), 1u);
+  EXPECT_TRUE(metrics_say("gnomon_scene_resident{scene=\"triangle\"} 1"));
+}
+
+// A client brings an unloaded scene back by asking for it, and its frames are of that scene.
+TEST_F(AdminActions, ClientsBringAnUnloadedSceneBack) {
+  start();
+  for (int round = 0; round < 20; ++round) {
+    TestClient c = client();
+    ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+    c.send_view(1, 1);
+    ASSERT_FALSE(c.receive_frame(1).empty()) << "round " << round;
+    c.send(protocol::Bye{});
+    ASSERT_TRUE(eventually([&] { return admin().post("/scenes/triangle/unload").has_value(); }));
+  }
+}
+
+TEST_F(AdminActions, WhatCannotBeLoadedSaysWhy) {
+  start();
+  EXPECT_EQ(refusal_of("/scenes/nothing/load"), "the configuration has no such scene");
+  EXPECT_NE(refusal_of("/scenes/broken.gltf/load").find("broken.gltf"), std::string::npos);
+  EXPECT_EQ(refusal_of("/scenes/dark.gltf/load"), "it has no lights: there is nothing to trace");
+}
+
+TEST_F(AdminActions, DrainIsSeenAtOnce) {
+  std::atomic<int> asked = 0;
+  on_drain_ = [&] { ++asked; };
+  start();
+  ASSERT_TRUE(admin().post("/drain"));
+  EXPECT_EQ(asked, 1);
+  EXPECT_TRUE(admin().status()->at("draining"));
+  EXPECT_NE(ctl::status_text(*admin().status()).find("draining"), std::string::npos);
+}
+
+TEST_F(AdminActions, TopShowsRatesBetweenTwoLooks) {
+  const auto status = [](int frames) {
+    return nlohmann::json{{"sessions", {{{"id", "7"}, {"tenant", "lab"}, {"frames", frames}}}},
+                          {"tenants", {{{"name", "lab"}, {"weight", 3}}}}};
+  };
+  const std::string text = ctl::top_text(status(100), status(160), 2.0);
+  EXPECT_NE(text.find("vbps 30.0"), std::string::npos) << text;
+}
+
+TEST(AdminClient, SaysThatNobodyAnswers) {
+  const auto status = ctl::AdminClient("http://127.0.0.1:1").status();
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("http://127.0.0.1:1 does not answer"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
