@@ -1,5 +1,6 @@
 #include "tests/bench/bench_scenes.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -14,13 +15,6 @@ namespace fs = std::filesystem;
 std::vector<fs::path> candidates(const std::string& scene) {
   return {fs::path(GNOMON_SCENES_DIR) / (scene + ".glb"),
           fs::path(GNOMON_SOURCE_DIR) / "../shared/scenes" / (scene + ".glb"), fs::path(scene)};
-}
-
-// `share`: 0 the path's begin, 1 its end.
-scenes::CameraPose pose_along(const scenes::Scene& scene, float share) {
-  if (scene.paths.empty()) return scenes::orbit_pose(scene, share * scenes::kOrbitSeconds);
-  const scenes::CameraPath& path = scene.paths[0];
-  return scenes::pose_at(path, scene.cameras[path.camera].rest.vertical_fov, share * path.duration_seconds);
 }
 
 }  // namespace
@@ -53,17 +47,28 @@ Result<PictureSize> parse_size(const std::string& text) {
   return Error{"a size is written as 1920x1080, not '" + text + "'"};
 }
 
+double path_seconds(const scenes::Scene& scene) {
+  return scene.paths.empty() ? double{scenes::kOrbitSeconds} : double{scene.paths[0].duration_seconds};
+}
+
+gpu::CameraView camera_on_path(const scenes::Scene& scene, double seconds, PictureSize size) {
+  const auto when = static_cast<float>(std::max(0.0, seconds));
+  const scenes::CameraPose pose =
+      scene.paths.empty()
+          ? scenes::orbit_pose(scene, when)
+          : scenes::pose_at(scene.paths[0], scene.cameras[scene.paths[0].camera].rest.vertical_fov, when);
+  gpu::CameraView view;
+  view.position = pose.position;
+  view.orientation = pose.orientation;
+  view.tan_up = view.tan_down = std::tan(pose.vertical_fov / 2);
+  view.tan_left = view.tan_right = view.tan_up * static_cast<float>(size.width) / static_cast<float>(size.height);
+  return view;
+}
+
 std::vector<gpu::CameraView> cameras_along_path(const scenes::Scene& scene, uint32_t count, PictureSize size) {
   std::vector<gpu::CameraView> views;
-  for (uint32_t i = 0; i < count; ++i) {
-    const scenes::CameraPose pose = pose_along(scene, (static_cast<float>(i) + 0.5f) / static_cast<float>(count));
-    gpu::CameraView view;
-    view.position = pose.position;
-    view.orientation = pose.orientation;
-    view.tan_up = view.tan_down = std::tan(pose.vertical_fov / 2);
-    view.tan_left = view.tan_right = view.tan_up * static_cast<float>(size.width) / static_cast<float>(size.height);
-    views.push_back(view);
-  }
+  for (uint32_t i = 0; i < count; ++i)
+    views.push_back(camera_on_path(scene, path_seconds(scene) * (i + 0.5) / count, size));
   return views;
 }
 

@@ -22,7 +22,12 @@ struct PictureSize {
 // "1920x1080".
 Result<PictureSize> parse_size(const std::string& text);
 
-// `count` cameras evenly along the scene's first camera path; without one, on a circle through it (orbit_pose).
+// How long the scene's first camera path takes; without one, a turn of the circle through it (orbit_pose).
+double path_seconds(const scenes::Scene& scene);
+// Where a client is on that path, before its beginning at the beginning.
+gpu::CameraView camera_on_path(const scenes::Scene& scene, double seconds, PictureSize size);
+
+// `count` cameras evenly along it.
 std::vector<gpu::CameraView> cameras_along_path(const scenes::Scene& scene, uint32_t count, PictureSize size);
 
 }  // namespace gnomon::bench

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/bench/gnuplot.h"
+
 namespace gnomon::bench {
 namespace {
 
@@ -17,15 +19,8 @@ std::string block(const std::string& name, const std::vector<GrowthPoint>& point
   return text + "END\n";
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + "'";
-}
-
-std::string script(const GrowthCurves& curves, const std::filesystem::path& file, const std::string& terminal) {
-  return "set terminal " + terminal + "\nset output " + quoted(file.string()) + "\nset title " +
-         quoted(curves.caption) + " noenhanced\n" +
+std::string script(const GrowthCurves& curves) {
+  return "set title " + in_quotes(curves.caption) + " noenhanced\n" +
          "set logscale x 10\nset logscale x2 2\nset autoscale xfix\nset autoscale x2fix\nset logscale y 10\nset "
          "grid\nset key left top\n"
          "set xtics nomirror\nset x2tics\nset format x '10^{%L}'\n"
@@ -42,15 +37,7 @@ std::string script(const GrowthCurves& curves, const std::filesystem::path& file
 }  // namespace
 
 Result<void> plot_growth(const GrowthCurves& curves, const std::filesystem::path& file) {
-  const std::string ending = file.extension().string();
-  if (ending != ".png" && ending != ".svg")
-    return Error{"a plot ends in .png or .svg, not '" + file.string() + "'"};
-  const std::string text = script(curves, file, ending == ".png" ? "pngcairo size 1000,700" : "svg size 1000,700");
-  std::FILE* gnuplot = ::popen("gnuplot", "w");
-  if (!gnuplot) return Error{"gnuplot cannot be started"};
-  const bool written = std::fwrite(text.data(), 1, text.size(), gnuplot) == text.size();
-  if (::pclose(gnuplot) == 0 && written) return {};
-  return Error{"gnuplot made no plot of " + file.string() + " (deploy/install-packages tests installs it)"};
+  return draw(script(curves), file);
 }
 
 }  // namespace gnomon::bench

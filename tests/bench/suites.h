@@ -19,5 +19,6 @@ class Suite {
 std::unique_ptr<Suite> make_tracers_suite();
 std::unique_ptr<Suite> make_scheduler_suite();
 std::unique_ptr<Suite> make_growth_suite();
+std::unique_ptr<Suite> make_codec_suite();
 
 }  // namespace gnomon::bench
