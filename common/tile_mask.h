@@ -24,6 +24,7 @@ struct TileGrid {
   constexpr uint32_t tiles_y() const { return (height + kTileSize - 1) / kTileSize; }
   constexpr uint32_t tile_count() const { return tiles_x() * tiles_y(); }
   constexpr size_t word_count() const { return size_t{lights} * tile_count(); }
+  constexpr uint64_t bits() const { return uint64_t{width} * height * lights; }  // of pixels
   friend constexpr bool operator==(const TileGrid&, const TileGrid&) = default;
 };
 

@@ -35,9 +35,10 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
 // Ports first: they fail at once, a scene may take seconds. Clients are taken when everything is there.
 Result<void> Daemon::bring_up() {
   terms_.publish(terms_of(options_.config));
+  roster_.publish(Roster().with(options_.config.tenants));
   scenes_ = std::make_unique<SceneHost>(catalog_, inbox_, metrics_);
-  auto server =
-      Server::open({options_.config, tracer_, catalog_, health_, *scenes_, seats_, costs_, inbox_, metrics_});
+  auto server = Server::open(
+      {options_.config, roster_, tracer_, catalog_, health_, *scenes_, seats_, costs_, inbox_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
   auto admin = Admin::start(options_.config.admin, pages(), actions());
@@ -103,15 +104,21 @@ Result<void> Daemon::reload(const Result<Config>& next) {
 }
 
 Result<void> Daemon::apply(const Config& next) {
-  if (names_of(next.tenants) != names_of(options_.config.tenants)) {
-    return Error{"tenants: other names, or another order, than at the start; allowed: the same ones"};
+  const Roster roster = roster_.get()->with(next.tenants);
+  if (roster.size() > kMostTenants) {
+    return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};
   }
   if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
-  const Terms terms = terms_of(next);
+  Config by_id = next;
+  by_id.tenants = roster.configs();
+  const Terms terms = terms_of(by_id);
   terms_.publish(terms);
-  seats_.set_limits(next);
+  seats_.set_limits(by_id);
+  metrics_.know_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
   inbox_.push(TermsChanged{terms});
+  roster_.publish(roster);  // last: whoever learns of a tenant finds all that it needs
+  server_->close_closed_tenants();
   log::info("configuration reloaded", {{"policy", terms.policy}});
   return {};
 }

@@ -24,6 +24,8 @@ class Daemon {
     std::string version;
     std::function<void()> on_drain = {};           // any thread: an operator asks for what SIGTERM asks for
     std::function<void(const Error&)> on_failure;  // from the render thread, once: the device is beyond repair
+    // Reads the configuration anew and calls reload() on the main thread, then the argument. Any thread may ask.
+    std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
   };
 
   // Returns when clients are served: device open, scenes resident, ports open. Error: which of them failed, and why.
@@ -34,9 +36,9 @@ class Daemon {
   // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
   void drain();
 
-  // Shares the device on the terms of `next` from now on and takes its limits and log level; no session is dropped.
-  // Error: it names other tenants than we started with, and nothing has changed. What else differs needs a restart,
-  // which the log says. The main thread.
+  // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level. No session is
+  // dropped, but those of tenants that it names no more. What else differs needs a restart, which the log says. The
+  // main thread.
   // An error in the place of a configuration is counted and given back.
   Result<void> reload(const Result<Config>& next);
 
@@ -62,6 +64,7 @@ class Daemon {
   Page load_scene(const std::string& name);
   Page unload_scene(const std::string& name);
   Page await(std::future<Result<void>> done, const char* what);
+  Page reload_page();
   Page change_light(const std::string& scene, const std::string& light, const std::string& body);
   std::string status_json() const;
 
@@ -74,6 +77,7 @@ class Daemon {
   RenderInbox inbox_;
   Published<DeviceStatus> device_status_;
   Published<Terms> terms_;
+  Published<Roster> roster_;
   Published<ShareReport> shares_;
   Published<CostModels> costs_;
   std::atomic<bool> loading_{false};  // a scene that an operator asked for

@@ -1,4 +1,5 @@
 // What operators see over HTTP.
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -57,7 +58,7 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
 }  // namespace
 
 std::string Daemon::status_json() const {
-  const auto& tenants = options_.config.tenants;
+  const auto roster = roster_.get();
   const std::vector<SessionStatus> sessions = server_->sessions();
   const auto shares = shares_.get();
   const auto terms = terms_.get();
@@ -72,15 +73,16 @@ std::string Daemon::status_json() const {
               {"tenants", json::array()},
               {"sessions", json::array()}};
   for (const auto& [name, scene] : scenes_->resident()) status["scenes"].push_back(to_json(name, scene));
-  for (uint32_t i = 0; i < tenants.size(); ++i) {
+  for (uint32_t i = 0; i < std::min(roster->size(), terms->tenants.size()); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
-    json row{{"name", tenants[i].name}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
+    if (!roster->open(TenantId{i}) && open == 0) continue;
+    json row{{"name", roster->name(TenantId{i})}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
     if (i < shares->tenants.size()) row.update(to_json(shares->tenants[i]));
     status["tenants"].push_back(std::move(row));
   }
   for (const SessionStatus& session : sessions) {
-    status["sessions"].push_back(to_json(session, tenants[session.tenant.value].name));
+    status["sessions"].push_back(to_json(session, roster->name(session.tenant)));
   }
   // A scene file's name may be no UTF-8: shown with replacement characters, never an exception.
   return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
@@ -152,10 +154,19 @@ Page Daemon::unload_scene(const std::string& asked) {
   return await(done->get_future(), "unloaded");
 }
 
+// The main thread reads and applies; this one waits for what it says.
+Page Daemon::reload_page() {
+  if (!options_.ask_for_reload) return {501, kText, "this daemon has no configuration file\n"};
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  options_.ask_for_reload([done](Result<void> reloaded) { done->set_value(std::move(reloaded)); });
+  return await(done->get_future(), "reloaded");
+}
+
 Admin::Actions Daemon::actions() {
   using Groups = std::vector<std::string>;
   return {
       {"/sessions/([0-9]+)/kick", [this](const Groups& g, const std::string& body) { return kick(g[0], body); }},
+      {"/reload", [this](const Groups&, const std::string&) { return reload_page(); }},
       {"/drain", [this](const Groups&, const std::string&) { return begin_drain(); }},
       {"/scenes/(.+)/load", [this](const Groups& g, const std::string&) { return load_scene(g[0]); }},
       {"/scenes/(.+)/unload", [this](const Groups& g, const std::string&) { return unload_scene(g[0]); }},

@@ -45,7 +45,7 @@ void EncodePool::work() {
     const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, room, out.slices);
     frame.mask.drop();
     if (!result) {
-      metrics_.report(Fault::encode_failed, {{"why", result.error().message}});
+      metrics_.dropped(out.meta.tenant, Fault::encode_failed, {{"why", result.error().message}});
       continue;
     }
     out.meta.encoded = Clock::now();

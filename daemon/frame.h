@@ -25,6 +25,8 @@ struct ViewRequest {
 // What later stages need to know of a frame, and when each was done with it.
 struct FrameMeta {
   SessionId session;
+  TenantId tenant;
+  SceneId scene;
   uint32_t net_thread = 0;  // which one owns the session
   FrameId frame;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;

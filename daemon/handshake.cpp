@@ -16,14 +16,6 @@ std::string shown(const std::string& text) {
   return quoted.append(text, 0, 80).append(1, '\'');
 }
 
-std::optional<TenantId> find_tenant(const Hello& hello, const Config& config) {
-  const std::string& name = hello.tenant.empty() ? kDefaultTenant : hello.tenant;
-  for (uint32_t i = 0; i < config.tenants.size(); ++i) {
-    if (config.tenants[i].name == name) return TenantId{i};
-  }
-  return std::nullopt;
-}
-
 std::optional<Refused> check_size(const Hello& hello, const RenderConfig& render) {
   const bool inside =
       hello.width >= 1 && hello.width <= render.max_width && hello.height >= 1 && hello.height <= render.max_height;
@@ -58,11 +50,12 @@ Refused refusal(RefusalCode code, std::string text) {
   return refused;
 }
 
-std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& config, const FindScene& find_scene) {
+std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& config, const Roster& roster,
+                                            const FindScene& find_scene) {
   if (protocol::kVersion < hello.version_min || protocol::kVersion > hello.version_max) {
     return refusal(RefusalCode::version, "this server speaks version " + std::to_string(protocol::kVersion));
   }
-  const auto tenant = find_tenant(hello, config);
+  const auto tenant = roster.find(hello.tenant.empty() ? kDefaultTenant : hello.tenant);
   if (!tenant) return refusal(RefusalCode::unknown_tenant, "no tenant " + shown(hello.tenant) + " here");
   if (auto refused = check_size(hello, config.render)) return *refused;
   if (auto refused = check_passes(hello, config.render)) return *refused;

@@ -8,6 +8,7 @@
 
 #include "common/ids.h"
 #include "daemon/config.h"
+#include "daemon/roster.h"
 #include "protocol/messages.h"
 
 namespace gnomon::daemon {
@@ -30,7 +31,7 @@ struct Accepted {
 using FindScene = std::function<std::string(const std::string& asked)>;
 
 std::variant<Accepted, protocol::Refused> check_hello(const protocol::Hello& hello, const Config& config,
-                                                      const FindScene& find_scene);
+                                                      const Roster& roster, const FindScene& find_scene);
 
 protocol::Refused refusal(protocol::RefusalCode code, std::string text);
 

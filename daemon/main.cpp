@@ -90,12 +90,18 @@ void leave_at(TimePoint deadline) {
   }).detach();
 }
 
-// SIGHUP: the file and the command line are read again. A mistake in them changes nothing.
+// The file and the command line are read again. A mistake in them changes nothing.
+Result<void> reload(Daemon& daemon, const Arguments& arguments) {
+  auto done = daemon.reload(load_config(arguments));
+  if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
+  return done;
+}
+
+// SIGHUP.
 void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
   hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
     if (error) return;
-    const auto done = daemon.reload(load_config(arguments));
-    if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
+    (void)reload(daemon, arguments);  // it has logged what there is to say
     reload_on_hangup(hangup, daemon, arguments);
   });
 }
@@ -110,8 +116,13 @@ int serve(const Config& config, const Arguments& arguments) {
     });
   };
   const auto drain = [&] { asio::post(events, [&] { events.stop(); }); };
-  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed});
+  Daemon* running = nullptr;  // until the events end
+  const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
+    asio::post(events, [&, answer] { answer(reload(*running, arguments)); });
+  };
+  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed, ask_for_reload});
   if (!daemon) return fail(daemon.error());
+  running = daemon->get();
   asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
   signals.async_wait([&](asio::error_code, int) { events.stop(); });
   asio::signal_set hangup(events, SIGHUP);

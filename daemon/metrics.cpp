@@ -8,6 +8,8 @@
 
 #include <map>
 
+#include "daemon/roster.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -68,7 +70,6 @@ struct TenantSeries {
   Counter& bytes_sent;
   Counter& gpu_seconds;
   Counter& late;
-  Counter& hopeless;
   Counter& degraded;
   Counter& restored;
   Gauge& share;
@@ -100,8 +101,9 @@ struct Metrics::Families {
       counter(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
   Family<Counter>& late =
       counter(registry, "gnomon_frames_late_total", "Frames sent after the time until which they were of use.");
-  Family<Counter>& hopeless =
-      counter(registry, "gnomon_frames_hopeless_total", "Views dropped because they could not be ready in time.");
+  // Its series are made when there is something to count: most tenants never lose a frame.
+  Family<Counter>& tenant_dropped = counter(registry, "gnomon_tenant_frames_dropped_total",
+                                            "Views and frames of the tenant that were dropped, by reason.");
   Family<Counter>& degradations = counter(registry, "gnomon_degradations_total",
                                           "Steps down and up of sessions that the device did not keep up with.");
   Family<Gauge>& share =
@@ -154,9 +156,11 @@ struct Metrics::Families {
   Family<Counter>& limit_refusals =
       counter(registry, "gnomon_tenant_refusals_total", "Sessions refused a tenant, by the limit that they met.");
 
+  // Reserved once: growing moves nothing, so that others may look at the series that were there before.
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
-  std::vector<Counter*> faults;  // by Fault
+  std::vector<std::string> scenes;  // labels
+  std::vector<Counter*> faults;     // by Fault
 
   Family<Counter>& family_of(FaultKind kind) {
     switch (kind) {
@@ -167,14 +171,13 @@ struct Metrics::Families {
     return dropped;
   }
 
-  void add_tenant(const std::string& name, const std::vector<std::string>& scenes) {
+  void add_tenant(const std::string& name) {
     auto series =
         std::make_unique<TenantSeries>(TenantSeries{{stages, name},
                                                     coalesced.Add({{"tenant", name}}),
                                                     bytes.Add({{"tenant", name}}),
                                                     gpu_seconds.Add({{"tenant", name}}),
                                                     late.Add({{"tenant", name}}),
-                                                    hopeless.Add({{"tenant", name}}),
                                                     degradations.Add({{"tenant", name}, {"direction", "down"}}),
                                                     degradations.Add({{"tenant", name}, {"direction", "up"}}),
                                                     share.Add({{"tenant", name}}),
@@ -195,9 +198,11 @@ struct Metrics::Families {
 Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
                  const std::string& version)
     : families_(std::make_unique<Families>()) {
-  std::vector<std::string> labels = scenes;
-  labels.push_back(kOtherScenes);
-  for (const std::string& tenant : tenants) families_->add_tenant(tenant, labels);
+  families_->names.reserve(kMostTenants);
+  families_->tenants.reserve(kMostTenants);
+  families_->scenes = scenes;
+  families_->scenes.push_back(kOtherScenes);
+  know_tenants(tenants);
   for (const FaultRow& row : fault_table()) {
     families_->faults.push_back(&families_->family_of(row.kind).Add({{"reason", row.label}}));
   }
@@ -205,6 +210,10 @@ Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std:
 }
 
 Metrics::~Metrics() = default;
+
+void Metrics::know_tenants(const std::vector<std::string>& tenants) {
+  for (size_t i = families_->tenants.size(); i < tenants.size(); ++i) families_->add_tenant(tenants[i]);
+}
 
 void Metrics::report(Fault fault, log::Fields fields) {
   const FaultRow& row = row_of(fault);
@@ -224,7 +233,7 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   const auto known = series.scenes.find(scene);
   const SceneCounters& counters = known != series.scenes.end() ? known->second : series.scenes.at(kOtherScenes);
   counters.buffers->Increment();
-  counters.bits->Increment(double(meta.grid.width) * meta.grid.height * meta.grid.lights);
+  counters.bits->Increment(static_cast<double>(meta.grid.bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
   series.stages.observe(meta, sent);
   if (sent > meta.deadline) series.late.Increment();
@@ -239,9 +248,10 @@ void Metrics::device_busy(TenantId tenant, Nanoseconds gpu_time) {
   families_->tenants[tenant.value]->gpu_seconds.Increment(to_seconds(gpu_time));
 }
 
-void Metrics::dropped(TenantId tenant, Fault fault) {
-  report(fault);
-  if (fault == Fault::view_hopeless) families_->tenants[tenant.value]->hopeless.Increment();
+void Metrics::dropped(TenantId tenant, Fault fault, log::Fields fields) {
+  report(fault, std::move(fields));
+  const prometheus::Labels labels{{"tenant", families_->names[tenant.value]}, {"reason", row_of(fault).label}};
+  families_->tenant_dropped.Add(labels).Increment();
 }
 
 void Metrics::reloaded(bool done) { (done ? families_->reloads : families_->failed_reloads).Increment(); }
@@ -251,9 +261,8 @@ void Metrics::degraded(TenantId tenant, bool down) {
   (down ? series.degraded : series.restored).Increment();
 }
 
-void Metrics::refused(TenantId tenant, scheduler::Limit limit) {
-  const prometheus::Labels labels{{"tenant", families_->names[tenant.value]},
-                                  {"limit", std::string(to_string(limit))}};
+void Metrics::refused(TenantId tenant, std::string_view limit) {
+  const prometheus::Labels labels{{"tenant", families_->names[tenant.value]}, {"limit", std::string(limit)}};
   families_->limit_refusals.Add(labels).Increment();
 }
 

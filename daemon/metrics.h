@@ -23,10 +23,14 @@ inline constexpr const char* kOtherScenes = "other";
 
 class Metrics {
  public:
-  // The tenants' names in the order of their ids, and the configured scenes.
+  // The tenants' names in the order of their ids (at most kMostTenants), and the configured scenes.
   Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
           const std::string& version);
   ~Metrics();
+
+  // Makes the series of further tenants: those of `tenants` beyond the ones known. One thread at a time; nobody counts
+  // for them before.
+  void know_tenants(const std::vector<std::string>& tenants);
 
   // Counts a fault and logs it as the table says.
   void report(Fault fault, log::Fields fields = {});
@@ -38,12 +42,12 @@ class Metrics {
   void session_opened(TenantId tenant);
   void session_closed(TenantId tenant);
   void device_busy(TenantId tenant, Nanoseconds gpu_time);
-  // A view or frame of a tenant came to nothing.
-  void dropped(TenantId tenant, Fault fault);
+  // report(), of a view or frame whose tenant is known.
+  void dropped(TenantId tenant, Fault fault, log::Fields fields = {});
   void shares(const ShareReport& report);
   void reloaded(bool done);
   void degraded(TenantId tenant, bool down);
-  void refused(TenantId tenant, scheduler::Limit limit);
+  void refused(TenantId tenant, std::string_view limit);
   // Of a configured scene; others have no series.
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                       const gpu::SceneFootprint& on_device);

@@ -12,8 +12,9 @@ using namespace std::chrono_literals;
 
 constexpr auto kTick = 50ms;
 constexpr auto kStatsInterval = 1s;
-constexpr auto kFarewellTime = 100ms;        // for our last words to leave when the server stops
-constexpr auto kAnswerTime = 1s;             // for this thread to answer another; beyond it, it has ended
+constexpr auto kFarewellTime = 100ms;  // for our last words to leave when the server stops
+constexpr auto kAnswerTime = 1s;       // for this thread to answer another; beyond it, it has ended
+constexpr const char* kTenantClosed = "the tenant is no longer served";
 constexpr uint32_t kMaxFramesWaiting = 256;  // encoded, but this thread has not come to send them
 
 }  // namespace
@@ -68,13 +69,15 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
   if (!session) return metrics.report(Fault::datagram_session);
   const Received received = session->receive(datagram, from, Clock::now());
   if (received.fault) return metrics.report(*received.fault, {{"session", session->id().value}});
-  if (received.view && !shared_.inbox.push_view(*received.view)) metrics.report(Fault::view_queue_full);
+  if (received.view && !shared_.inbox.push_view(*received.view)) {
+    metrics.dropped(session->accepted().tenant, Fault::view_queue_full);
+  }
 }
 
 void NetThread::deliver(EncodedFrame frame) {
   if (frames_waiting_.fetch_add(1) >= kMaxFramesWaiting) {
     frames_waiting_.fetch_sub(1);
-    return shared_.metrics.report(Fault::send_queue_full);
+    return shared_.metrics.dropped(frame.meta.tenant, Fault::send_queue_full);
   }
   asio::post(io_, [this, frame = std::move(frame)]() mutable {
     frames_waiting_.fetch_sub(1);
@@ -84,12 +87,13 @@ void NetThread::deliver(EncodedFrame frame) {
 
 void NetThread::send(EncodedFrame& frame) {
   Session* session = sessions_.find(frame.meta.session);
-  if (!session || !session->address()) return shared_.metrics.report(Fault::session_gone);
+  if (!session || !session->address()) return shared_.metrics.dropped(frame.meta.tenant, Fault::session_gone);
   const Sent sent = sender_.send(frame, *session, *data_);
   const TimePoint now = Clock::now();
-  if (sent.fault) shared_.metrics.report(*sent.fault, {{"session", session->id().value}});
+  if (sent.fault)
+    shared_.metrics.dropped(session->accepted().tenant, *sent.fault, {{"session", session->id().value}});
   session->frame_sent(frame.meta, now);
-  shared_.inbox.push(BytesSent{session->accepted().tenant, sent.bytes});
+  shared_.inbox.push(BytesSent{session->accepted().tenant, frame.meta.scene, frame.meta.grid.bits(), sent.bytes});
   shared_.metrics.frame_sent(session->accepted().tenant, session->accepted().scene, frame.meta, now, sent.bytes);
 }
 
@@ -125,6 +129,17 @@ void NetThread::announce_lights(const LightsNews& news) {
                  if (sessions_.find(id)->accepted().scene == scene) stream->send(message);
                }
              });
+}
+
+void NetThread::close_closed_tenants() {
+  asio::post(io_, [this] {
+    const auto roster = shared_.roster.get();
+    std::vector<SessionId> closed;
+    for (const auto& [id, session] : sessions_) {
+      if (!roster->open(session->accepted().tenant)) closed.push_back(id);
+    }
+    for (const SessionId id : closed) close_session(id, kTenantClosed);
+  });
 }
 
 void NetThread::tick() {

@@ -22,6 +22,7 @@
 #include "daemon/lobby.h"
 #include "daemon/metrics.h"
 #include "daemon/render_inbox.h"
+#include "daemon/roster.h"
 #include "daemon/scene_host.h"
 #include "daemon/seats.h"
 #include "daemon/session_table.h"
@@ -32,6 +33,7 @@ namespace gnomon::daemon {
 // What the net threads share with the rest of the daemon. All of it outlives them.
 struct NetShared {
   const Config& config;
+  const Published<Roster>& roster;
   const std::string& tracer;  // its name, for clients
   const SceneCatalog& catalog;
   const Health& health;
@@ -58,6 +60,7 @@ class NetThread {
   bool kick(SessionId id, const std::string& why);  // false: it is not here. Blocking; not on this thread
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);  // to the sessions of that scene
+  void close_closed_tenants();                   // sessions of tenants that the roster has no more
   void stop();                                   // says Bye to everybody, then ends the thread; returns when it has
   std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return published_.get(); }
 

@@ -65,11 +65,15 @@ void NetThread::hear_visitor(const std::shared_ptr<ControlStream>& stream, Resul
 
 void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protocol::Hello& hello) {
   if (shared_.health.draining) return refuse(stream, refusal(RefusalCode::draining, "the server is going away"));
-  auto verdict = check_hello(hello, shared_.config, [&](const auto& asked) { return shared_.catalog.find(asked); });
+  auto verdict = check_hello(hello, shared_.config, *shared_.roster.get(),
+                             [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* refused = std::get_if<protocol::Refused>(&verdict)) return refuse(stream, *refused);
   const Accepted& accepted = std::get<Accepted>(verdict);
   auto seat = shared_.seats.take(accepted.tenant, stream->peer());
-  if (const auto* refused = std::get_if<protocol::Refused>(&seat)) return refuse(stream, *refused);
+  if (const auto* refused = std::get_if<protocol::Refused>(&seat)) {
+    shared_.metrics.refused(accepted.tenant, to_string(scheduler::Limit::sessions));
+    return refuse(stream, *refused);
+  }
 
   // While the scene is brought the connection holds its seat; should it end, nobody waits for the answer.
   lobby_.remove(stream.get());
@@ -84,6 +88,9 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
       const auto waiting = weak.lock();
       if (!waiting || !lobby_.hosts(waiting.get())) return;
       if (!scene) return refuse(waiting, refusal(RefusalCode::scene_unavailable, scene.error().message));
+      if (!shared_.roster.get()->open(accepted.tenant)) {
+        return refuse(waiting, refusal(RefusalCode::unknown_tenant, "the tenant is no longer served"));
+      }
       accepted.scene_use = scene->use;
       if (book(waiting, accepted, *kept_seat, *scene)) {
         open_session(waiting, accepted, std::move(*kept_seat), *scene);
@@ -101,7 +108,7 @@ bool NetThread::book(const std::shared_ptr<ControlStream>& stream, const Accepte
   const auto misfit = shared_.seats.book(seat, {accepted.width, accepted.height, lights, accepted.rate_hz},
                                          known == costs->end() ? scheduler::CostModel() : known->second);
   if (!misfit) return true;
-  shared_.metrics.refused(accepted.tenant, misfit->limit);
+  shared_.metrics.refused(accepted.tenant, to_string(misfit->limit));
   refuse(stream, refusal_of(*misfit));
   return false;
 }
@@ -140,7 +147,7 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
   welcome.motions = to_wire(shared_.catalog.motions(accepted.scene));
   stream->send(welcome);
   log::info("session opened", {{"session", id.value},
-                               {"tenant", shared_.config.tenants[accepted.tenant.value].name},
+                               {"tenant", shared_.roster.get()->name(accepted.tenant)},
                                {"scene", accepted.scene},
                                {"size", std::to_string(accepted.width) + "x" + std::to_string(accepted.height)},
                                {"address", stream->peer().to_string()}});
@@ -168,7 +175,7 @@ void NetThread::close_session(SessionId id, const std::string& why) {
   const Session& session = *sessions_.find(id);
   const protocol::Stats totals = sessions_.find(id)->take_stats();
   log::info("session closed", {{"session", id.value},
-                               {"tenant", shared_.config.tenants[session.accepted().tenant.value].name},
+                               {"tenant", shared_.roster.get()->name(session.accepted().tenant)},
                                {"why", why},
                                {"frames", totals.frames},
                                {"coalesced", totals.coalesced}});

@@ -68,6 +68,8 @@ struct JobFinished {
 // A frame has left; its tenant may have a limit of bytes.
 struct BytesSent {
   TenantId tenant;
+  SceneId scene;
+  uint64_t bits = 0;
   size_t bytes = 0;
 };
 

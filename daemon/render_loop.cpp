@@ -25,6 +25,8 @@ scheduler::RateLimit limit_to(double rate_hz) {
 FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoint now) {
   FrameMeta meta;
   meta.session = view.session;
+  meta.tenant = session.opened.tenant;
+  meta.scene = session.opened.scene;
   meta.net_thread = session.opened.net_thread;
   meta.frame = view.frame;
   meta.codec = session.opened.codec;
@@ -111,7 +113,7 @@ void RenderLoop::on(const SessionClosed& closed, TimePoint) {
   const auto found = sessions_.find(closed.session);
   if (found == sessions_.end()) return;
   RenderSession& session = found->second;
-  if (session.has_work()) metrics_.report(Fault::session_gone);
+  if (session.has_work()) metrics_.dropped(session.opened.tenant, Fault::session_gone);
   if (session.asked) account_.left_queue(session.opened.tenant);
   if (session.begun) abandon(session);
   scheduler_->remove_session(closed.session);
@@ -142,7 +144,7 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
   account_.finished(job.ticket.tenant, job.ticket.predicted, job.gpu, now);
   metrics_.device_busy(job.ticket.tenant, job.gpu);
   if (job.device_lost) {
-    metrics_.report(Fault::device_lost, {{"session", job.ticket.session.value}});
+    metrics_.dropped(job.ticket.tenant, Fault::device_lost, {{"session", job.ticket.session.value}});
     return lose_device();
   }
   scheduler::CostModel& model = models_[job.scene];
@@ -153,14 +155,17 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
 
 void RenderLoop::on(const LeaseDropped&, TimePoint) { --in_flight_; }
 
-void RenderLoop::on(const BytesSent& sent, TimePoint now) { account_.sent(sent.tenant, sent.bytes, now); }
+void RenderLoop::on(const BytesSent& sent, TimePoint now) {
+  account_.sent(sent.tenant, sent.bytes, now);
+  models_[sent.scene].learn_bytes(sent.bits, sent.bytes);
+}
 
 void RenderLoop::on(const TermsChanged& changed, TimePoint now) { apply(changed.terms, now); }
 
 void RenderLoop::on(const StopRendering&, TimePoint) {
   stopping_ = true;
   for (auto& [id, session] : sessions_) {
-    if (session.has_work()) metrics_.report(Fault::view_draining);
+    if (session.has_work()) metrics_.dropped(session.opened.tenant, Fault::view_draining);
     if (session.asked) account_.left_queue(session.opened.tenant);
     if (session.begun) abandon(session);
     scheduler_->remove_session(id);
@@ -321,7 +326,8 @@ void RenderLoop::started(RenderSession& session, const scheduler::Ticket& ticket
 void RenderLoop::not_started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now,
                              const Error& error) {
   scheduler_->charge(ticket, Nanoseconds{}, now);
-  metrics_.report(Fault::submit_failed, {{"session", ticket.session.value}, {"why", error.message}});
+  metrics_.dropped(ticket.tenant, Fault::submit_failed,
+                   {{"session", ticket.session.value}, {"why", error.message}});
   if (++failed_submits_ >= kFailedSubmitsAreALoss) return lose_device();
   if (session.newest) ask_when_allowed(session, now);
 }

@@ -1,5 +1,7 @@
 #include "daemon/seats.h"
 
+#include <algorithm>
+
 namespace gnomon::daemon {
 namespace {
 
@@ -17,6 +19,7 @@ scheduler::TenantLimits limits_of(const TenantConfig& tenant) {
           .height = tenant.max_height,
           .buffers_per_second = double(tenant.max_vbps),
           .bits_per_second = double(tenant.max_bits_per_s),
+          .bytes_per_second = double(tenant.max_bytes_per_s),
           .gpu_share = tenant.max_gpu_percent / 100.0,
           .memory_bytes = uint64_t{tenant.max_memory_mb} << 20};
 }
@@ -27,7 +30,7 @@ Seat::~Seat() {
   if (seats_) seats_->give_back(*this);
 }
 
-Seats::Seats(const Config& config) : of_tenant_(config.tenants.size()) { set_limits(config); }
+Seats::Seats(const Config& config) { set_limits(config); }
 
 void Seats::set_limits(const Config& config) {
   std::vector<scheduler::TenantLimits> limits;
@@ -35,6 +38,7 @@ void Seats::set_limits(const Config& config) {
   std::lock_guard lock(mutex_);
   max_all_ = config.server.max_sessions;
   max_per_address_ = config.server.max_sessions_per_address;
+  of_tenant_.resize(std::max(of_tenant_.size(), config.tenants.size()));
   max_of_tenant_.clear();
   for (const TenantConfig& tenant : config.tenants) max_of_tenant_.push_back(tenant.max_sessions);
   admission_.set_limits(config.scheduler.admit_percent / 100.0, std::move(limits));

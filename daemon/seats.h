@@ -54,7 +54,7 @@ class Seats {
   std::optional<scheduler::Misfit> book(Seat& seat, const scheduler::Demand& demand,
                                         const scheduler::CostModel& model);
 
-  // Other limits from now on; who has a seat keeps it. The tenants are the same.
+  // Other limits from now on, and perhaps further tenants; who has a seat keeps it. `config` lists tenants by id.
   void set_limits(const Config& config);
 
   uint32_t taken() const;

@@ -80,6 +80,10 @@ void Server::announce_lights(const LightsNews& news) {
   for (const auto& thread : threads_) thread->announce_lights(news);
 }
 
+void Server::close_closed_tenants() {
+  for (const auto& thread : threads_) thread->close_closed_tenants();
+}
+
 std::vector<uint16_t> Server::data_ports() const {
   std::vector<uint16_t> ports;
   for (const auto& thread : threads_) ports.push_back(thread->data_port());

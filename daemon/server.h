@@ -26,6 +26,7 @@ class Server {
   bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);
+  void close_closed_tenants();
   std::vector<SessionStatus> sessions() const;
 
   void stop();  // everybody is told, everything is closed

@@ -19,13 +19,17 @@ uint64_t bits_of(const Demand& d) { return uint64_t{d.width} * d.height * d.ligh
 Booking booking_of(const Demand& d, const CostModel& model) {
   const uint64_t pixels = uint64_t{d.width} * d.height;
   const Nanoseconds cost = model.knows() ? model.predict({pixels, bits_of(d), true}) : Nanoseconds{};
-  return {d.rate_hz, d.rate_hz * static_cast<double>(bits_of(d)), d.rate_hz * to_seconds(cost),
-          pixels * kBytesPerPixel + bits_of(d) / 8 * kCopiesOfMasks};
+  return {.buffers_per_second = d.rate_hz,
+          .bits_per_second = d.rate_hz * static_cast<double>(bits_of(d)),
+          .bytes_per_second = d.rate_hz * model.predict_bytes(bits_of(d)),
+          .load = d.rate_hz * to_seconds(cost),
+          .memory_bytes = pixels * kBytesPerPixel + bits_of(d) / 8 * kCopiesOfMasks};
 }
 
 void add(Booking& sum, const Booking& b, int sign) {
   sum.buffers_per_second += sign * b.buffers_per_second;
   sum.bits_per_second += sign * b.bits_per_second;
+  sum.bytes_per_second += sign * b.bytes_per_second;
   sum.load += sign * b.load;
   sum.memory_bytes += sign > 0 ? b.memory_bytes : 0 - b.memory_bytes;
 }
@@ -45,6 +49,7 @@ std::string_view to_string(Limit limit) {
     case Limit::size: return "size";
     case Limit::buffers: return "visibility buffers a second";
     case Limit::bits: return "visibility bits a second";
+    case Limit::bytes: return "bytes a second";
     case Limit::gpu_share: return "share of the device";
     case Limit::memory: return "memory";
     case Limit::capacity: return "capacity of the device";
@@ -72,6 +77,7 @@ std::optional<Limit> Admission::obstacle(TenantId tenant, const Demand& demand, 
   if (demand.rate_hz <= 0) return std::nullopt;
   if (beyond(sum.buffers_per_second, most.buffers_per_second)) return Limit::buffers;
   if (beyond(sum.bits_per_second, most.bits_per_second)) return Limit::bits;
+  if (beyond(sum.bytes_per_second, most.bytes_per_second)) return Limit::bytes;
   if (beyond(sum.load, most.gpu_share)) return Limit::gpu_share;
   if (beyond(load_ + more.load, capacity_)) return Limit::capacity;
   return std::nullopt;

@@ -1,6 +1,6 @@
 // Whether the device and a tenant's limits leave room for one more session, and if not, what would fit.
 //
-// Sessions book what they ask for: rate x (frames, bits, predicted device time), and memory. One that asks for no rate
+// Sessions book what they ask for: rate x (frames, bits, predicted bytes and device time), and memory. One that asks for no rate
 // books no rate: it gets what is left. Pure bookkeeping: no clock, no locks, one thread at a time.
 #pragma once
 
@@ -21,6 +21,7 @@ struct TenantLimits {
   uint32_t width = 0, height = 0;  // of one session
   double buffers_per_second = 0;
   double bits_per_second = 0;
+  double bytes_per_second = 0;
   double gpu_share = 0;  // of the device, 0 to 1
   uint64_t memory_bytes = 0;
 };
@@ -35,11 +36,12 @@ struct Demand {
 struct Booking {
   double buffers_per_second = 0;
   double bits_per_second = 0;
+  double bytes_per_second = 0;
   double load = 0;  // of the device: 1 is all of it
   uint64_t memory_bytes = 0;
 };
 
-enum class Limit { sessions, size, buffers, bits, gpu_share, memory, capacity };
+enum class Limit { sessions, size, buffers, bits, bytes, gpu_share, memory, capacity };
 std::string_view to_string(Limit limit);
 
 // What would be admitted in its place; 0 where nothing of that kind would.

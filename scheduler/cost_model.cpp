@@ -74,6 +74,11 @@ void CostModel::learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace)
   if (work.begins) begin_.learn(static_cast<double>(work.pixels), in_ns(gpu_time - trace));
 }
 
+void CostModel::learn_bytes(uint64_t bits, size_t bytes) {
+  if (bits == 0) return;
+  bytes_per_bit_ = mean(bytes_per_bit_, static_cast<double>(bytes) / static_cast<double>(bits), ++frames_sent_);
+}
+
 Nanoseconds CostModel::constant() const {
   return Nanoseconds(static_cast<int64_t>(begin_.constant() + trace_.constant()));
 }

@@ -1,4 +1,5 @@
-// What a job will cost, learned from what jobs did cost. One model for each device, scene and tracer.
+// What a job will cost, learned from what jobs did cost: device time, and bytes on the wire. One model for each
+// device, scene and tracer.
 //
 //   cost = (constant + per pixel * pixels of the frame, for the job that begins it)
 //        + (constant + per bit * visibility bits that the job traces)
@@ -46,6 +47,10 @@ class CostModel {
   // `trace`: the part of `gpu_time` that depends on the bits.
   void learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace);
 
+  // Of whole frames; 0 before one was sent.
+  double predict_bytes(uint64_t bits) const { return bytes_per_bit_ * static_cast<double>(bits); }
+  void learn_bytes(uint64_t bits, size_t bytes);
+
   bool knows() const { return trace_.knows(); }
   double ns_per_bit() const { return trace_.slope(); }
   Nanoseconds constant() const;                              // of a frame, its pixels aside
@@ -55,6 +60,8 @@ class CostModel {
   RobustLine begin_, trace_;
   double relative_error_ = 0;
   uint64_t measurements_ = 0;
+  double bytes_per_bit_ = 0;
+  uint64_t frames_sent_ = 0;
 };
 
 // How one session's frames differ from the model's: what its camera shows costs more or less than others see, and

@@ -446,7 +446,7 @@ TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
   Terms terms = terms_of({});
   terms.tenants[0].rates.bytes_per_second = 1000;
   loop_->handle(TermsChanged{terms}, now_);
-  loop_->handle(BytesSent{kTenant, 2000}, now_);
+  loop_->handle(BytesSent{kTenant, kScene, 1000, 2000}, now_);
   view(kA, 1);
   settle();
   EXPECT_EQ(fake_->waiting(), 0u);
@@ -479,7 +479,8 @@ TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
   settle();
   EXPECT_EQ(fake_->waiting(), 1u);
   EXPECT_EQ(metrics_.count_of(Fault::view_hopeless), 1u);
-  EXPECT_NE(metrics_.text().find("gnomon_frames_hopeless_total{tenant=\"default\"} 1"), std::string::npos);
+  EXPECT_NE(metrics_.text().find("gnomon_tenant_frames_dropped_total{reason=\"deadline\",tenant=\"default\"} 1"),
+            std::string::npos);
 }
 
 // A session that asks for more than it gets: its rate goes down, then its size, both are told, and both come back.

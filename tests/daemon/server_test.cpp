@@ -168,11 +168,44 @@ TEST_F(Served, AReloadChangesTermsAndLimitsAndDropsNobody) {
   stays.send_view(1, 2);
   EXPECT_TRUE(is_frame_of(stays, stays.receive_frame(1), 2)) << "under the new policy";
 
-  next.tenants.push_back({.name = "stranger"});
-  EXPECT_FALSE(daemon_->reload(next));
   EXPECT_FALSE(daemon_->reload(Error{"not a configuration"}));
   EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"done\"} 1"));
-  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"failed\"} 2"));
+  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"failed\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_tenant_refusals_total{limit=\"sessions\",tenant=\"default\"} 1"));
+}
+
+TEST_F(Served, AReloadBringsTenantsAndClosesThoseThatAreGone) {
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "leaving"}};
+  start();
+  protocol::Hello leaving = TestClient::hello(kScene), arriving = leaving;
+  leaving.tenant = "leaving";
+  arriving.tenant = "arriving";
+  TestClient stays = client(), goes = client(), early = client();
+  ASSERT_TRUE(stays.join(TestClient::hello(kScene)));
+  ASSERT_TRUE(goes.join(leaving));
+  early.send(arriving);
+  EXPECT_EQ(early.receive_a<protocol::Refused>()->code, RefusalCode::unknown_tenant);
+
+  Config next = config_;
+  next.tenants = {{.name = "arriving", .weight = 3}, {.name = kDefaultTenant}};  // another order, too
+  ASSERT_TRUE(daemon_->reload(next));
+  EXPECT_EQ(goes.receive_a<protocol::Bye>()->reason, "the tenant is no longer served");
+  TestClient comes = client(), late = client();
+  ASSERT_TRUE(comes.join(arriving));
+  late.send(leaving);
+  EXPECT_EQ(late.receive_a<protocol::Refused>()->code, RefusalCode::unknown_tenant);
+  stays.send_view(1, 2);
+  comes.send_view(1, 3);
+  EXPECT_TRUE(is_frame_of(stays, stays.receive_frame(1), 2));
+  EXPECT_TRUE(is_frame_of(comes, comes.receive_frame(1), 3));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"arriving\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"leaving\"} 0"));
+
+  ASSERT_TRUE(daemon_->reload(config_));  // back again, as who it was
+  TestClient again = client();
+  ASSERT_TRUE(again.join(leaving));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"leaving\"} 1"));
 }
 
 TEST_F(Served, LimitsSessionsAndGivesSeatsBack) {

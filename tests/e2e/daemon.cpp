@@ -72,6 +72,8 @@ Daemon::Daemon(const std::string& config)
   admin_ = client::parse_address(found[3].str()).value();
 }
 
+void Daemon::rewrite_config(const std::string& text) const { write_config(folder_.path(), text); }
+
 std::string Daemon::page(const std::string& path) const { return get(admin_, path); }
 
 std::string Daemon::post(const std::string& path, const std::string& json) const {

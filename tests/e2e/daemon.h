@@ -33,6 +33,7 @@ class Daemon {
   std::string server() const { return to_string(control_); }
   uint16_t data_port() const { return data_port_; }
   Process& process() { return process_; }
+  void rewrite_config(const std::string& text) const;  // in the place of what it was started with
 
   // Body of an admin page; empty when the server does not answer.
   std::string page(const std::string& path) const;

@@ -35,6 +35,19 @@ TEST(Lifecycle, GoesAtOnceWhenNobodyIsThere) {
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
 }
 
+TEST(Reload, OverHttpTakesWhatIsGoodAndSaysWhatIsWrong) {
+  Daemon daemon;
+  daemon.rewrite_config(std::string(kConfig) + "scheduler: {policy: priority}\n");
+  EXPECT_NE(daemon.post("/reload", "{}").find(" 200 "), std::string::npos);
+  EXPECT_TRUE(
+      eventually([&] { return daemon.page("/status").find("\"policy\": \"priority\"") != std::string::npos; }));
+  daemon.rewrite_config(std::string(kConfig) + "scheduler: {policy: fairest}\n");
+  EXPECT_NE(daemon.post("/reload", "{}").find(" 409 "), std::string::npos);
+  EXPECT_NE(daemon.process().output().find("scheduler.policy"), std::string::npos) << "the log says why";
+  EXPECT_NE(daemon.page("/status").find("\"policy\": \"priority\""), std::string::npos);
+  EXPECT_EQ(daemon.metric("gnomon_config_reloads_total", {"failed"}), 1);
+}
+
 TEST(CheckConfig, TakesGoodFilesAndNamesFileLineAndKeyOfBadOnes) {
   const TemporaryFolder folder;
   const fs::path good = folder.path() / "good.yaml";

@@ -10,14 +10,15 @@ namespace {
 using namespace std::chrono_literals;
 constexpr TenantId kOne{0}, kTwo{1};
 
-// 1 ns a bit.
+// 1 ns and 0.01 bytes a bit.
 CostModel model() {
   CostModel made;
   made.learn({1000, 8000, true}, 8000ns, 8000ns);
+  made.learn_bytes(8000, 80);
   return made;
 }
 
-// Costs 8 ms: 125 a second are the whole device.
+// Costs 8 ms and 80 kB: 125 a second are the whole device.
 constexpr Demand kDemand{1000, 1000, 8, 30};
 
 class AdmissionTest : public testing::Test {
@@ -59,6 +60,7 @@ TEST_F(AdmissionTest, EveryLimitOfATenantIsKeptAndNamed) {
       {{.sessions = 1}, Limit::sessions},
       {{.buffers_per_second = 45}, Limit::buffers},
       {{.bits_per_second = 30 * 12e6}, Limit::bits},
+      {{.bytes_per_second = 30 * 120e3}, Limit::bytes},
       {{.gpu_share = 0.3}, Limit::gpu_share},
       {{.memory_bytes = 15'000'000}, Limit::memory},
   };
@@ -81,7 +83,11 @@ TEST_F(AdmissionTest, ASizeThatFitsIsOffered) {
 }
 
 TEST_F(AdmissionTest, WhatIsReleasedCanBeBookedAgain) {
-  limit({.buffers_per_second = 90, .bits_per_second = 30 * 24e6, .gpu_share = 0.72, .memory_bytes = 40'000'000});
+  limit({.buffers_per_second = 90,
+         .bits_per_second = 30 * 24e6,
+         .bytes_per_second = 30 * 240e3,
+         .gpu_share = 0.72,
+         .memory_bytes = 40'000'000});
   std::mt19937 random(4);
   std::vector<Booking> held;
   for (int i = 0; i < 100'000; ++i) {
