@@ -1,11 +1,14 @@
 #include "daemon/daemon.h"
 
+#include <algorithm>
+
 namespace gnomon::daemon {
 namespace {
 
 using namespace std::chrono_literals;
 
 constexpr auto kSharesInterval = 1s;
+constexpr auto kLongestBuild = 5min;  // of all that a tracer needs for one scene, on a slow device
 
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
@@ -87,14 +90,34 @@ Result<void> Daemon::load_scenes() {
 void Daemon::render() {
   std::vector<RenderEvent> batch;
   while (true) {
+    show_life(batch);
     loop_->start(Clock::now());
     health_.device_up = loop_->device_up();
     if (loop_->finished()) break;
     publish_shares(Clock::now());
     inbox_.take(batch, std::min(next_shares_, loop_->wake_at()));
-    for (RenderEvent& event : batch) loop_->handle(std::move(event), Clock::now());
+    for (RenderEvent& event : batch) {
+      if (std::holds_alternative<SceneArrived>(event)) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
+      loop_->handle(std::move(event), Clock::now());
+    }
   }
+  heartbeat_.end();
   if (loop_->failure() && options_.on_failure) options_.on_failure(*loop_->failure());
+}
+
+// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as a scene.
+void Daemon::show_life(const std::vector<RenderEvent>& done) {
+  const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
+    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event) ||
+           std::holds_alternative<SceneArrived>(event);
+  });
+  if (moved || loop_->frames_out() == 0) heartbeat_.beat();
+  if (!loop_->device_up()) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
+}
+
+std::string Daemon::summary() const {
+  return "serving " + std::to_string(scenes_->resident().size()) + " scenes to " + std::to_string(seats_.taken()) +
+         " sessions";
 }
 
 Result<void> Daemon::reload(const Result<Config>& next) {

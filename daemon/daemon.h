@@ -11,6 +11,7 @@
 #include "daemon/admin.h"
 #include "daemon/config.h"
 #include "daemon/encode_pool.h"
+#include "daemon/heartbeat.h"
 #include "daemon/render_loop.h"
 #include "daemon/server.h"
 
@@ -46,6 +47,8 @@ class Daemon {
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }
   Metrics& metrics() { return metrics_; }
+  Heartbeat& heartbeat() { return heartbeat_; }  // for one watchdog
+  std::string summary() const;                   // one line; any thread
 
  private:
   Daemon(Options options, SceneCatalog catalog);
@@ -55,6 +58,7 @@ class Daemon {
   Result<void> open_device();
   Result<void> load_scenes();
   void render();
+  void show_life(const std::vector<RenderEvent>& done);
   void publish_shares(TimePoint now);
   void stop();
   Admin::Pages pages();
@@ -72,6 +76,7 @@ class Daemon {
   const Options options_;
   const SceneCatalog catalog_;
   Health health_;
+  Heartbeat heartbeat_;
   Metrics metrics_;
   Seats seats_;
   RenderInbox inbox_;

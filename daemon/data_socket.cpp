@@ -2,6 +2,8 @@
 
 #include <cerrno>
 
+#include "daemon/supervisor.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -15,8 +17,15 @@ constexpr int kBatchesInARow = 8;
 Result<std::unique_ptr<DataSocket>> DataSocket::open(asio::io_context& io, const asio::ip::udp::endpoint& local) {
   std::unique_ptr<DataSocket> made(new DataSocket(io));
   asio::error_code error;
-  made->socket_.open(local.protocol(), error);
-  if (!error) made->socket_.bind(local, error);
+  if (const auto given = supervisor::take_socket(supervisor::SocketKind::datagram, local.port())) {
+    made->socket_.assign(local.protocol(), *given, error);
+  } else {
+    made->socket_.open(local.protocol(), error);
+    if (!error) made->socket_.bind(local, error);
+  }
+  if (!error && local.port() != 0 && made->socket_.local_endpoint(error) != local && !error) {
+    error = asio::error::address_in_use;  // given to us, but open at another address
+  }
   if (!error) made->socket_.non_blocking(true, error);
   if (error) {
     return Error{"server.data_port: UDP " + local.address().to_string() + " port " + std::to_string(local.port()) +

@@ -8,6 +8,8 @@
 #include <thread>
 
 #include "daemon/daemon.h"
+#include "daemon/supervisor.h"
+#include "daemon/watchdog.h"
 #include "gpu/vulkan_renderer.h"
 #include "scenes/loader.h"
 
@@ -92,8 +94,10 @@ void leave_at(TimePoint deadline) {
 
 // The file and the command line are read again. A mistake in them changes nothing.
 Result<void> reload(Daemon& daemon, const Arguments& arguments) {
+  supervisor::reloading();
   auto done = daemon.reload(load_config(arguments));
   if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
+  supervisor::ready(done ? daemon.summary() : "configuration not reloaded: " + done.error().message);
   return done;
 }
 
@@ -127,13 +131,20 @@ int serve(const Config& config, const Arguments& arguments) {
   signals.async_wait([&](asio::error_code, int) { events.stop(); });
   asio::signal_set hangup(events, SIGHUP);
   reload_on_hangup(hangup, **daemon, arguments);
+  if (const int left = supervisor::close_untaken(); left > 0) {
+    log::warning("sockets were opened for us that the configuration does not use", {{"count", left}});
+  }
   print_ready_line(**daemon, config);
+  supervisor::ready((*daemon)->summary());
+  std::optional<Watchdog> watchdog(std::in_place, (*daemon)->heartbeat(), [&] { return (*daemon)->summary(); });
   events.run();  // until the first signal or a failure
   std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
   std::signal(SIGINT, [](int) { std::_Exit(EXIT_FAILURE); });
+  supervisor::stopping();
   if (failure) return fail(*failure);
   leave_at(Clock::now() + config.server.drain_timeout + kStopTime);
   (*daemon)->drain();
+  watchdog.reset();
   daemon->reset();
   log::info("stopped");
   return EXIT_SUCCESS;

@@ -36,6 +36,7 @@ class RenderLoop {
   bool finished() const { return failure_ || (stopping_ && in_flight_ == 0 && submits_ == 0); }
   const std::optional<Error>& failure() const { return failure_; }  // the device is beyond repair
   bool device_up() const { return !lost_; }
+  uint32_t frames_out() const { return in_flight_; }  // begun or on the device or being encoded
   SceneMotion& motion() { return motion_; }
 
   const CostModels& costs() const { return models_; }

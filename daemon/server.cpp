@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "daemon/supervisor.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -14,10 +16,17 @@ Result<std::unique_ptr<tcp::acceptor>> listen(asio::io_context& io, const Server
   const tcp::endpoint local{asio::ip::make_address(config.listen), config.control_port};
   auto acceptor = std::make_unique<tcp::acceptor>(io);
   asio::error_code error;
-  acceptor->open(local.protocol(), error);
-  if (!error) acceptor->set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor->bind(local, error);
-  if (!error) acceptor->listen(tcp::acceptor::max_listen_connections, error);
+  if (const auto given = supervisor::take_socket(supervisor::SocketKind::stream, local.port())) {
+    acceptor->assign(local.protocol(), *given, error);
+  } else {
+    acceptor->open(local.protocol(), error);
+    if (!error) acceptor->set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor->bind(local, error);
+    if (!error) acceptor->listen(tcp::acceptor::max_listen_connections, error);
+  }
+  if (!error && local.port() != 0 && acceptor->local_endpoint(error) != local && !error) {
+    error = asio::error::address_in_use;  // given to us, but open at another address
+  }
   if (error) {
     return Error{"server.control_port: TCP " + config.listen + " port " + std::to_string(config.control_port) +
                  ": " + error.message()};

@@ -1,0 +1,31 @@
+// What a service manager (systemd) is told about us, and the sockets that it keeps for us. Without one, nothing
+// happens. Any thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace gnomon::daemon::supervisor {
+
+// Clients are served, for the first time or again after reloading().
+void ready(const std::string& status);
+void reloading();
+void stopping();
+void status(const std::string& text);  // one line, for `systemctl status`
+void alive();
+
+// How long we may say nothing before we are killed; empty: for ever.
+std::optional<std::chrono::microseconds> patience();
+
+enum class SocketKind { stream, datagram };  // a listening TCP socket; a UDP socket
+
+// A socket of this kind and port that was opened for us and not taken yet; the caller owns it. It stays open between
+// two lives of ours: who connects meanwhile waits instead of being refused.
+std::optional<int> take_socket(SocketKind kind, uint16_t port);
+
+// Closes what nobody took; says how many.
+int close_untaken();
+
+}  // namespace gnomon::daemon::supervisor

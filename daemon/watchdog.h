@@ -1,0 +1,31 @@
+// Tells the supervisor that we live, as long as the render thread does: a hung device ends in a restart.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "daemon/heartbeat.h"
+
+namespace gnomon::daemon {
+
+class Watchdog {
+ public:
+  // `status`: a line for the supervisor, asked for once in a while. Both are used from a thread of its own.
+  Watchdog(Heartbeat& heartbeat, std::function<std::string()> status);
+  ~Watchdog();
+
+ private:
+  void watch(std::chrono::microseconds interval);
+
+  Heartbeat& heartbeat_;
+  std::function<std::string()> status_;
+  std::mutex mutex_;
+  std::condition_variable ending_;
+  bool ended_ = false;  // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace gnomon::daemon

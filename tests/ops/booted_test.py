@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""The unit under a real systemd: started, reloaded, killed, hung, drained; its ports outlive it.
+
+    booted_test.py BUILD
+"""
+import subprocess
+import sys
+import unittest
+
+from booted_root import BootedRoot
+from node import eventually
+
+BUILD = sys.argv.pop(1)
+CONFIG = "/etc/gnomon/gnomond.yaml"
+CONFIG_TEXT = """
+render: {device: cpu, cache_folder: /var/cache/gnomon}
+scenes: {list: [{name: living_room, file: living_room.glb}]}
+tenants: [{name: studio, weight: %d}, {name: arcade}]
+"""
+FAULTS = """[Service]
+WatchdogSec=3s
+Environment=VK_ADD_LAYER_PATH=/opt/faults VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=/run/gnomon
+"""
+LOAD = ("gnomon-load", "--server", "127.0.0.1:7600", "--scene", "living_room", "--size", "160x90", "--clients", 2,
+        "--rate", 0, "--tenant", "studio::2")
+
+
+class Booted(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.system = cls.enterClassContext(BootedRoot(BUILD))
+        cls.system.write(CONFIG, CONFIG_TEXT % 1)
+        cls.system.write("/etc/systemd/system/gnomond.service.d/faults.conf", FAULTS)
+        cls.system.systemctl("daemon-reload")
+        cls.system.start("gnomond.socket", "gnomond.service")
+
+    def setUp(self):
+        if self.system.property("ActiveState") != "active":
+            self.system.start("gnomond.service")
+        self.restarts = int(self.system.property("NRestarts"))
+
+    def serves(self):
+        done = self.system.run(*LOAD, "--seconds", 0.5, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def restarted(self):
+        eventually(lambda: int(self.system.property("NRestarts")) > self.restarts, "a restart")
+        eventually(lambda: self.system.property("ActiveState") == "active", "active after a restart")
+        down = (int(self.system.property("ActiveEnterTimestampMonotonic"))
+                - int(self.system.property("InactiveEnterTimestampMonotonic")))
+        return down / 1e6
+
+    def test_verify(self):
+        """With everything installed, the manual pages too."""
+        units = ("/usr/lib/systemd/system/gnomond.service", "/usr/lib/systemd/system/gnomond.socket")
+        self.assertEqual(self.system.run("systemd-analyze", "verify", *units).stdout, "")
+
+    def test_started(self):
+        self.assertIn("serving 1 scenes", self.system.property("StatusText"))
+        self.serves()
+
+    def test_reloaded(self):
+        main = self.system.property("MainPID")
+        self.system.write(CONFIG, CONFIG_TEXT % 3)
+        self.system.systemctl("reload", "gnomond.service")
+        eventually(lambda: '"weight": 3' in self.system.run("curl", "-s", "127.0.0.1:7601/status").stdout,
+                   "the new weight")
+        self.system.write(CONFIG, CONFIG_TEXT % -1)
+        self.assertNotEqual(self.system.systemctl("reload", "gnomond.service", check=False).returncode, 0)
+        self.assertIn("weight", self.system.journal())
+        self.assertIn('"weight": 3', self.system.run("curl", "-s", "127.0.0.1:7601/status").stdout)
+        self.assertEqual(self.system.property("ActiveState"), "active")
+        self.assertEqual(self.system.property("MainPID"), main)
+        self.system.write(CONFIG, CONFIG_TEXT % 1)
+
+    def test_killed(self):
+        self.system.systemctl("kill", "-s", "KILL", "gnomond.service")
+        print(f"kill -9 to READY, cache warm: {self.restarted():.2f} s")
+        self.serves()
+
+    def test_hung(self):
+        load = subprocess.Popen(list(map(str, self.system.command(*LOAD, "--seconds", 600))),
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(load.wait)
+        self.addCleanup(load.kill)
+        eventually(lambda: "visibility_buffers_total" in self.system.run("curl", "-s", "127.0.0.1:7601/metrics").stdout,
+                   "frames")
+        self.system.run("touch", "/run/gnomon/hang")
+        print(f"down after a tripped watchdog: {self.restarted():.2f} s")
+        self.assertIn("Watchdog timeout", self.system.journal())
+        load.kill()
+        self.serves()
+
+    def test_drained(self):
+        self.system.systemctl("stop", "gnomond.service")
+        self.assertEqual(self.system.property("Result"), "success")
+        self.assertEqual(self.system.property("ExecMainStatus"), "0")
+        self.system.start("gnomond.service")
+        self.system.run("gnomonctl", "drain")
+        eventually(lambda: self.system.property("ActiveState") == "inactive", "inactive after gnomonctl drain")
+        self.assertEqual(self.system.property("ExecMainStatus"), "0")
+        self.assertEqual(int(self.system.property("NRestarts")), 0, "who was asked to go is not started again")
+
+    def test_whoever_connects_starts_it(self):
+        self.system.systemctl("stop", "gnomond.service")
+        self.serves()
+        self.assertEqual(self.system.property("ActiveState"), "active")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""What gnomond tells its service manager, against a socket of the test: ready, reloading, stopping, signs of life.
+
+    notify_test.py BUILD
+"""
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+import unittest
+
+from node import Node, eventually
+
+WATCHDOG_S = 3.0
+BUILD = sys.argv.pop(1)
+
+
+class Manager:
+    """The service manager's end."""
+
+    def __init__(self, node):
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        path = str(node.folder / "notify")
+        self.socket.bind(path)
+        self.messages, self.lock = [], threading.Lock()
+        node.environment.update(NOTIFY_SOCKET=path, WATCHDOG_USEC=str(int(WATCHDOG_S * 1e6)))
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        while True:
+            text = self.socket.recv(4096).decode()
+            with self.lock:
+                self.messages.append((time.monotonic(), text.splitlines()))
+
+    def lines(self, since=0):
+        with self.lock:
+            return [line for _, message in self.messages[since:] for line in message]
+
+    def count(self):
+        with self.lock:
+            return len(self.messages)
+
+    def pings(self):
+        return self.lines().count("WATCHDOG=1")
+
+    def silence(self):
+        """Seconds since the last sign of life."""
+        with self.lock:
+            last = max((at for at, message in self.messages if "WATCHDOG=1" in message), default=0)
+        return time.monotonic() - last
+
+
+class Notify(unittest.TestCase):
+    def setUp(self):
+        self.node = Node(BUILD, faults=True)
+        self.addCleanup(self.node.__exit__)
+        self.manager = Manager(self.node)
+
+    def test_ready_reloading_stopping(self):
+        node, manager = self.node, self.manager
+        node.start()
+        eventually(lambda: "READY=1" in manager.lines(), "READY=1")
+        self.assertTrue(any(line.startswith("STATUS=serving 1 scenes") for line in manager.lines()))
+
+        seen = manager.count()
+        node.signal(signal.SIGHUP)
+        eventually(lambda: "READY=1" in manager.lines(seen), "READY=1 after a reload")
+        lines = manager.lines(seen)
+        self.assertLess(lines.index("RELOADING=1"), lines.index("READY=1"))
+        self.assertTrue(any(line.startswith("MONOTONIC_USEC=") for line in lines))
+
+        seen = manager.count()
+        node.config["scheduler"] = {"policy": "whoever"}
+        node.write_config()
+        node.signal(signal.SIGHUP)
+        told = eventually(lambda: [line for line in manager.lines(seen) if "not reloaded" in line], "the bad file")
+        self.assertIn("gnomond.json:1", told[0])
+        self.assertIn("policy", told[0])
+        self.assertEqual(node.metric("gnomon_config_reloads_total", result="failed"), 1)
+
+        seen = manager.count()
+        self.assertEqual(node.stop(), 0)
+        eventually(lambda: "STOPPING=1" in manager.lines(seen), "STOPPING=1")
+
+    def test_signs_of_life_end_with_the_device(self):
+        node, manager = self.node, self.manager
+        node.start()
+        idle = manager.pings()
+        eventually(lambda: manager.pings() >= idle + 3, "signs of life of an idle daemon")
+        load = node.load({"studio": 2}, seconds=600)
+        self.addCleanup(load.kill)
+        eventually(lambda: node.metric("gnomon_visibility_buffers_total") > 10, "frames")
+        busy = manager.pings()
+        eventually(lambda: manager.pings() >= busy + 3, "signs of life under load")
+        node.order("hang")
+        eventually(lambda: manager.silence() > WATCHDOG_S, "the silence that a supervisor acts on")
+        self.assertEqual(node.code("/healthz"), 200, "only the render thread hangs")
+
+    def test_ports_outlive_the_daemon(self):
+        node = self.node
+        control, data = socket.create_server(("127.0.0.1", 0)), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        data.bind(("127.0.0.1", 0))
+        node.config["server"].update(control_port=control.getsockname()[1], data_port=data.getsockname()[1])
+        given = ["sh", "-c", f'export LISTEN_PID=$$ LISTEN_FDS=2; exec "$@" 3<&{control.fileno()} 4<&{data.fileno()}',
+                 "sh"]
+        descriptors = (control.fileno(), data.fileno())
+        node.start(wrapper=given, pass_fds=descriptors)
+        node.process.kill()
+        node.wait()
+        load = node.load({"studio": 1}, seconds=0.5)  # connects while nobody serves
+        self.addCleanup(load.kill)
+        time.sleep(0.5)
+        node.start(wrapper=given, pass_fds=descriptors)
+        rows = load.rows()
+        self.assertGreater(rows[-1]["frames"], 0, rows)
+        self.assertEqual(node.stop(), 0)
+
+    def test_a_port_open_at_another_address_is_an_error(self):
+        node = self.node
+        control = socket.create_server(("127.0.0.2", 0))
+        node.config["server"]["control_port"] = control.getsockname()[1]
+        given = ["sh", "-c", f'export LISTEN_PID=$$ LISTEN_FDS=1; exec "$@" 3<&{control.fileno()}', "sh"]
+        node.start(wait=False, wrapper=given, pass_fds=(control.fileno(),))
+        self.assertEqual(node.wait(), 1)
+        self.assertIn("server.control_port", node.log_text())
+
+
+if __name__ == "__main__":
+    os.environ.pop("NOTIFY_SOCKET", None)
+    unittest.main(verbosity=2)
