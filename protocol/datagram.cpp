@@ -11,7 +11,7 @@ namespace {
 template <class A>
 void fields(A& a, Of<A, Header>& m) {
   a(m.kind, m.flags, m.session, m.sequence);
-  a.check(m.kind == DatagramKind::camera_update || m.kind == DatagramKind::frame_slice, "unknown kind");
+  a.check(m.kind >= DatagramKind::camera_update && m.kind <= DatagramKind::probe, "unknown kind");
 }
 
 template <class A>

@@ -22,7 +22,13 @@ inline constexpr size_t kSliceHeaderBytes = 32;
 inline constexpr size_t kMomentBytes = 8;
 inline constexpr size_t kMaxSlicePayloadBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes - kSliceHeaderBytes;
 
-enum class DatagramKind : uint8_t { camera_update = 1, frame_slice = 2 };
+enum class DatagramKind : uint8_t {
+  camera_update = 1,
+  frame_slice = 2,
+  feedback = 3,      // protocol/feedback.h
+  frame_parity = 4,  // protocol/parity.h
+  probe = 5,         // zeros: does the path take a datagram of this size?
+};
 
 struct Header {
   DatagramKind kind = DatagramKind::camera_update;

@@ -12,12 +12,16 @@ namespace gnomon::protocol {
 
 inline constexpr uint16_t kVersion = 1;
 inline constexpr size_t kMaxDatagramBytes = 1200;
+// With kFeatureFeedback the server looks for paths that take more, up to an Ethernet jumbo frame's.
+inline constexpr size_t kMaxProbedBytes = 8952;
 inline constexpr size_t kMaxControlBytes = 1 << 20;
 inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
 // Feature bits of Hello and Welcome.
 inline constexpr uint64_t kFeatureMoments = 1;  // slices say what moment of a changing scene they show
+inline constexpr uint64_t kFeatureFeedback = 2;  // the client reports arrivals and takes probes of the path
+inline constexpr uint64_t kFeatureParity = 4;    // the client rebuilds lost slices from parity
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
