@@ -19,7 +19,7 @@ inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
 // Feature bits of Hello and Welcome.
-inline constexpr uint64_t kFeatureMoments = 1;  // slices say what moment of a changing scene they show
+inline constexpr uint64_t kFeatureMoments = 1;   // slices say what moment of a changing scene they show
 inline constexpr uint64_t kFeatureFeedback = 2;  // the client reports arrivals and takes probes of the path
 inline constexpr uint64_t kFeatureParity = 4;    // the client rebuilds lost slices from parity
 

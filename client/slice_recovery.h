@@ -1,0 +1,43 @@
+// Lost slices rebuilt from parity: keeps the slices of the newest frames and their parity until the two are enough.
+// Pure; one thread. Memory is bounded by kFrames and kMaxFrameBytes.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "protocol/datagram.h"
+#include "protocol/parity.h"
+
+namespace gnomon::client {
+
+class SliceRecovery {
+ public:
+  static constexpr size_t kFrames = 4;
+  static constexpr size_t kMaxFrameBytes = 32 << 20;
+
+  // The body of a slice that arrived, and of a parity datagram. Both give the bodies of slices that can be rebuilt
+  // now; they are then taken as arrived.
+  std::vector<std::vector<uint8_t>> add_slice(const protocol::SliceHeader& header, std::span<const uint8_t> body);
+  std::vector<std::vector<uint8_t>> add_parity(const protocol::FrameParity& parity);
+
+ private:
+  struct Shard {
+    uint16_t group = 0;
+    uint8_t index = 0;
+    std::vector<uint8_t> bytes;
+  };
+  struct Frame {
+    FrameId frame;
+    uint16_t groups = 0;                       // 0: no parity yet
+    std::vector<std::vector<uint8_t>> slices;  // bodies; empty: not here
+    std::vector<Shard> parity;
+    size_t bytes = 0;
+  };
+
+  Frame* find_or_begin(FrameId frame, uint16_t slice_count);
+  static std::vector<std::vector<uint8_t>> rebuild_group(Frame& frame, uint16_t group);
+
+  std::deque<Frame> frames_;  // by increasing frame
+};
+
+}  // namespace gnomon::client

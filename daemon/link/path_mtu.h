@@ -1,0 +1,69 @@
+// How long a datagram the path takes. Pure.
+//
+// Packetization layer path MTU discovery for datagrams (RFC 8899): padded probes of growing size, each tried three
+// times; the largest that was acknowledged counts. Their loss is no sign of congestion. Should long datagrams stop to
+// arrive while time goes on (a black hole: the path has changed), the base size counts again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "common/clock.h"
+#include "protocol/types.h"
+
+namespace gnomon::daemon {
+
+class PathMtu {
+ public:
+  // UDP payloads that common paths take: tunnels, Ethernet with IPv6 and IPv4, jumbo frames.
+  static constexpr std::array<size_t, 7> kSizes{protocol::kMaxDatagramBytes, 1280, 1352, 1400, 1452, 1472,
+                                                protocol::kMaxProbedBytes};
+  static constexpr uint32_t kTries = 3;
+  static constexpr Nanoseconds kSearchAgain = std::chrono::seconds(600);
+  static constexpr Nanoseconds kBetweenProbes = std::chrono::milliseconds(50);
+  static constexpr uint32_t kBlackHole = 10;  // long datagrams lost in a row
+
+  size_t bytes() const { return kSizes[level_]; }
+
+  // The size of a probe that should be sent now.
+  std::optional<size_t> probe_due(TimePoint now) const {
+    if (probing_ || now < next_probe_ || level_ + 1 >= kSizes.size()) return std::nullopt;
+    return kSizes[level_ + 1];
+  }
+
+  void probe_sent() { probing_ = true; }
+
+  void probe_arrived(size_t size, TimePoint now) {
+    probing_ = false;
+    if (size > bytes() && level_ + 1 < kSizes.size()) ++level_;
+    tries_ = 0;
+    next_probe_ = now + kBetweenProbes;
+  }
+
+  void probe_lost(TimePoint now) {
+    probing_ = false;
+    next_probe_ = now + (++tries_ < kTries ? kBetweenProbes : kSearchAgain);
+    if (tries_ >= kTries) tries_ = 0;
+  }
+
+  // Any other datagram.
+  void arrived(size_t size) {
+    if (size > kSizes[0]) lost_in_row_ = 0;
+  }
+  void lost(size_t size, TimePoint now) {
+    if (level_ == 0 || size <= kSizes[0] || ++lost_in_row_ < kBlackHole) return;
+    level_ = 0;
+    lost_in_row_ = tries_ = 0;
+    next_probe_ = now + kSearchAgain;
+  }
+
+ private:
+  size_t level_ = 0;
+  uint32_t tries_ = 0;
+  uint32_t lost_in_row_ = 0;
+  bool probing_ = false;
+  TimePoint next_probe_{};
+};
+
+}  // namespace gnomon::daemon

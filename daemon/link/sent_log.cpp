@@ -1,0 +1,127 @@
+#include "daemon/link/sent_log.h"
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kFirstRtt = 100ms;         // until one has been measured
+constexpr Nanoseconds kFeedbackInterval = 15ms;  // a client speaks that often, and a little late at times
+constexpr Nanoseconds kLeastReordering = 2ms;
+constexpr Nanoseconds kReordering = 15ms;  // paths do that
+constexpr Nanoseconds kGivenUp = 2s;
+
+// When the client got it, by its own clock of any origin.
+Nanoseconds arrival_time(const protocol::Feedback& feedback, uint16_t age) {
+  return std::chrono::microseconds(static_cast<int64_t>(feedback.time_us)) -
+         std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
+}
+
+}  // namespace
+
+void SentLog::sent(uint64_t sequence, const SentDatagram& datagram) {
+  if (sequence != first_ + entries_.size()) {  // the sequence began elsewhere: nothing before it is ours
+    entries_.clear();
+    first_ = unsettled_ = sequence;
+  }
+  entries_.push_back({datagram});
+  if (entries_.size() <= kMaxEntries) return;
+  entries_.pop_front();
+  ++first_;
+  unsettled_ = std::max(unsettled_, first_);
+}
+
+PathNews SentLog::take(const protocol::Feedback& feedback, TimePoint now) {
+  PathNews news;
+  const uint64_t count = std::min<uint64_t>(feedback.count, ~feedback.first);  // no number is beyond the last
+  for (uint64_t i = 0; i < count; ++i) {
+    const uint16_t age = feedback.ages[i];
+    Entry* entry = age == 0 ? nullptr : find(feedback.first + i);
+    if (!entry || entry->state == State::arrived) continue;
+    entry->state = State::arrived;
+    const SentDatagram& datagram = entry->datagram;
+    news.arrived.push_back({datagram, arrival_time(feedback, age) - datagram.at.time_since_epoch()});
+    if (feedback.first + i < newest_) continue;
+    newest_ = feedback.first + i;
+    newest_sent_ = datagram.at;
+    if (age == protocol::kOldest) continue;
+    const Nanoseconds waited = std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
+    news.rtt = std::max<Nanoseconds>(1us, now - datagram.at - waited);
+  }
+  if (news.rtt.count() > 0) measure(news.rtt);
+  find_losses(now, news.lost);
+  settle();
+  return news;
+}
+
+SentLog::Entry* SentLog::find(uint64_t sequence) {
+  if (sequence < first_ || sequence - first_ >= entries_.size()) return nullptr;
+  return &entries_[static_cast<size_t>(sequence - first_)];
+}
+
+bool SentLog::is_lost(const Entry& entry, uint64_t sequence, TimePoint now) const {
+  const Nanoseconds rtt = rtt_or_guess(), age = now - entry.datagram.at;
+  if (age >= kGivenUp) return true;
+  const bool overtaken = sequence + kLaterOnes <= newest_ ||
+                         (sequence < newest_ && newest_sent_ - entry.datagram.at >= std::max(rtt / 4, kReordering));
+  return overtaken && age >= rtt + std::max(rtt / 8, kLeastReordering);
+}
+
+void SentLog::find_losses(TimePoint now, std::vector<SentDatagram>& lost) {
+  for (uint64_t s = std::max(unsettled_, first_); s < newest_; ++s) {
+    Entry* entry = find(s);
+    if (!entry || entry->state != State::flying || !is_lost(*entry, s, now)) continue;
+    entry->state = State::lost;
+    lost.push_back(entry->datagram);
+  }
+}
+
+std::optional<SentDatagram> SentLog::take_tail(TimePoint now) {
+  if (now < tail_due()) return std::nullopt;
+  last_tail_ = now;
+  for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
+    if (entry->state != State::flying) continue;
+    entry->state = State::lost;
+    const SentDatagram tail = entry->datagram;
+    settle();
+    return tail;
+  }
+  return std::nullopt;
+}
+
+// Counts from the last one sent: while others follow, they will tell.
+TimePoint SentLog::tail_due() const {
+  if (unsettled_ >= first_ + entries_.size()) return TimePoint::max();
+  return std::max(entries_.back().datagram.at, last_tail_) + tail_patience();
+}
+
+Nanoseconds SentLog::rtt_or_guess() const { return smoothed_.count() > 0 ? smoothed_ : kFirstRtt; }
+
+Nanoseconds SentLog::tail_patience() const {
+  return rtt_or_guess() + std::max(4 * variance_, rtt_or_guess() / 8) + kFeedbackInterval;
+}
+
+// RFC 6298.
+void SentLog::measure(Nanoseconds rtt) {
+  if (smoothed_.count() == 0) {
+    smoothed_ = rtt;
+    variance_ = rtt / 2;
+    return;
+  }
+  const Nanoseconds off = rtt > smoothed_ ? rtt - smoothed_ : smoothed_ - rtt;
+  variance_ = (3 * variance_ + off) / 4;
+  smoothed_ = (7 * smoothed_ + rtt) / 8;
+}
+
+// The settled ones stay for a while: late arrivals take back a loss.
+void SentLog::settle() {
+  while (unsettled_ < first_ + entries_.size() && find(unsettled_)->state != State::flying) ++unsettled_;
+  while (entries_.size() > 2 * protocol::kMaxReported && first_ < unsettled_) {
+    entries_.pop_front();
+    ++first_;
+  }
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,57 @@
+// Whether a session's next view may be rendered, or its link would only make the answer wait. Pure.
+//
+// Where bytes are short, vbps falls first: the newest camera is held back until the link will be free when its frame
+// is ready, so that frames are fewer, not older.
+#pragma once
+
+#include <deque>
+
+#include "common/clock.h"
+#include "common/ids.h"
+
+namespace gnomon::daemon {
+
+class ViewGate {
+ public:
+  // `backlog`: bytes that wait to be sent; `rate`: bytes a second.
+  bool open(size_t backlog, double rate, TimePoint now) {
+    while (!asked_.empty() && now - asked_.front().at > kForgotten) asked_.pop_front();
+    return load(backlog) / rate <= to_seconds(ready_in_ + kSlack);
+  }
+
+  // When it would open if nothing happens.
+  TimePoint opens_at(size_t backlog, double rate, TimePoint now) const {
+    const double excess = load(backlog) / rate - to_seconds(ready_in_ + kSlack);
+    return now + Nanoseconds(static_cast<int64_t>(std::max(0.0, excess) * 1e9));
+  }
+
+  void asked(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
+
+  // Views before it will not be answered any more.
+  void answered(FrameId frame, size_t bytes, TimePoint now) {
+    frame_bytes_ += (static_cast<double>(bytes) - frame_bytes_) / (frame_bytes_ == 0 ? 1 : 8);
+    while (!asked_.empty() && static_cast<int32_t>(frame.value - asked_.front().frame.value) >= 0) {
+      if (asked_.front().frame == frame) ready_in_ += (now - asked_.front().at - ready_in_) / 8;
+      asked_.pop_front();
+    }
+  }
+
+ private:
+  static constexpr Nanoseconds kSlack = std::chrono::milliseconds(5);
+  static constexpr Nanoseconds kForgotten = std::chrono::milliseconds(500);
+
+  struct Asked {
+    FrameId frame;
+    TimePoint at;
+  };
+
+  double load(size_t backlog) const {
+    return static_cast<double>(backlog) + frame_bytes_ * static_cast<double>(asked_.size());
+  }
+
+  std::deque<Asked> asked_;
+  double frame_bytes_ = 0;
+  Nanoseconds ready_in_{};
+};
+
+}  // namespace gnomon::daemon

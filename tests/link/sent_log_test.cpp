@@ -1,0 +1,108 @@
+#include "daemon/link/sent_log.h"
+
+#include <gtest/gtest.h>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr TimePoint kStart{10s};
+constexpr Nanoseconds kOneWay = 20ms;
+constexpr Nanoseconds kOtherClock = 5h;  // the client's is ahead by that
+
+// Sends `count` datagrams of 1,000 bytes, one each millisecond.
+SentLog log_of(uint64_t count) {
+  SentLog log;
+  for (uint64_t s = 1; s <= count; ++s) {
+    log.sent(s, {kStart + s * 1ms, 1000, Cargo::slice, FrameId{1}, static_cast<uint16_t>(s)});
+  }
+  return log;
+}
+
+// What the client says at `now` when those that `lost` does not name arrived kOneWay after they were sent.
+protocol::Feedback feedback(uint64_t first, uint64_t last, TimePoint now, std::vector<uint64_t> lost = {}) {
+  protocol::Feedback said;
+  const Nanoseconds clock = now.time_since_epoch() + kOtherClock;
+  said.time_us = static_cast<uint64_t>(to_microseconds(clock));
+  said.first = first;
+  for (uint64_t s = first; s <= last; ++s) {
+    const Nanoseconds age = now - (kStart + s * 1ms + kOneWay);
+    const bool arrived = std::find(lost.begin(), lost.end(), s) == lost.end();
+    said.ages[said.count++] = arrived ? static_cast<uint16_t>(1 + to_microseconds(age) / protocol::kAgeUnitUs) : 0;
+  }
+  return said;
+}
+
+std::vector<uint16_t> numbers(const std::vector<SentDatagram>& datagrams) {
+  std::vector<uint16_t> all;
+  for (const auto& datagram : datagrams) all.push_back(datagram.number);
+  return all;
+}
+
+TEST(SentLog, ArrivalsAreToldOnceWithTheirDelayAndTheRoundTrip) {
+  SentLog log = log_of(4);
+  const TimePoint said = kStart + 24ms, heard = said + 15ms;
+  const PathNews news = log.take(feedback(1, 4, said), heard);
+  ASSERT_EQ(news.arrived.size(), 4u);
+  for (const Arrival& arrival : news.arrived) {
+    EXPECT_NEAR(to_milliseconds(arrival.one_way - kOtherClock), 20, 0.05);
+  }
+  EXPECT_NEAR(to_milliseconds(news.rtt), 35, 0.05) << "without the time that the client waited";
+  EXPECT_TRUE(log.take(feedback(1, 4, said), heard).arrived.empty());
+}
+
+TEST(SentLog, WhatOthersOvertookIsLostAfterARoundTrip) {
+  SentLog log = log_of(40);
+  EXPECT_TRUE(log.take(feedback(1, 12, kStart + 32ms, {9}), kStart + 52ms).lost.empty()) << "it may be late";
+  EXPECT_EQ(numbers(log.take(feedback(1, 30, kStart + 50ms, {9}), kStart + 70ms).lost), std::vector<uint16_t>{9});
+  EXPECT_TRUE(log.take(feedback(1, 35, kStart + 60ms, {9}), kStart + 80ms).lost.empty()) << "once";
+}
+
+TEST(SentLog, TheNewestIsNotLostYet) {
+  SentLog log = log_of(10);
+  EXPECT_TRUE(log.take(feedback(1, 8, kStart + 29ms, {7}), kStart + 300ms).lost.empty())
+      << "only one was sent after it, and at once";
+}
+
+TEST(SentLog, OneThatArrivesAfterAllIsToldToo) {
+  SentLog log = log_of(40);
+  ASSERT_EQ(log.take(feedback(1, 30, kStart + 60ms, {6}), kStart + 80ms).lost.size(), 1u);
+  const auto late = log.take(feedback(1, 30, kStart + 90ms), kStart + 100ms);
+  ASSERT_EQ(late.arrived.size(), 1u);
+  EXPECT_EQ(late.arrived[0].sent.number, 6u);
+}
+
+TEST(SentLog, ATailIsTriedAgainOneByOne) {
+  SentLog log = log_of(10);
+  log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
+  EXPECT_FALSE(log.take_tail(kStart + 20ms));
+  ASSERT_LT(log.tail_due(), kStart + 1s);
+  const auto tail = log.take_tail(log.tail_due());
+  ASSERT_TRUE(tail);
+  EXPECT_EQ(tail->number, 10u);
+  EXPECT_GT(log.tail_due(), kStart + 60ms) << "and then patience again";
+}
+
+TEST(SentLog, NonsenseIsSurvived) {
+  SentLog log = log_of(10);
+  protocol::Feedback said;
+  said.first = ~uint64_t{0} - 3;
+  said.count = protocol::kMaxReported;
+  said.ages.fill(1);
+  EXPECT_TRUE(log.take(said, kStart + 1s).arrived.empty());
+  said.first = 0;
+  said.time_us = ~uint64_t{0};
+  log.take(said, kStart + 1s);
+  EXPECT_GE(log.rtt(), 0ns);
+}
+
+TEST(SentLog, MemoryIsBounded) {
+  SentLog log = log_of(100000);
+  const auto news = log.take(feedback(99000, 99400, kStart + 99421ms), kStart + 99430ms);
+  EXPECT_EQ(news.arrived.size(), 401u);
+  EXPECT_LE(news.lost.size(), 1u << 14);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
