@@ -59,7 +59,7 @@ struct JobFinished {
   uint64_t policy = 0;  // number of the policy that gave the ticket out
   SceneId scene;
   scheduler::Work work;
-  Nanoseconds model_cost{};  // 0: a guess of a model that knew nothing
+  scheduler::Cost model_cost{};  // 0: a guess of a model that knew nothing
   Nanoseconds gpu{};
   Nanoseconds trace{};  // of it, the part that grows with the bits
   bool device_lost = false;

@@ -8,6 +8,12 @@ namespace {
 // A renderer that refuses this many submits in a row is treated as lost: it may have been lost between frames.
 constexpr uint32_t kFailedSubmitsAreALoss = 8;
 
+// A model that moves by so much at once has met something new.
+constexpr double kSurprise = 1.25;
+
+// Before the device runs dry: what waking up, recording and submitting take.
+constexpr Nanoseconds kLead = std::chrono::milliseconds(1);
+
 Nanoseconds trace_time(const gpu::FrameDone& done) {
   uint64_t ns = 0;
   for (const gpu::StageTime& stage : done.stages) {
@@ -57,10 +63,11 @@ void RenderLoop::start(TimePoint now) {
   if (lost_ || failure_) return;
   motion_.step(now);
   release_held(now);
-  if (!has_room()) return;
+  room_at_ = TimePoint::max();
+  if (!has_room(now)) return;
   account_.look();
   device_.renderer().begin_batch();
-  while (!lost_ && has_room()) {
+  while (!lost_ && has_room(now)) {
     drop_hopeless(now);
     const auto ticket = scheduler_->pick(now);
     if (!ticket) break;
@@ -69,18 +76,25 @@ void RenderLoop::start(TimePoint now) {
   device_.renderer().end_batch();
 }
 
-// Of work on the device there are never more than two jobs of full length, as far as predictions go, so that whoever
-// comes next waits for no more than a slice; of frames there are no more than the encoders can take.
-bool RenderLoop::has_room() const {
+// Of frames there are no more than the encoders can take. Of work on the device there is what keeps it busy: the next
+// job follows when, as far as predictions go, it is about to run dry. Submitted earlier it would only stand before
+// whoever comes next; and where predictions fail, there are never more than two jobs of full length.
+bool RenderLoop::has_room(TimePoint now) {
   if (device_.renderer().free_slots() == 0 || in_flight_ - begun_ >= terms_.frames_in_flight) return false;
-  return submits_ == 0 || terms_.slice <= Nanoseconds{} || predicted_ <= terms_.slice / kJobsOfASlice;
+  if (submits_ == 0 || terms_.slice <= Nanoseconds{}) return true;
+  if (predicted_ > terms_.slice / 2) return false;
+  const TimePoint soon_dry = runs_dry_ - std::min(kLead, terms_.slice / 4);
+  if (soon_dry > now) room_at_ = soon_dry;
+  return soon_dry <= now;
 }
 
 void RenderLoop::handle(RenderEvent event, TimePoint now) {
   std::visit([&](const auto& e) { on(e, now); }, event);
 }
 
-TimePoint RenderLoop::wake_at() const { return held_.empty() ? TimePoint::max() : held_.begin()->first; }
+TimePoint RenderLoop::wake_at() const {
+  return held_.empty() ? room_at_ : std::min(room_at_, held_.begin()->first);
+}
 
 ShareReport RenderLoop::shares() { return account_.report(*scheduler_); }
 
@@ -140,6 +154,7 @@ void RenderLoop::on(const LightChanged& changed, TimePoint now) {
 void RenderLoop::on(const JobFinished& job, TimePoint now) {
   --submits_;
   predicted_ -= job.ticket.predicted;
+  runs_dry_ = now + predicted_;
   if (job.policy == policy_) scheduler_->charge(job.ticket, job.gpu, now);
   account_.finished(job.ticket.tenant, job.ticket.predicted, job.gpu, now);
   metrics_.device_busy(job.ticket.tenant, job.gpu);
@@ -149,8 +164,18 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
   }
   scheduler::CostModel& model = models_[job.scene];
   const auto found = sessions_.find(job.ticket.session);
-  if (found != sessions_.end() && job.model_cost.count() > 0) found->second.view.learn(job.model_cost, job.gpu);
+  if (found != sessions_.end()) found->second.view.learn(job.model_cost, {job.gpu - job.trace, job.trace});
+  const double before = to_seconds(model.predict(job.work).total());
   model.learn(job.work, job.gpu, job.trace);
+  const double after = to_seconds(model.predict(job.work).total());
+  if (before > kSurprise * after || after > kSurprise * before) ask_anew(job.scene, now);
+}
+
+// Those who wait stand in the queue with what was believed when they asked.
+void RenderLoop::ask_anew(SceneId scene, TimePoint now) {
+  for (auto& [id, session] : sessions_) {
+    if (session.asked && session.opened.scene == scene) ask(session, now);
+  }
 }
 
 void RenderLoop::on(const LeaseDropped&, TimePoint) { --in_flight_; }
@@ -253,7 +278,7 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   const uint32_t rows = session.next.rows.count;
   BegunFrame frame{JobId{next_job_++}, meta_of(session, view, now), 0, std::make_shared<Nanoseconds>()};
   gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
-  job.tile_rows = rows < all_rows ? rows : 0;
+  if (rows < all_rows) job.tile_rows = rows;
   job.time = motion_.time_of(session.opened.scene, now);
   if (session.opened.wants_moments) frame.meta.moment = motion_.moment_of(session.opened.scene, now);
   const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
@@ -313,6 +338,7 @@ void RenderLoop::resume(RenderSession& session, const scheduler::Ticket& ticket,
 void RenderLoop::started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   ++submits_;
   predicted_ += ticket.predicted;
+  runs_dry_ = std::max(runs_dry_, now) + ticket.predicted;
   failed_submits_ = 0;
   const scheduler::Work& work = session.next.work;
   account_.started(session.opened.tenant, work.begins, work.bits, now);

@@ -59,8 +59,9 @@ class RenderLoop {
   void on(const StopRendering&, TimePoint now);
 
   void apply(const Terms& terms, TimePoint now);
-  bool has_room() const;
+  bool has_room(TimePoint now);
   void ask(RenderSession& session, TimePoint now);
+  void ask_anew(SceneId scene, TimePoint now);
   void ask_when_allowed(RenderSession& session, TimePoint now);
   void release_held(TimePoint now);
   void drop_hopeless(TimePoint now);
@@ -93,11 +94,13 @@ class RenderLoop {
   std::multimap<TimePoint, SessionId> held_;  // until then they may not ask
 
   uint64_t next_job_ = 1;
-  uint32_t in_flight_ = 0;       // frames whose lease has not come back, those begun included
-  uint32_t begun_ = 0;           // of these, not all submitted
-  uint32_t submits_ = 0;         // not done
-  Nanoseconds predicted_{};      // of these
-  uint32_t failed_submits_ = 0;  // in a row
+  uint32_t in_flight_ = 0;                // frames whose lease has not come back, those begun included
+  uint32_t begun_ = 0;                    // of these, not all submitted
+  uint32_t submits_ = 0;                  // not done
+  Nanoseconds predicted_{};               // of these
+  TimePoint runs_dry_{};                  // when they are done, as far as predictions go
+  TimePoint room_at_ = TimePoint::max();  // then there is room if nothing happens before
+  uint32_t failed_submits_ = 0;           // in a row
   bool lost_ = false;
   bool stopping_ = false;
   std::optional<Error> failure_;

@@ -24,8 +24,8 @@ struct BegunFrame {
 struct NextJob {
   TileRows rows;
   scheduler::Work work;
-  Nanoseconds model_cost{};  // what the model says; 0: it knows nothing yet
-  Nanoseconds cost{};        // what it says for this session's view
+  scheduler::Cost model_cost{};  // what the model says; 0: it knows nothing yet
+  Nanoseconds cost{};            // what it says for this session's view
 };
 
 struct RenderSession {
@@ -49,12 +49,12 @@ struct RenderSession {
   bool has_work() const { return begun || newest; }
 };
 
-// A job costs at most this part of a slice: two on the device keep it busy, one more may be before a newcomer by its
-// virtual deadline, and together they are no more than a slice.
+// Pieces cost at most this part of a slice, uncut frames half of one: a newcomer waits for the rest of the job on the
+// device and for one that is before it by its virtual deadline, and together they are no more than a slice.
 inline constexpr int kJobsOfASlice = 3;
 
-// Cuts what remains of a frame so that no piece costs more than that, as far as whole rows and the rasterising, which
-// is done in one go, allow. slice 0: no cuts.
+// Cuts what remains of a frame so that no piece costs more than that, as far as whole rows and the rasterising allow:
+// that is done in one go, alone if it must be. slice 0: no cuts.
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice);
 
 }  // namespace gnomon::daemon

@@ -91,8 +91,8 @@ Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const Residen
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const VkResult r = vkBeginCommandBuffer(recording.commands, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
-  plan.execute(recording.commands, *resources_, scene, *posed_, number_, grid_, {next_row_, rows},
-               recording.timestamps.get());
+  plan.execute(recording.commands, *resources_, scene, *posed_, number_, grid_,
+               {{next_row_, rows}, bands_ == 0, next_row_ + rows == grid_.tiles_y()}, recording.timestamps.get());
   if (const VkResult r = vkEndCommandBuffer(recording.commands); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
   ++bands_;

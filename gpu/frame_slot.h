@@ -31,7 +31,7 @@ class FrameSlot {
   Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
   // Records one frame of `grid`, which was reserved, of the scene as it is `posed`: all of it, or the first band of
-  // rows, the uppermost `rows`. Error: out of memory or device lost; the slot stays usable.
+  // rows, the uppermost `rows` (none: it is only rasterised). Error: out of memory or device lost; the slot stays usable.
   Result<RecordedBand> record(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
                               const CameraView& camera, const TileGrid& grid, uint32_t rows);
   // Records the next band of that frame: `rows` further ones. The bands before may still be on the device.

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,8 +37,8 @@ struct RenderJob {
   CameraView camera;
   uint32_t width = 0;  // pixels of the traced buffer
   uint32_t height = 0;
-  scenes::SceneTime time{};  // of what moves in the scene, within its period
-  uint32_t tile_rows = 0;    // what this submit traces, from the top; 0: everything
+  scenes::SceneTime time{};                // of what moves in the scene, within its period
+  std::optional<uint32_t> tile_rows = {};  // what this submit traces, from the top; none: everything
 };
 
 // A frame slot's readback memory, held until the lease is dropped. Move-only; any thread may drop it.
@@ -98,8 +99,8 @@ struct FrameDone {
   FrameLease mask;
 };
 
-// A frame that costs much may be traced in bands of tile rows: submit begins it with the first ones, resume adds
-// the next, as often as it takes, and others' frames may come between. It is rasterised once and holds its slot until
+// A frame that costs much may be traced in bands of tile rows: submit rasterises it and begins with the first ones (or
+// with none), resume adds the next, as often as it takes, and others' frames may come between. It holds its slot until
 // its lease is dropped or it is abandoned. All calls: one thread (the render loop's).
 class Renderer {
  public:

@@ -153,7 +153,7 @@ class VulkanRenderer : public Renderer {
     if (auto fits = check_size(*pool_->device, job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
     const TileGrid grid{job.width, job.height, scene->second->light_count()};
-    const uint32_t rows = job.tile_rows == 0 ? grid.tiles_y() : std::min(job.tile_rows, grid.tiles_y());
+    const uint32_t rows = std::min(job.tile_rows.value_or(grid.tiles_y()), grid.tiles_y());
     const PosedScenePtr posed = scene->second->pose(job.time);
     const auto lane = pool_->lanes.lane_for(*posed);
     if (!lane) return lane.error();

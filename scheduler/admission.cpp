@@ -18,7 +18,7 @@ uint64_t bits_of(const Demand& d) { return uint64_t{d.width} * d.height * d.ligh
 
 Booking booking_of(const Demand& d, const CostModel& model) {
   const uint64_t pixels = uint64_t{d.width} * d.height;
-  const Nanoseconds cost = model.knows() ? model.predict({pixels, bits_of(d), true}) : Nanoseconds{};
+  const Nanoseconds cost = model.knows() ? model.predict({pixels, bits_of(d), true}).total() : Nanoseconds{};
   return {.buffers_per_second = d.rate_hz,
           .bits_per_second = d.rate_hz * static_cast<double>(bits_of(d)),
           .bytes_per_second = d.rate_hz * model.predict_bytes(bits_of(d)),

@@ -16,7 +16,7 @@ constexpr double kViewForget = 0.7;
 constexpr double kViewRange = 4;  // a view costs no more and no less than so many times the model's
 
 double in_ns(Nanoseconds d) { return static_cast<double>(d.count()); }
-Nanoseconds from_ns(double ns) { return Nanoseconds(static_cast<int64_t>(std::max(1.0, ns))); }
+Nanoseconds from_ns(double ns) { return Nanoseconds(static_cast<int64_t>(std::max(0.0, ns))); }
 
 double mean(double old, double value, uint64_t measurements) {
   const double share = std::max(1 - kForget, 1.0 / static_cast<double>(measurements));
@@ -25,10 +25,23 @@ double mean(double old, double value, uint64_t measurements) {
 
 }  // namespace
 
+// Beyond what was met so far by half, the line is only a guess.
+bool RobustLine::believes(double x) {
+  if (measurements_ == 0) least_x_ = most_x_ = x;
+  const bool new_size = x > 1.5 * most_x_ || 1.5 * x < least_x_;
+  least_x_ = std::min(least_x_, x);
+  most_x_ = std::max(most_x_, x);
+  if (new_size || measurements_ == 0) to_believe_ = kTrusting;
+  if (to_believe_ == 0) return false;
+  --to_believe_;
+  return true;
+}
+
 void RobustLine::learn(double x, double y) {
+  const bool believed = believes(x);
   const double off = y - at(x);
   const double usual = std::max(usual_error_, kLeastError * at(x));
-  const bool outlier = measurements_ >= kTrusting && std::abs(off) > kOutlier * usual;
+  const bool outlier = !believed && std::abs(off) > kOutlier * usual;
   const double moved = outlier ? at(x) + std::copysign(kOutlier * usual, off) : y;
   ++measurements_;
   if (measurements_ > 1) usual_error_ = mean(usual_error_, std::abs(moved - at(x)), measurements_ - 1);
@@ -59,16 +72,16 @@ void RobustLine::fit() {
   }
 }
 
-Nanoseconds CostModel::predict(const Work& work) const {
+Cost CostModel::predict(const Work& work) const {
   const double bits = static_cast<double>(work.bits);
-  if (!knows()) return from_ns(kGuessPerBit * bits);
+  if (!knows()) return {{}, from_ns(kGuessPerBit * bits)};
   const double begin = work.begins ? begin_.at(static_cast<double>(work.pixels)) : 0;
-  return from_ns(begin + trace_.at(bits));
+  return {from_ns(begin), from_ns(trace_.at(bits))};
 }
 
 void CostModel::learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace) {
   if (gpu_time <= Nanoseconds{}) return;
-  const double error = std::abs(in_ns(predict(work) - gpu_time)) / in_ns(gpu_time);
+  const double error = std::abs(in_ns(predict(work).total() - gpu_time)) / in_ns(gpu_time);
   if (knows()) relative_error_ = mean(relative_error_, error, ++measurements_);
   trace_.learn(static_cast<double>(work.bits), in_ns(trace));
   if (work.begins) begin_.learn(static_cast<double>(work.pixels), in_ns(gpu_time - trace));
@@ -83,11 +96,20 @@ Nanoseconds CostModel::constant() const {
   return Nanoseconds(static_cast<int64_t>(begin_.constant() + trace_.constant()));
 }
 
-Nanoseconds ViewFactor::apply(Nanoseconds predicted) const { return from_ns(in_ns(predicted) * factor_); }
+Nanoseconds ViewFactor::apply(const Cost& predicted) const {
+  return std::max(Nanoseconds(1), from_ns(begin_ * in_ns(predicted.begin) + trace_ * in_ns(predicted.trace)));
+}
 
-void ViewFactor::learn(Nanoseconds predicted_by_model, Nanoseconds real) {
-  const double ratio = std::clamp(in_ns(real) / in_ns(predicted_by_model), 1 / kViewRange, kViewRange);
-  factor_ = kViewForget * factor_ + (1 - kViewForget) * ratio;
+void ViewFactor::learn(const Cost& predicted_by_model, const Cost& real) {
+  // A part that hardly counts in this job says nothing of the view.
+  const Nanoseconds least = predicted_by_model.total() / 10;
+  const auto follow = [least](double& factor, Nanoseconds predicted, Nanoseconds measured) {
+    if (predicted <= least) return;
+    const double ratio = std::clamp(in_ns(measured) / in_ns(predicted), 1 / kViewRange, kViewRange);
+    factor = kViewForget * factor + (1 - kViewForget) * ratio;
+  };
+  follow(begin_, predicted_by_model.begin, real.begin);
+  follow(trace_, predicted_by_model.trace, real.trace);
 }
 
 }  // namespace gnomon::scheduler

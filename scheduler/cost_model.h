@@ -6,7 +6,7 @@
 //
 // Both parts are lines fitted by least squares with forgetting. A measurement far off the line moves it no more than
 // one at the edge of the usual (Huber): a frame that a busy machine held up teaches little, a real change is learned
-// within some tens of frames.
+// within some tens of frames. The first ones of a size that the line has not met are believed as they are.
 #pragma once
 
 #include <cstdint>
@@ -32,17 +32,27 @@ class RobustLine {
 
  private:
   void fit();
+  bool believes(double x);
 
   uint64_t measurements_ = 0;
+  uint64_t to_believe_ = 0;          // further ones, as they are
+  double least_x_ = 0, most_x_ = 0;  // met so far
   double constant_ = 0, slope_ = 0;
   double usual_error_ = 0;                          // mean of |y - line|, forgetting
   double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;  // sums, forgetting
 };
 
+// Of one job.
+struct Cost {
+  Nanoseconds begin{}, trace{};
+
+  Nanoseconds total() const { return begin + trace; }
+};
+
 class CostModel {
  public:
   // Before anything was measured: a guess, so that the first job is neither free nor a flood.
-  Nanoseconds predict(const Work& work) const;
+  Cost predict(const Work& work) const;
 
   // `trace`: the part of `gpu_time` that depends on the bits.
   void learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace);
@@ -64,15 +74,15 @@ class CostModel {
   uint64_t frames_sent_ = 0;
 };
 
-// How one session's frames differ from the model's: what its camera shows costs more or less than others see, and
-// changes slowly.
+// How one session's frames differ from the model's: what its camera shows costs more or less than others see, to
+// rasterise and to trace, and changes slowly.
 class ViewFactor {
  public:
-  Nanoseconds apply(Nanoseconds predicted) const;
-  void learn(Nanoseconds predicted_by_model, Nanoseconds real);
+  Nanoseconds apply(const Cost& predicted) const;
+  void learn(const Cost& predicted_by_model, const Cost& real);
 
  private:
-  double factor_ = 1;
+  double begin_ = 1, trace_ = 1;
 };
 
 }  // namespace gnomon::scheduler

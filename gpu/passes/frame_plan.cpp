@@ -277,9 +277,8 @@ void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resourc
 }
 
 void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-                        const PosedScene& posed, uint32_t slot, const TileGrid& grid, const TileRows& rows,
+                        const PosedScene& posed, uint32_t slot, const TileGrid& grid, const Band& band,
                         VkQueryPool timestamps) const {
-  const bool first = rows.first == 0, last = rows.end() == grid.tiles_y();
   const auto stamp = [&](size_t query, VkPipelineStageFlags2 stage) {
     vkCmdWriteTimestamp2(commands, stage, timestamps, static_cast<uint32_t>(query));
   };
@@ -287,9 +286,9 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
   stamp(0, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
     const Share share = passes_[pass]->share();
-    const bool mine = share == Share::last_band ? last : share == Share::every_band || first;
+    const bool mine = band.has(share);
     // A layout changes in one band alone; buffers are waited for in each.
-    if (share == Share::last_band ? last : first) {
+    if (share == Share::last_band ? band.last : band.first) {
       wait_for(commands, resources, pass);
     } else if (mine) {
       wait_for(commands, resources, pass, false);
@@ -298,11 +297,11 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
       // What runs once has the whole frame to itself.
       const TileRows whole{0, grid.tiles_y()};
       passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, posed, slot, grid,
-                             share == Share::every_band ? rows : whole});
+                             share == Share::every_band ? band.rows : whole});
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   }
-  if (last) wait_for(commands, resources, passes_.size());
+  if (band.last) wait_for(commands, resources, passes_.size());
 }
 
 }  // namespace gnomon::gpu

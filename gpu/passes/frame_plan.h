@@ -39,10 +39,10 @@ class FramePlan {
   // The buffer of that name; null where the plan has none.
   const Buffer* buffer(const FrameResources& resources, std::string_view name) const;
 
-  // Records the passes that have a share of the band `rows` and their barriers, and a timestamp before the first and
+  // Records the passes that have a share of the band and their barriers, and a timestamp before the first and
   // after each (queries 0...pass_count). Bands follow each other from the top to the last row.
   void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-               const PosedScene& posed, uint32_t slot, const TileGrid& grid, const TileRows& rows,
+               const PosedScene& posed, uint32_t slot, const TileGrid& grid, const Band& band,
                VkQueryPool timestamps) const;
 
  private:

@@ -91,6 +91,16 @@ struct BoundPort {
 // A frame may be traced in bands of tile rows, each a submit of its own. In which of them a pass runs.
 enum class Share { first_band, every_band, last_band };
 
+// The first one may have no rows: then the frame is only rasterised.
+struct Band {
+  TileRows rows;
+  bool first = true, last = true;
+
+  bool has(Share share) const {
+    return share == Share::first_band ? first : share == Share::last_band ? last : true;
+  }
+};
+
 // What a pass knows while it records one frame, or one band of it.
 struct FrameContext {
   VkCommandBuffer commands = VK_NULL_HANDLE;

@@ -26,6 +26,7 @@ class FakeRenderer : public gpu::Renderer {
     std::function<void(gpu::FrameDone)> on_done;
     bool last = true;   // of the frame's bands
     uint32_t rows = 0;  // of tiles, that it traces
+    bool first = true;
   };
 
   explicit FakeRenderer(uint32_t slots, uint32_t lights = 2) : lights_(lights), free_(slots) {}
@@ -53,9 +54,10 @@ class FakeRenderer : public gpu::Renderer {
     if (free_ == 0 || !resident_.contains(job.scene)) std::abort();  // a broken precondition is a bug
     --free_;
     const uint32_t all = TileGrid{job.width, job.height, 0}.tiles_y();
-    const bool last = job.tile_rows == 0 || job.tile_rows >= all;
+    const uint32_t rows = std::min(job.tile_rows.value_or(all), all);
+    const bool last = rows == all;
     if (!last) begun_[job.id] = job;
-    waiting_.push_back({job, std::move(on_done), last, last ? all : job.tile_rows});
+    waiting_.push_back({job, std::move(on_done), last, rows, true});
     changed_.notify_all();
     return {};
   }
@@ -65,9 +67,9 @@ class FakeRenderer : public gpu::Renderer {
     const auto found = begun_.find(id);
     if (refuse_submits || found == begun_.end()) return Error{"refused"};
     gpu::RenderJob& job = found->second;
-    job.tile_rows += rows;
-    const bool last = job.tile_rows >= TileGrid{job.width, job.height, 0}.tiles_y();
-    waiting_.push_back({job, std::move(on_done), last, rows});
+    *job.tile_rows += rows;
+    const bool last = *job.tile_rows >= TileGrid{job.width, job.height, 0}.tiles_y();
+    waiting_.push_back({job, std::move(on_done), last, rows, false});
     if (last) begun_.erase(found);
     changed_.notify_all();
     return {};
@@ -89,6 +91,10 @@ class FakeRenderer : public gpu::Renderer {
     std::lock_guard lock(mutex_);
     return waiting_.at(index).job;
   }
+  bool begins(size_t index) const {
+    std::lock_guard lock(mutex_);
+    return waiting_.at(index).first;
+  }
   uint32_t rows(size_t index) const {
     std::lock_guard lock(mutex_);
     return waiting_.at(index).rows;
@@ -99,7 +105,9 @@ class FakeRenderer : public gpu::Renderer {
   }
 
   // Completes the oldest frame. The slot is free again when the lease is dropped.
-  void complete(std::chrono::nanoseconds gpu_time = std::chrono::milliseconds(1), bool lost = false) {
+  // `trace_time`: of its time, the trace pass's; none: nothing is said of passes.
+  void complete(std::chrono::nanoseconds gpu_time = std::chrono::milliseconds(1), bool lost = false,
+                std::optional<std::chrono::nanoseconds> trace_time = std::nullopt) {
     Waiting frame;
     {
       std::lock_guard lock(mutex_);
@@ -109,6 +117,7 @@ class FakeRenderer : public gpu::Renderer {
     gpu::FrameDone done;
     done.id = frame.job.id;
     done.gpu_ns = static_cast<uint64_t>(gpu_time.count());
+    if (trace_time) done.stages = {{"trace", static_cast<uint64_t>(trace_time->count())}};
     done.device_lost = lost;
     done.complete = frame.last;
     if (!frame.last) return frame.on_done(std::move(done));

@@ -85,17 +85,18 @@ std::vector<uint64_t> words_of(const FrameDone& done) { return unpacked(done.mas
 TEST(RendererTest, BandsMakeTheSameFrame) {
   auto renderer = renderer_with_scene(3);
   const TileGrid grid{200, 120, 1};
-  for (const uint32_t rows : {1u, 4u, 7u, grid.tiles_y() - 1}) {
+  for (const uint32_t rows : {0u, 1u, 4u, 7u, grid.tiles_y() - 1}) {
     Frames whole, banded, other;
     ASSERT_TRUE(renderer->submit(job(1, grid.width, grid.height), whole.take()));
     RenderJob begun = job(2, grid.width, grid.height);
     begun.tile_rows = rows;
     ASSERT_TRUE(renderer->submit(begun, banded.take()));
     size_t bands = 1;
-    for (uint32_t done = rows; done < grid.tiles_y(); done += rows, ++bands) {
+    const uint32_t further = std::max(rows, 1u);
+    for (uint32_t done = rows; done < grid.tiles_y(); done += further, ++bands) {
       ASSERT_TRUE(renderer->submit(job(10 + bands, 64, 64, 1.0f), other.take()));
       other.wait_for(bands).back().mask.drop();
-      ASSERT_TRUE(renderer->resume(JobId(2), rows, banded.take()));
+      ASSERT_TRUE(renderer->resume(JobId(2), further, banded.take()));
     }
     const auto& done = banded.wait_for(bands);
     for (size_t band = 0; band < bands; ++band) {

@@ -54,7 +54,7 @@ void render_some(Renderer& renderer, SceneId scene, uint32_t width, uint32_t hei
     };
     const auto submitted = renderer.submit(job, on_done);
     ASSERT_TRUE(submitted) << submitted.error().message;
-    if (job.tile_rows > 0) {
+    if (job.tile_rows) {
       ASSERT_TRUE(renderer.resume(job.id, height, on_done));
     }
   }

@@ -39,7 +39,7 @@ class Device {
 };
 
 double predicted(const CostModel& model, const Work& work) {
-  return static_cast<double>(model.predict(work).count());
+  return static_cast<double>(model.predict(work).total().count());
 }
 
 TEST(CostModel, GuessesBeforeItKnows) {
@@ -94,16 +94,32 @@ TEST(CostModel, NeverPredictsLessThanNothing) {
     const Work work{random() % 5'000'000, random() % 50'000'000, random() % 2 == 0};
     const auto trace = Nanoseconds(random() % 10'000'000);
     model.learn(work, trace + Nanoseconds(random() % 10'000'000), trace);
-    ASSERT_GE(model.predict({random() % 5'000'000, random() % 50'000'000, true}).count(), 1);
+    ASSERT_GE(model.predict({random() % 5'000'000, random() % 50'000'000, true}).total().count(), 0);
   }
 }
 
-TEST(ViewFactor, FollowsASessionsOwnView) {
+TEST(CostModel, AnotherSizeIsLearnedFromItsFirstFrame) {
+  CostModel model;
+  Device device(0.05);
+  device.begin_ns = 5e6;
+  const Work small{15'000, 45'000, true}, large{230'000, 690'000, true};
+  for (int i = 0; i < 400; ++i) device.run(model, small);
+  EXPECT_GT(predicted(model, large) / device.cost_ns(large), 5) << "a line through the origin, for want of better";
+  device.run(model, large);
+  EXPECT_NEAR(predicted(model, large) / device.cost_ns(large), 1, 0.15);
+  EXPECT_NEAR(predicted(model, small) / device.cost_ns(small), 1, 0.15);
+}
+
+TEST(ViewFactor, FollowsASessionsOwnViewInBothParts) {
+  using std::chrono::nanoseconds;
   ViewFactor view;
-  for (int i = 0; i < 20; ++i) view.learn(Nanoseconds(1000), Nanoseconds(1700));
-  EXPECT_NEAR(static_cast<double>(view.apply(Nanoseconds(1000)).count()), 1700, 10);
-  view.learn(Nanoseconds(1000), Nanoseconds(1'000'000));
-  EXPECT_LT(view.apply(Nanoseconds(1000)).count(), 2500) << "one frame that was held up";
+  const Cost model{nanoseconds(3000), nanoseconds(1000)};
+  for (int i = 0; i < 20; ++i) view.learn(model, {nanoseconds(1500), nanoseconds(1700)});
+  for (int i = 0; i < 20; ++i) view.learn({nanoseconds(0), nanoseconds(1000)}, {nanoseconds(0), nanoseconds(1700)});
+  EXPECT_NEAR(static_cast<double>(view.apply(model).count()), 3200, 20);
+  EXPECT_NEAR(static_cast<double>(view.apply({nanoseconds(0), nanoseconds(1000)}).count()), 1700, 10);
+  view.learn(model, {nanoseconds(1500), nanoseconds(1'000'000)});
+  EXPECT_LT(view.apply(model).count(), 4500) << "one frame that was held up";
 }
 
 }  // namespace
