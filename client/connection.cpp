@@ -20,14 +20,26 @@ std::string describe(const protocol::Refused& refused) {
   return line;
 }
 
+namespace {
+
+protocol::Hello with_ciphers(protocol::Hello hello) {
+  using enum protocol::CipherId;
+  if (!hello.ciphers.empty()) return hello;
+  hello.ciphers = {aes_128_gcm, chacha20_poly1305};
+  if (!protocol::has_aes_instructions()) std::swap(hello.ciphers[0], hello.ciphers[1]);
+  return hello;
+}
+
+}  // namespace
+
 Connection::Connection(Loop& loop, ConnectOptions options, ConnectionEvents events)
     : loop_(loop),
       options_(std::move(options)),
       events_(std::move(events)),
       handshake_timer_(
           loop, [this] { fail(Error{std::string("no answer from ") + to_string(options_.server) + " in time"}); }),
-      control_(loop, options_.server,
-               {.connected = [this] { control_.send(options_.hello); },
+      control_(loop, options_.server, options_.trust,
+               {.connected = [this] { control_.send(with_ciphers(options_.hello)); },
                 .message = [this](protocol::Message message) { on_message(std::move(message)); },
                 .failed = [this](const Error& error) { fail(error); }}) {
   handshake_timer_.arm(Clock::now() + options_.timeout);
@@ -78,9 +90,13 @@ void Connection::on_welcome(protocol::Welcome welcome) {
       welcome.height > options_.hello.height || welcome.scene.lights.size() > protocol::kMaxLights) {
     return fail(Error{"the server's Welcome offers a size or a number of lights that was not asked for"});
   }
-  auto data = DataChannel::open(loop_, control_.server_ip(), welcome, [this](const protocol::Opened& datagram) {
-    if (state_ == State::open && events_.datagram) events_.datagram(datagram);
-  });
+  const auto secrets = control_.seal_secrets(welcome.session, welcome.cipher);
+  if (!secrets) return fail(secrets.error());
+  auto seal = std::make_unique<protocol::Seal>(welcome.session, welcome.cipher, *secrets, protocol::Side::client);
+  auto data = DataChannel::open(loop_, {control_.server_ip(), welcome.data_port}, std::move(seal),
+                                [this](const protocol::Opened& datagram) {
+                                  if (state_ == State::open && events_.datagram) events_.datagram(datagram);
+                                });
   if (!data) return fail(data.error());
   welcome_ = std::move(welcome);
   data_ = std::move(*data);

@@ -21,7 +21,8 @@ namespace gnomon::client {
 
 struct ConnectOptions {
   Address server;
-  protocol::Hello hello;                           // what to ask for
+  Trust trust = {};
+  protocol::Hello hello;  // what to ask for; ciphers left empty: by what this processor does best
   Nanoseconds timeout = std::chrono::seconds(15);  // until the Welcome; the server may load the scene first
 };
 

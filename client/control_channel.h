@@ -1,4 +1,4 @@
-// The control connection: protocol messages over one stream. The place where TLS goes in.
+// The control connection: protocol messages over TLS.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,10 @@
 
 #include "client/address.h"
 #include "client/loop.h"
+#include "client/trust.h"
 #include "common/result.h"
 #include "protocol/messages.h"
+#include "protocol/seal.h"
 
 namespace gnomon::client {
 
@@ -16,13 +18,13 @@ namespace gnomon::client {
 class ControlChannel {
  public:
   struct Events {
-    std::function<void()> connected = {};
+    std::function<void()> connected = {};  // the server is the right one
     std::function<void(protocol::Message)> message = {};
     std::function<void(const Error&)> failed = {};  // once, and nothing after it; never after close()
   };
 
   // Starts to look up and connect.
-  ControlChannel(Loop& loop, const Address& server, Events events);
+  ControlChannel(Loop& loop, const Address& server, const Trust& trust, Events events);
   ~ControlChannel();  // drops the connection
 
   void send(const protocol::Message& message);
@@ -32,6 +34,9 @@ class ControlChannel {
 
   // The server's numeric address; valid once connected.
   std::string server_ip() const;
+
+  // Of the data channel, from this connection's TLS session; once connected.
+  Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher) const;
 
  private:
   struct State;

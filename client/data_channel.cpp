@@ -56,15 +56,16 @@ struct DataChannel::State : std::enable_shared_from_this<State> {
   }
 };
 
-Result<std::unique_ptr<DataChannel>> DataChannel::open(Loop& loop, const std::string& server_ip,
-                                                       const protocol::Welcome& welcome, OnDatagram on_datagram) {
+Result<std::unique_ptr<DataChannel>> DataChannel::open(Loop& loop, const Address& server,
+                                                       std::unique_ptr<protocol::Seal> seal,
+                                                       OnDatagram on_datagram) {
   auto state = std::make_shared<State>(loop, std::move(on_datagram));
-  state->seal = protocol::make_clear_seal(welcome.session, welcome.data_key, protocol::Side::client);
+  state->seal = std::move(seal);
   asio::error_code error;
-  const auto address = asio::ip::make_address(server_ip, error);
-  if (!error) state->socket.connect(udp::endpoint(address, welcome.data_port), error);
+  const auto address = asio::ip::make_address(server.host, error);
+  if (!error) state->socket.connect(udp::endpoint(address, server.port), error);
   if (!error) state->socket.non_blocking(true, error);
-  if (error) return Error{"cannot open a data socket to " + server_ip + ": " + error.message()};
+  if (error) return Error{"cannot open a data socket to " + to_string(server) + ": " + error.message()};
   asio::error_code ignored;
   state->socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
   state->wait();

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "client/address.h"
 #include "client/loop.h"
 #include "common/result.h"
-#include "protocol/messages.h"
 #include "protocol/seal.h"
 
 namespace gnomon::client {
@@ -26,8 +26,9 @@ class DataChannel {
  public:
   using OnDatagram = std::function<void(const protocol::Opened&)>;  // borrowed for the call
 
-  static Result<std::unique_ptr<DataChannel>> open(Loop& loop, const std::string& server_ip,
-                                                   const protocol::Welcome& welcome, OnDatagram on_datagram);
+  // `server`: a numeric address.
+  static Result<std::unique_ptr<DataChannel>> open(Loop& loop, const Address& server,
+                                                   std::unique_ptr<protocol::Seal> seal, OnDatagram on_datagram);
   ~DataChannel();
 
   void send(protocol::DatagramKind kind, std::span<const uint8_t> body);

@@ -1,5 +1,5 @@
 // A whole client in one screen: connect, ask for a camera each frame, use the visibility of the newest answer.
-//   gnomon-example HOST:PORT SCENE
+//   gnomon-example HOST:PORT SCENE PIN      PIN: the server's certificate, as gnomond's ready line names it
 #include <cstdio>
 
 #include "client/visibility_stream.h"
@@ -8,7 +8,7 @@ using namespace gnomon;
 using namespace std::chrono_literals;
 
 int main(int argc, char** argv) {
-  if (argc != 3) return std::fprintf(stderr, "usage: gnomon-example HOST:PORT SCENE\n"), 2;
+  if (argc != 4) return std::fprintf(stderr, "usage: gnomon-example HOST:PORT SCENE PIN\n"), 2;
   const auto server = client::parse_address(argv[1]);
   if (!server) return std::fprintf(stderr, "%s\n", server.error().message.c_str()), 2;
 
@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
 
   client::Loop loop;
   client::VisibilityStream stream(
-      loop, {.connect = {.server = *server, .hello = hello}}, {.answer = [](const client::Answer& answer) {
+      loop, {.connect = {.server = *server, .trust = {.pin = argv[3]}, .hello = hello}},
+      {.answer = [](const client::Answer& answer) {
         const TileMaskView mask = answer.mask.mask();  // one bit for each light and pixel: shade with it here
         const bool lit = mask.lit(mask.grid.width / 2, mask.grid.height / 2, 0);
         std::printf("frame %u: light 0 %s the middle, %zu tiles missing, %.1f ms\n", answer.mask.frame.value,

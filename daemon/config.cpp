@@ -104,8 +104,11 @@ Result<void> find_files(Config& config, const std::filesystem::path& config_fold
     }
     scene.file = is_beside ? beside : shared;
   }
-  auto& cache = config.render.cache_folder;
-  if (!cache.empty()) cache = absolute_below(config_folder, cache);
+  TlsConfig& tls = config.server.tls;
+  for (auto* path :
+       {&config.render.cache_folder, &config.server.state_folder, &tls.certificate, &tls.key, &tls.client_ca}) {
+    if (!path->empty()) *path = absolute_below(config_folder, *path);
+  }
   for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
   return {};
 }

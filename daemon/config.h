@@ -14,10 +14,23 @@
 
 namespace gnomon::daemon {
 
+enum class ServerMode : uint8_t { production, demo };
+
+// PEM files; absolute after find_files. Empty: not set.
+struct TlsConfig {
+  std::filesystem::path certificate;  // the server's own first, then those between it and its authority's
+  std::filesystem::path key;
+  std::filesystem::path client_ca;  // authorities of clients' certificates; empty: clients are not asked for any
+  friend bool operator==(const TlsConfig&, const TlsConfig&) = default;
+};
+
 struct ServerConfig {
-  std::string listen = "127.0.0.1";  // address of the control connections and of the data sockets
-  uint16_t control_port = 7600;      // TCP; 0: a free one
-  uint16_t data_port = 7600;         // UDP; net thread i has data_port + i; 0: free ones
+  ServerMode mode = ServerMode::production;
+  TlsConfig tls;
+  std::filesystem::path state_folder;  // what the server keeps for itself; empty: see demo_certificate.h
+  std::string listen = "127.0.0.1";    // address of the control connections and of the data sockets
+  uint16_t control_port = 7600;        // TCP; 0: a free one
+  uint16_t data_port = 7600;           // UDP; net thread i has data_port + i; 0: free ones
   uint32_t net_threads = 1;
   std::chrono::milliseconds handshake_timeout{3000};  // from the connection to the Hello
   std::chrono::milliseconds silence_timeout{5000};    // after it, a session that said nothing is closed

@@ -103,9 +103,21 @@ std::string finish_tenant(const Value&, const std::vector<TenantConfig>& before,
   return "";
 }
 
+Keys<TlsConfig> tls_keys() {
+  using T = TlsConfig;
+  return {
+      scalar("certificate", &T::certificate, "a PEM file, or '' for none", parse_path_or_none),
+      scalar("key", &T::key, "a PEM file, or '' for none", parse_path_or_none),
+      scalar("client_ca", &T::client_ca, "a PEM file, or '' for none", parse_path_or_none),
+  };
+}
+
 Keys<ServerConfig> server_keys() {
   using S = ServerConfig;
   return {
+      choice("mode", &S::mode, {{"production", ServerMode::production}, {"demo", ServerMode::demo}}),
+      section("tls", &S::tls, tls_keys()),
+      scalar("state_folder", &S::state_folder, "a folder, or '' for the usual one", parse_path_or_none),
       address("listen", &S::listen),
       port("control_port", &S::control_port),
       port("data_port", &S::data_port),

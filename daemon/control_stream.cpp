@@ -1,17 +1,40 @@
 #include "daemon/control_stream.h"
 
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+
 #include <asio/buffer.hpp>
 #include <asio/post.hpp>
+#include <asio/ssl/error.hpp>
 #include <asio/write.hpp>
 #include <utility>
 
-namespace gnomon::daemon {
+#include "protocol/seal_exporter.h"
 
-ControlStream::ControlStream(asio::ip::tcp::socket socket, size_t max_message_bytes)
-    : socket_(std::move(socket)), reader_(max_message_bytes) {
+namespace gnomon::daemon {
+namespace {
+
+// A client should say close_notify, but its Bye is what counts: one that merely closes is as good.
+bool is_end(const asio::error_code& error) {
+  return error == asio::error::eof || error == asio::ssl::error::stream_truncated;
+}
+
+Fault fault_of_handshake(const asio::error_code& error) {
+  if (error.category() != asio::error::get_ssl_category()) return Fault::handshake_abandoned;
+  switch (ERR_GET_REASON(static_cast<unsigned long>(error.value()))) {
+    case SSL_R_UNSUPPORTED_PROTOCOL: return Fault::tls_version;
+    case SSL_R_CERTIFICATE_VERIFY_FAILED: return Fault::tls_certificate;
+    default: return Fault::tls_failed;
+  }
+}
+
+}  // namespace
+
+ControlStream::ControlStream(asio::ip::tcp::socket socket, asio::ssl::context& tls, size_t max_message_bytes)
+    : stream_(std::move(socket), tls), reader_(max_message_bytes) {
   asio::error_code ignored;
-  socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
-  peer_ = socket_.remote_endpoint(ignored).address();
+  stream_.next_layer().set_option(asio::ip::tcp::no_delay(true), ignored);
+  peer_ = stream_.next_layer().remote_endpoint(ignored).address();
 }
 
 void ControlStream::listen(OnMessage on_message, OnEnd on_end) {
@@ -19,21 +42,30 @@ void ControlStream::listen(OnMessage on_message, OnEnd on_end) {
   on_end_ = std::move(on_end);
 }
 
-void ControlStream::start() { read(); }
+void ControlStream::start() { shake_hands(); }
+
+void ControlStream::shake_hands() {
+  stream_.async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](asio::error_code error) {
+    if (error) return self->end(fault_of_handshake(error), error.message());
+    self->read();
+  });
+}
 
 void ControlStream::read() {
-  socket_.async_read_some(
+  stream_.async_read_some(
       asio::buffer(incoming_), [self = shared_from_this()](asio::error_code error, size_t bytes) {
-        if (error == asio::error::eof && self->finishing_ && !self->outgoing_.empty()) {
+        if (is_end(error) && self->finishing_ && !self->outgoing_.empty()) {
           self->peer_ended_ = true;  // its sending side alone, perhaps: what we are writing may still be read
           return;
         }
-        if (error) return self->end(error == asio::error::eof ? "closed by the client" : error.message());
+        if (error) {
+          return self->end(Fault::handshake_abandoned, is_end(error) ? "closed by the client" : error.message());
+        }
         if (!self->finishing_) {
           self->reader_.feed(std::span(self->incoming_).first(bytes));
           self->deliver_messages();
         }
-        if (self->socket_.is_open()) self->read();
+        if (self->is_open()) self->read();
       });
 }
 
@@ -51,20 +83,21 @@ void ControlStream::deliver_messages() {
 }
 
 void ControlStream::send(const protocol::Message& message) {
-  if (!socket_.is_open() || finishing_) return;
+  if (!is_open() || finishing_) return;
   outgoing_.push_back(protocol::encode(message));
   unsent_bytes_ += outgoing_.back().size();
   if (unsent_bytes_ > kMaxUnsentBytes) {  // later, not now: the caller may be going through its connections
-    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->end("the client does not read"); });
+    asio::post(stream_.get_executor(),
+               [self = shared_from_this()] { self->end(Fault::handshake_abandoned, "the client does not read"); });
     return;
   }
   if (outgoing_.size() == 1) write();
 }
 
 void ControlStream::write() {
-  asio::async_write(socket_, asio::buffer(outgoing_.front()),
+  asio::async_write(stream_, asio::buffer(outgoing_.front()),
                     [self = shared_from_this()](asio::error_code error, size_t bytes) {
-                      if (error) return self->end(error.message());
+                      if (error) return self->end(Fault::handshake_abandoned, error.message());
                       self->outgoing_.pop_front();
                       self->unsent_bytes_ -= bytes;
                       if (!self->outgoing_.empty()) return self->write();
@@ -81,22 +114,28 @@ void ControlStream::finish() {
 
 // Closing now, with bytes of the client unread, would reset the connection and could take our last words with it.
 void ControlStream::all_written() {
-  asio::error_code ignored;
-  socket_.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-  if (peer_ended_) close();
+  if (peer_ended_) return close();
+  stream_.async_shutdown([self = shared_from_this()](asio::error_code) {
+    asio::error_code ignored;
+    self->stream_.lowest_layer().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+  });
 }
 
 void ControlStream::close() {
   on_message_ = nullptr;
   on_end_ = nullptr;
   asio::error_code ignored;
-  socket_.close(ignored);
+  stream_.lowest_layer().close(ignored);
 }
 
-void ControlStream::end(const std::string& why) {
+void ControlStream::end(Fault fault, const std::string& why) {
   const OnEnd on_end = std::exchange(on_end_, nullptr);
   close();
-  if (on_end) on_end(why);
+  if (on_end) on_end(fault, why);
+}
+
+Result<protocol::SealSecrets> ControlStream::seal_secrets(SessionId session, protocol::CipherId cipher) {
+  return protocol::export_secrets(stream_.native_handle(), session, cipher);
 }
 
 }  // namespace gnomon::daemon

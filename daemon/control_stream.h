@@ -1,16 +1,18 @@
-// A control connection as messages in and out. The one place where the daemon touches its bytes: securing the
-// connection is this file's business alone.
+// A control connection as messages in and out, over TLS. The one place where the daemon touches its bytes.
 #pragma once
 
 #include <array>
 #include <asio/ip/tcp.hpp>
+#include <asio/ssl/stream.hpp>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "daemon/faults.h"
 #include "protocol/messages.h"
+#include "protocol/seal.h"
 
 namespace gnomon::daemon {
 
@@ -18,14 +20,16 @@ namespace gnomon::daemon {
 class ControlStream : public std::enable_shared_from_this<ControlStream> {
  public:
   // `max_message_bytes`: a client that announces a longer message is cut off before any of it is stored.
-  ControlStream(asio::ip::tcp::socket socket, size_t max_message_bytes);
+  // The context may be gone before the stream.
+  ControlStream(asio::ip::tcp::socket socket, asio::ssl::context& tls, size_t max_message_bytes);
 
   // A message, or why the bytes are none; after an error no further message comes.
   using OnMessage = std::function<void(Result<protocol::Message>)>;
-  // The connection has ended by itself; not called after finish() or close(). `why` is for the log.
-  using OnEnd = std::function<void(const std::string& why)>;
+  // The connection has ended by itself; not called after finish() or close(). `why` is for the log; the fault says what
+  // a TLS handshake failed of, and is handshake_abandoned where it did not.
+  using OnEnd = std::function<void(Fault fault, const std::string& why)>;
   void listen(OnMessage on_message, OnEnd on_end);  // to these from now on, in the place of earlier ones
-  void start();
+  void start();                                     // the TLS handshake, then messages
 
   // A client that does not read what it is sent is cut off when kMaxUnsentBytes are waiting.
   void send(const protocol::Message& message);
@@ -34,20 +38,24 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
   // the caller: close() cuts it short.
   void finish();
   void close();
-  bool is_open() const { return socket_.is_open(); }
+  bool is_open() const { return stream_.lowest_layer().is_open(); }
+
+  // Of the data channel, from this connection's TLS session; once a message has come.
+  Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher);
 
   const asio::ip::address& peer() const { return peer_; }
 
   static constexpr size_t kMaxUnsentBytes = 256 * 1024;
 
  private:
+  void shake_hands();
   void read();
   void deliver_messages();
   void write();
-  void end(const std::string& why);
+  void end(Fault fault, const std::string& why);
   void all_written();
 
-  asio::ip::tcp::socket socket_;
+  asio::ssl::stream<asio::ip::tcp::socket> stream_;
   asio::ip::address peer_;
   protocol::MessageReader reader_;
   std::array<uint8_t, 4096> incoming_;

@@ -39,9 +39,12 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
 Result<void> Daemon::bring_up() {
   terms_.publish(terms_of(options_.config));
   roster_.publish(Roster().with(options_.config.tenants));
+  auto tls = open_tls(options_.config.server);
+  if (!tls) return tls.error();
+  tls_ = std::move(*tls);
   scenes_ = std::make_unique<SceneHost>(catalog_, inbox_, metrics_);
   auto server = Server::open(
-      {options_.config, roster_, tracer_, catalog_, health_, *scenes_, seats_, costs_, inbox_, metrics_});
+      {options_.config, roster_, tracer_, catalog_, health_, *tls_, *scenes_, seats_, costs_, inbox_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
   auto admin = Admin::start(options_.config.admin, pages(), actions());

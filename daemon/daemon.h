@@ -46,6 +46,7 @@ class Daemon {
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }
+  protocol::Pin pin() const { return tls_->pin; }
   Metrics& metrics() { return metrics_; }
   Heartbeat& heartbeat() { return heartbeat_; }  // for one watchdog
   std::string summary() const;                   // one line; any thread
@@ -88,6 +89,7 @@ class Daemon {
   std::atomic<bool> loading_{false};  // a scene that an operator asked for
   TimePoint next_shares_{};           // the render thread's
   std::string tracer_;
+  std::shared_ptr<Tls> tls_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
   std::unique_ptr<RenderLoop> loop_;  // outlives the device, whose last frames report to it

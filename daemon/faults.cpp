@@ -15,7 +15,8 @@ constexpr std::array kTable{
     FaultRow{Fault::datagram_too_long, kDatagram, "too_long", Level::debug, "datagram too long"},
     FaultRow{Fault::datagram_header, kDatagram, "header", Level::debug, "datagram of another protocol"},
     FaultRow{Fault::datagram_session, kDatagram, "unknown_session", Level::debug, "datagram of no session"},
-    FaultRow{Fault::datagram_seal, kDatagram, "seal", Level::debug, "datagram forged, damaged or replayed"},
+    FaultRow{Fault::datagram_replayed, kDatagram, "replayed", Level::debug, "datagram seen before or too old"},
+    FaultRow{Fault::datagram_forged, kDatagram, "forged", Level::debug, "datagram forged or damaged"},
     FaultRow{Fault::datagram_kind, kDatagram, "kind", Level::debug, "datagram of a kind that only servers send"},
     FaultRow{Fault::datagram_body, kDatagram, "body", Level::debug, "datagram malformed inside"},
 
@@ -48,13 +49,16 @@ constexpr std::array kTable{
     FaultRow{Fault::handshake_abandoned, kRefusal, "abandoned", Level::debug, "connection closed before a session"},
     FaultRow{Fault::half_open_replaced, kRefusal, "half_open_replaced", Level::debug,
              "too many half-open connections"},
+    FaultRow{Fault::tls_version, kRefusal, "tls_version", Level::debug, "connection speaks no TLS 1.3"},
+    FaultRow{Fault::tls_certificate, kRefusal, "tls_certificate", Level::warning, "client's certificate refused"},
+    FaultRow{Fault::tls_failed, kRefusal, "tls", Level::debug, "connection speaks no TLS"},
 };
 
 constexpr bool in_order() {
   for (size_t i = 0; i < kTable.size(); ++i) {
     if (static_cast<size_t>(kTable[i].fault) != i) return false;
   }
-  return kTable.size() == static_cast<size_t>(Fault::half_open_replaced) + 1;
+  return kTable.size() == static_cast<size_t>(Fault::tls_failed) + 1;
 }
 static_assert(in_order(), "one row for each fault, in the enum's order");
 

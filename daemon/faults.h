@@ -16,7 +16,8 @@ enum class Fault : uint8_t {
   datagram_too_long,
   datagram_header,
   datagram_session,
-  datagram_seal,
+  datagram_replayed,
+  datagram_forged,
   datagram_kind,
   datagram_body,
   // A view or a frame is dropped.
@@ -47,6 +48,9 @@ enum class Fault : uint8_t {
   handshake_timeout,
   handshake_abandoned,
   half_open_replaced,
+  tls_version,
+  tls_certificate,
+  tls_failed,
 };
 
 enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "protocol/seal_keys.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -41,6 +43,16 @@ std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& rend
   return std::nullopt;
 }
 
+// The client's wish: whoever has instructions for AES puts it first. ChaCha20 also where it is this machine that has
+// none, as a server seals for many. Every client must be able to use AES-128-GCM.
+protocol::CipherId choose_cipher(const std::vector<protocol::CipherId>& wanted) {
+  using protocol::CipherId;
+  static const bool aes_is_quick = protocol::has_aes_instructions();
+  if (wanted.empty()) return CipherId::aes_128_gcm;
+  const bool takes_chacha = std::find(wanted.begin(), wanted.end(), CipherId::chacha20_poly1305) != wanted.end();
+  return takes_chacha && !aes_is_quick ? CipherId::chacha20_poly1305 : wanted.front();
+}
+
 }  // namespace
 
 Refused refusal(RefusalCode code, std::string text) {
@@ -67,6 +79,7 @@ std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& co
                   hello.height,
                   hello.rate_hz,
                   hello.codecs.empty() ? config.encode.codec : hello.codecs.front(),
+                  choose_cipher(hello.ciphers),
                   hello.features & protocol::kFeatureMoments};
 }
 

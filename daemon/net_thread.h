@@ -27,6 +27,7 @@
 #include "daemon/seats.h"
 #include "daemon/session_table.h"
 #include "daemon/status.h"
+#include "daemon/tls.h"
 
 namespace gnomon::daemon {
 
@@ -37,6 +38,7 @@ struct NetShared {
   const std::string& tracer;  // its name, for clients
   const SceneCatalog& catalog;
   const Health& health;
+  Tls& tls;
   SceneHost& scenes;
   Seats& seats;
   const Published<CostModels>& costs;

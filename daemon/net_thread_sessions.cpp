@@ -31,7 +31,7 @@ void NetThread::adopt(asio::ip::tcp::socket socket) {
 }
 
 void NetThread::welcome_visitor(asio::ip::tcp::socket socket) {
-  auto stream = std::make_shared<ControlStream>(std::move(socket), kMaxClientMessageBytes);
+  auto stream = std::make_shared<ControlStream>(std::move(socket), shared_.tls.context, kMaxClientMessageBytes);
   for (const Visitor& pushed_out : lobby_.enter({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
     if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
     pushed_out.stream->close();
@@ -48,10 +48,10 @@ void NetThread::watch_visitor(const std::shared_ptr<ControlStream>& stream, OnVi
       [weak, on_message = std::move(on_message)](Result<protocol::Message> message) {
         if (const auto visitor = weak.lock()) on_message(visitor, std::move(message));
       },
-      [this, weak](const std::string& why) {
+      [this, weak](Fault fault, const std::string& why) {
         const auto visitor = weak.lock();
         if (visitor && lobby_.remove(visitor.get())) {
-          shared_.metrics.report(Fault::handshake_abandoned, {{"why", why}});
+          shared_.metrics.report(fault, {{"why", why}, {"address", visitor->peer().to_string()}});
         }
       });
 }
@@ -116,12 +116,14 @@ bool NetThread::book(const std::shared_ptr<ControlStream>& stream, const Accepte
 void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,
                              const scenes::LoadedScene& scene) {
   const SessionId id = random_session_id();
-  const protocol::Bytes16 key = random_key();
-  sessions_.add(std::make_unique<Session>(id, key, accepted, std::move(seat), Clock::now()));
+  const auto secrets = stream->seal_secrets(id, accepted.cipher);
+  if (!secrets) return refuse(stream, refusal(RefusalCode::internal, secrets.error().message));
+  auto seal = std::make_unique<protocol::Seal>(id, accepted.cipher, *secrets, protocol::Side::server);
+  sessions_.add(std::make_unique<Session>(id, std::move(seal), accepted, std::move(seat), Clock::now()));
   lobby_.remove(stream.get());
   streams_.emplace(id, stream);
   stream->listen([this, id](Result<protocol::Message> message) { hear_client(id, std::move(message)); },
-                 [this, id](const std::string& why) { close_session(id, why); });
+                 [this, id](Fault, const std::string& why) { close_session(id, why); });
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
   shared_.inbox.push(SessionOpened{id, accepted.tenant, scene.id, accepted.width, accepted.height, lights,
                                    accepted.codec, index_, accepted.rate_hz,
@@ -131,7 +133,7 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
   protocol::Welcome welcome;
   welcome.session = id;
   welcome.data_port = data_->port();
-  welcome.data_key = key;
+  welcome.cipher = accepted.cipher;
   welcome.width = accepted.width;
   welcome.height = accepted.height;
   welcome.rate_hz = accepted.rate_hz;

@@ -27,6 +27,4 @@ SessionId random_session_id() {
   return id;
 }
 
-protocol::Bytes16 random_key() { return random_value<protocol::Bytes16>(); }
-
 }  // namespace gnomon::daemon

@@ -10,22 +10,28 @@ namespace {
 // Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
 bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
 
+Fault fault_of(protocol::Rejection why) {
+  switch (why) {
+    case protocol::Rejection::header: return Fault::datagram_header;
+    case protocol::Rejection::session: return Fault::datagram_session;
+    case protocol::Rejection::replayed: return Fault::datagram_replayed;
+    case protocol::Rejection::forged: break;
+  }
+  return Fault::datagram_forged;
+}
+
 uint32_t mean_us(Nanoseconds sum, uint32_t count) {
   return count == 0 ? 0 : static_cast<uint32_t>(to_microseconds(sum) / count);
 }
 
 }  // namespace
 
-Session::Session(SessionId id, const protocol::Bytes16& key, Accepted accepted, Seat seat, TimePoint now)
-    : id_(id),
-      accepted_(std::move(accepted)),
-      seat_(std::move(seat)),
-      seal_(protocol::make_clear_seal(id, key, protocol::Side::server)),
-      last_heard_(now) {}
+Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now)
+    : id_(id), accepted_(std::move(accepted)), seat_(std::move(seat)), seal_(std::move(seal)), last_heard_(now) {}
 
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
   const auto opened = seal_->open(datagram);
-  if (!opened) return {std::nullopt, Fault::datagram_seal};
+  if (!opened) return {std::nullopt, fault_of(seal_->rejection())};
   if (opened->header.kind != protocol::DatagramKind::camera_update) return {std::nullopt, Fault::datagram_kind};
   const auto update = protocol::decode_camera_update(opened->body);
   if (!update) return {std::nullopt, Fault::datagram_body};

@@ -24,7 +24,7 @@ struct Received {
 // The net thread's that owns it.
 class Session {
  public:
-  Session(SessionId id, const protocol::Bytes16& key, Accepted accepted, Seat seat, TimePoint now);
+  Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now);
 
   SessionId id() const { return id_; }
   const Accepted& accepted() const { return accepted_; }

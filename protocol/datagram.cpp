@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 
 #include "protocol/fields.h"
 
@@ -67,10 +68,12 @@ std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body) {
   return slice;
 }
 
-void append_header(std::vector<uint8_t>& out, const Header& header) {
-  Writer writer(out);
-  writer(static_cast<uint8_t>(kVersion));
-  fields(writer, header);
+void write_header(std::span<uint8_t, kHeaderBytes> out, const Header& header) {
+  out[0] = static_cast<uint8_t>(kVersion);
+  out[1] = static_cast<uint8_t>(header.kind);
+  std::memcpy(&out[2], &header.flags, 2);
+  std::memcpy(&out[4], &header.session.value, 8);
+  std::memcpy(&out[12], &header.sequence, 8);
 }
 
 void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update) {

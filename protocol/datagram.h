@@ -87,8 +87,9 @@ std::optional<Header> decode_header(std::span<const uint8_t> datagram);
 std::optional<CameraUpdate> decode_camera_update(std::span<const uint8_t> body);
 std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body);
 
+void write_header(std::span<uint8_t, kHeaderBytes> out, const Header& header);
+
 // Append to `out`. Finite, unit-length values are the caller's promise; decoding checks them.
-void append_header(std::vector<uint8_t>& out, const Header& header);
 void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update);
 void append_frame_slice(std::vector<uint8_t>& out, const SliceHeader& header, std::span<const uint8_t> payload);
 

@@ -15,6 +15,7 @@ constexpr size_t kMaxName = 256;
 constexpr size_t kMaxToken = 512;
 constexpr size_t kMaxScene = 1024;
 constexpr size_t kMaxSentence = 1024;
+constexpr size_t kMaxCiphers = 16;
 constexpr size_t kMaxCodecs = 16;
 constexpr size_t kMaxPasses = 32;
 constexpr size_t kMaxMotions = 256;
@@ -24,6 +25,7 @@ constexpr size_t kTypeBytes = 2;
 
 bool is_rate(float hz) { return std::isfinite(hz) && hz >= 0; }
 bool is_side(uint16_t pixels) { return pixels > 0 && pixels <= kMaxSide; }
+bool is_known(CipherId cipher) { return cipher == CipherId::aes_128_gcm || cipher == CipherId::chacha20_poly1305; }
 bool is_known(CodecId codec) { return codec == CodecId::raw32_lz4 || codec == CodecId::tiles_lz4; }
 
 template <class A>
@@ -61,31 +63,40 @@ void fields(A& a, Of<A, NodeMotion>& m) {
   a.check(m.kind <= 1 && finite && m.period_us > 0, "a motion is of unknown kind, not finite or without time");
 }
 
+// Numbers of a kind, in order of preference. A newer client may prefer what this side has never heard of.
+template <class A, class Id>
+void preferences(A& a, Id& list, size_t max_count) {
+  a.list(list, max_count, [&](auto& id) { a(id); });
+  if constexpr (A::kReading) std::erase_if(list, [](auto id) { return !is_known(id); });
+}
+
 template <class A>
 void fields(A& a, Of<A, Hello>& m) {
   a(m.version_min, m.version_max, m.features);
   a.check(m.version_min <= m.version_max, "version_min is above version_max");
+  // What follows is laid out as that version has it, which the server refuses.
+  if (A::kReading && (kVersion < m.version_min || kVersion > m.version_max)) return;
   a.text(m.client, kMaxName);
   a.text(m.tenant, kMaxName);
   a.text(m.token, kMaxToken);
+  preferences(a, m.ciphers, kMaxCiphers);
   a.text(m.scene, kMaxScene);
   a(m.width, m.height, m.border_x, m.border_y, m.rate_hz);
   // A size that is merely too large is for the server to refuse, with one that would fit.
   a.check(m.width > 0 && m.height > 0, "the size is empty");
   a.check(m.border_x < m.width && m.border_y < m.height, "the border leaves no picture");
   a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
-  a.list(m.codecs, kMaxCodecs, [&](auto& codec) { a(codec); });
-  // A newer client may prefer what this side has never heard of.
-  if constexpr (A::kReading) std::erase_if(m.codecs, [](CodecId codec) { return !is_known(codec); });
+  preferences(a, m.codecs, kMaxCodecs);
   passes(a, m.passes);
 }
 
 template <class A>
 void fields(A& a, Of<A, Welcome>& m) {
-  a(m.version, m.features, m.session, m.data_port, m.data_key, m.width, m.height, m.rate_hz, m.codec);
+  a(m.version, m.features, m.session, m.data_port, m.cipher, m.width, m.height, m.rate_hz, m.codec);
   a.check(m.data_port != 0, "the data port is 0");
   a.check(is_side(m.width) && is_side(m.height), "the size is empty or too large");
   a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
+  a.check(is_known(m.cipher), "the cipher is unknown");
   a.check(is_known(m.codec), "the codec is unknown");
   passes(a, m.passes);
   a.text(m.tracer, kMaxName);

@@ -3,6 +3,7 @@
 // Decoding is total: any bytes give a message or an error, and nothing is allocated beyond the message's own size.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,13 +16,18 @@
 
 namespace gnomon::protocol {
 
+// The protocol's name within TLS (RFC 7301), as its lists have it: length, then letters. A server of something else
+// that shares a certificate with ours cannot be made to listen to a client of ours, nor the other way round.
+inline constexpr std::array<uint8_t, 7> kAlpn{6, 'g', 'n', 'o', 'm', 'o', 'n'};
+
 struct Hello {
   uint16_t version_min = kVersion;
   uint16_t version_max = kVersion;
-  uint64_t features = 0;  // unknown bits are ignored
-  std::string client;     // program and version, for the log
-  std::string tenant;     // empty: the default tenant
-  std::string token;      // checked when tenants have credentials
+  uint64_t features = 0;          // unknown bits are ignored
+  std::string client;             // program and version, for the log
+  std::string tenant;             // empty: the default tenant
+  std::string token;              // the tenant's secret
+  std::vector<CipherId> ciphers;  // of the data channel, in order of preference; empty: the server's choice
   std::string scene;
   uint16_t width = 0;  // pixels of the traced buffer, border included
   uint16_t height = 0;
@@ -37,8 +43,8 @@ struct Welcome {
   uint16_t version = kVersion;
   uint64_t features = 0;
   SessionId session;
-  uint16_t data_port = 0;  // UDP, same address as the control connection
-  Bytes16 data_key{};      // of the data channel's seal (protocol/seal.h)
+  uint16_t data_port = 0;                   // UDP, same address as the control connection
+  CipherId cipher = CipherId::aes_128_gcm;  // of the data channel's seal (protocol/seal.h)
   uint16_t width = 0;
   uint16_t height = 0;
   float rate_hz = 0;

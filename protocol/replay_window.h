@@ -10,13 +10,14 @@ class ReplayWindow {
  public:
   static constexpr uint64_t kSize = 1024;
 
+  bool is_new(uint64_t sequence) const {
+    return sequence > newest_ || (newest_ - sequence < kSize && !seen_[sequence % kSize]);
+  }
+
   // True the first time that `sequence` comes. Call only for datagrams whose tag is right.
   bool take(uint64_t sequence) {
-    if (sequence > newest_) {
-      forget(sequence);
-    } else if (newest_ - sequence >= kSize || seen_[sequence % kSize]) {
-      return false;
-    }
+    if (!is_new(sequence)) return false;
+    if (sequence > newest_) forget(sequence);
     seen_.set(sequence % kSize);
     return true;
   }

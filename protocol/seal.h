@@ -1,9 +1,11 @@
-// The one seam for securing the data channel: a Seal turns header and body into a datagram and back.
+// The seal of the data channel: turns header and body into a datagram that nobody else can make, read or repeat, and
+// back. WIRE.md, "the seal", is the specification.
 //
-// ClearSeal, the only one so far, authenticates nothing against an attacker: its tag is a keyed checksum that
-// catches damage and datagrams of other sessions. It occupies the 16 bytes that an AEAD tag will.
+// The header travels in clear and is authenticated with the body. Numbers of a session's datagrams count up; they are
+// the AEAD's nonce and say which epoch's key applies (protocol/seal_keys.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,28 +13,63 @@
 #include <vector>
 
 #include "protocol/datagram.h"
+#include "protocol/replay_window.h"
+#include "protocol/seal_keys.h"
 
 namespace gnomon::protocol {
 
 struct Opened {
   Header header;
-  std::span<const uint8_t> body;  // borrowed from the datagram (or from the seal, until its next open)
+  std::span<const uint8_t> body;  // the seal's, until its next open
+};
+
+// Why a datagram was not opened. All but the last are found without any cryptography.
+enum class Rejection : uint8_t {
+  header,    // too short, too long, or of another protocol
+  session,   // of another session
+  replayed,  // its number has been seen, or lies behind the window or beyond the next epoch
+  forged,    // its tag is wrong: damaged, or made by somebody else
 };
 
 enum class Side { client, server };
 
-// One per session and side. One thread at a time.
-class Seal {
- public:
-  virtual ~Seal() = default;
-
-  // Replaces `datagram` with the sealed one; takes the next sequence number of this side.
-  virtual void seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram) = 0;
-
-  // Empty: not of this session, damaged, or seen before (replay window of 1,024 sequence numbers).
-  virtual std::optional<Opened> open(std::span<const uint8_t> datagram) = 0;
+// What each side's sending starts from; the same on both ends.
+struct SealSecrets {
+  Secret client{};
+  Secret server{};
 };
 
-std::unique_ptr<Seal> make_clear_seal(SessionId session, const Bytes16& key, Side side);
+// One per session and side. One thread at a time. Allocates nothing for a datagram but where an epoch begins.
+class Seal {
+ public:
+  // `epoch_datagrams` is kEpochDatagrams but in tests.
+  Seal(SessionId session, CipherId cipher, const SealSecrets& secrets, Side side,
+       uint64_t epoch_datagrams = kEpochDatagrams);
+
+  // Writes a datagram of sealed_size(body.size()) bytes to `out`; takes the next sequence number of this side. The body
+  // may stand where its sealed form goes (at kHeaderBytes of `out`), but not elsewhere in `out`.
+  void seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out);
+  static constexpr size_t sealed_size(size_t body_bytes) { return kHeaderBytes + body_bytes + kTagBytes; }
+
+  // The same, in the place of what `datagram` held.
+  void seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram);
+
+  // Empty: see rejection().
+  std::optional<Opened> open(std::span<const uint8_t> datagram);
+  Rejection rejection() const { return rejection_; }  // of the last that was not opened
+
+ private:
+  std::optional<Opened> reject(Rejection why);
+
+  SessionId session_;
+  uint64_t epoch_datagrams_;
+  SealKeys sending_;
+  SealKeys receiving_;
+  uint64_t sent_ = 0;
+  uint64_t forged_ = 0;
+  ReplayWindow window_;
+  Rejection rejection_ = Rejection::header;
+  std::array<uint8_t, kMaxDatagramBytes> text_;
+};
 
 }  // namespace gnomon::protocol

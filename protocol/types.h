@@ -10,7 +10,7 @@
 
 namespace gnomon::protocol {
 
-inline constexpr uint16_t kVersion = 1;
+inline constexpr uint16_t kVersion = 2;
 inline constexpr size_t kMaxDatagramBytes = 1200;
 // With kFeatureFeedback the server looks for paths that take more, up to an Ethernet jumbo frame's.
 inline constexpr size_t kMaxProbedBytes = 8952;
@@ -26,6 +26,9 @@ inline constexpr uint64_t kFeatureParity = 4;    // the client rebuilds lost sli
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
 using Bytes16 = std::array<uint8_t, 16>;
+
+// Of the data channel's seal.
+enum class CipherId : uint8_t { aes_128_gcm = 1, chacha20_poly1305 = 2 };
 
 enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1 };
 

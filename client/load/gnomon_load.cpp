@@ -20,6 +20,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 struct Arguments {
   std::string server, scene, size, scene_folder, json;
+  Trust trust;
   size_t clients = 0;
   double rate_hz = 0;
   double seconds = 10;
@@ -29,6 +30,7 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& a) {
   app.add_option("--server", a.server, "the daemon's control address")->required()->type_name("HOST:PORT");
+  declare_trust(app, a.trust);
   app.add_option("--scene", a.scene, "scene that the server knows")->required()->type_name("NAME");
   app.add_option("--scene-dir", a.scene_folder, "folder of scene files, for their camera paths")->type_name("DIR");
   app.add_option("--size", a.size, "of the traced buffer")->required()->type_name("WxH");
@@ -64,6 +66,7 @@ Result<void> run(const Arguments& a) {
 
   const LoadOptions options{
       .server = *server,
+      .trust = a.trust,
       .scene = a.scene,
       .scene_folder = a.scene_folder,
       .size = *size,

@@ -14,6 +14,7 @@ namespace gnomon::client {
 
 struct LoadOptions {
   Address server;
+  Trust trust = {};
   std::string scene;
   std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
   Size size;

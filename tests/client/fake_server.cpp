@@ -2,13 +2,18 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 
+#include "daemon/certificates.h"
+#include "protocol/seal_exporter.h"
 #include "tests/client/sliced.h"
 
 namespace gnomon::tests {
@@ -33,15 +38,46 @@ int bound_socket(int type, uint16_t& port) {
   return made;
 }
 
+const daemon::Identity& identity() {
+  static const daemon::Identity made =
+      daemon::make_certificate({.name = "fake", .hosts = {"localhost"}, .lasts = std::chrono::hours(1)}).value();
+  return made;
+}
+
+SSL_CTX* context() {
+  static SSL_CTX* const made = [] {
+    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to whatever its peer has left
+    SSL_CTX* const server = SSL_CTX_new(TLS_server_method());
+    const auto bio = [](const std::string& pem) {
+      return BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()));
+    };
+    BIO* const certificate = bio(identity().certificate);
+    BIO* const key = bio(identity().key);
+    SSL_CTX_use_certificate(server, PEM_read_bio_X509(certificate, nullptr, nullptr, nullptr));
+    SSL_CTX_use_PrivateKey(server, PEM_read_bio_PrivateKey(key, nullptr, nullptr, nullptr));
+    BIO_free(certificate);
+    BIO_free(key);
+    return server;
+  }();
+  return made;
+}
+
 }  // namespace
 
 Peer::Peer(int listener) {
-  if (readable(listener)) stream_ = accept(listener, nullptr, nullptr);
+  if (!readable(listener)) return;
+  stream_ = accept(listener, nullptr, nullptr);
+  const timeval patience{kPatienceMs / 1000, 0};
+  setsockopt(stream_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  tls_ = SSL_new(context());
+  SSL_set_fd(tls_, stream_);
+  SSL_accept(tls_);
 }
 
 Peer::~Peer() {
   hang_up();
   if (datagrams_ >= 0) close(datagrams_);
+  SSL_free(tls_);
 }
 
 void Peer::hang_up() {
@@ -55,8 +91,7 @@ std::optional<protocol::Message> Peer::read() {
     if (!next) return std::nullopt;
     if (next->has_value()) return std::move(**next);
     std::array<uint8_t, 4096> bytes;
-    if (stream_ < 0 || !readable(stream_)) return std::nullopt;
-    const ssize_t count = recv(stream_, bytes.data(), bytes.size(), 0);
+    const int count = stream_ < 0 ? 0 : SSL_read(tls_, bytes.data(), static_cast<int>(bytes.size()));
     if (count <= 0) return std::nullopt;
     reader_.feed(std::span(bytes).first(static_cast<size_t>(count)));
   }
@@ -65,18 +100,14 @@ std::optional<protocol::Message> Peer::read() {
 void Peer::write(const protocol::Message& message) { write_bytes(protocol::encode(message)); }
 
 void Peer::write_bytes(std::span<const uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = send(stream_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (count <= 0) return;
-    bytes = bytes.subspan(static_cast<size_t>(count));
-  }
+  if (stream_ >= 0) SSL_write(tls_, bytes.data(), static_cast<int>(bytes.size()));
 }
 
 void Peer::welcome(protocol::Welcome message) {
   datagrams_ = bound_socket(SOCK_DGRAM, message.data_port);
   message.session = SessionId{0x1234567890abcdef};
-  message.data_key.fill(7);
-  seal_ = protocol::make_clear_seal(message.session, message.data_key, protocol::Side::server);
+  const auto secrets = protocol::export_secrets(tls_, message.session, message.cipher).value();
+  seal_ = std::make_unique<protocol::Seal>(message.session, message.cipher, secrets, protocol::Side::server);
   write(message);
 }
 
@@ -128,6 +159,10 @@ FakeServer::FakeServer(Script script) : address_{"127.0.0.1", 0} {
     Peer peer(listener_);
     script(peer);
   });
+}
+
+client::Trust FakeServer::trust() {
+  return {.pin = protocol::to_string(daemon::pin_of_pem(identity().certificate).value())};
 }
 
 FakeServer::~FakeServer() {

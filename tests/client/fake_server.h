@@ -1,4 +1,4 @@
-// A server that plays a script to one client: for what a real one never does.
+// A server that plays a script to one client, over TLS: for what a real one never does.
 #pragma once
 
 #include <functional>
@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "client/address.h"
+#include "client/trust.h"
 #include "protocol/codec.h"
 #include "protocol/messages.h"
 #include "protocol/seal.h"
+
+struct ssl_st;
 
 namespace gnomon::tests {
 
@@ -26,7 +29,7 @@ class Peer {
   void write_bytes(std::span<const uint8_t> bytes);
   void hang_up();  // without Bye
 
-  // Fills in session, data port and key, says Welcome.
+  // Fills in session and data port, says Welcome.
   void welcome(protocol::Welcome message);
   std::optional<protocol::CameraUpdate> read_camera();      // whatever comes
   std::optional<protocol::CameraUpdate> read_new_camera();  // skips repetitions
@@ -37,6 +40,7 @@ class Peer {
 
  private:
   int stream_ = -1;
+  ssl_st* tls_ = nullptr;
   int datagrams_ = -1;
   std::vector<uint8_t> client_address_;
   FrameId newest_{0};
@@ -52,6 +56,7 @@ class FakeServer {
   ~FakeServer();                       // waits for the script's end
 
   const client::Address& address() const { return address_; }
+  static client::Trust trust();  // for its certificate, the same for all
 
  private:
   int listener_;

@@ -62,6 +62,7 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
     peer.read_new_camera();  // by then the last answer has been counted
   });
   const LoadOptions options{.server = server.address(),
+                            .trust = tests::FakeServer::trust(),
                             .scene = "none",
                             .scene_folder = {},
                             .size = {64, 48},
@@ -105,7 +106,12 @@ TEST(LoadRun, NobodyThereIsAnError) {
     VisibilityStream first(loop, options, {});
     EXPECT_FALSE(first.wait_open());
   }
-  LoadRun run({.server = address, .scene = "none", .scene_folder = {}, .size = {64, 48}}, *plan_load({}, 3));
+  LoadRun run({.server = address,
+               .trust = tests::FakeServer::trust(),
+               .scene = "none",
+               .scene_folder = {},
+               .size = {64, 48}},
+              *plan_load({}, 3));
   Progress progress;
   const auto done = run.run(progress);
   ASSERT_FALSE(done);

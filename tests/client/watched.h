@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/visibility_stream.h"
+#include "tests/client/fake_server.h"
 
 namespace gnomon::tests {
 
@@ -16,6 +17,7 @@ inline constexpr TileGrid kGrid{kWidth, kHeight, kLights};
 inline client::StreamOptions options_for(const client::Address& server) {
   client::StreamOptions options;
   options.connect.server = server;
+  options.connect.trust = FakeServer::trust();
   options.connect.hello.scene = "little";
   options.connect.hello.width = kWidth;
   options.connect.hello.height = kHeight;

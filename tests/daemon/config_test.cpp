@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"codec", "encode: {codec: zip}\n", {"encode.codec: \"zip\"", "tiles_lz4, raw32_lz4"}},
         Wrong{"address", "admin: {listen: localhost:80}\n", {"admin.listen: \"localhost:80\"", "IPv4 or IPv6"}},
         Wrong{"list_for_value", "log: {level: [info]}\n", {"log.level: a list", "debug, info"}},
-        Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys listen"}},
+        Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys mode"}},
         Wrong{"value_for_list",
               "tenants: lab\n",
               {"edge.yaml:1: tenants: \"lab\"", "a list of maps", "name, weight"}},
@@ -200,8 +200,8 @@ std::vector<std::string> keys_in(const std::string& text) {
     if (line.indent == 0) {
       section = line.key;
       list.clear();
-    } else if (line.key == "list") {
-      list = ".list";
+    } else if (line.key == "list" || line.key == "tls") {
+      list = "." + line.key;
     } else if (line.key == "moving") {
       nested = ".moving";
     } else {
@@ -241,6 +241,8 @@ TEST(ShippedConfig, DocumentsEveryKeyWithItsDefault) {
   const auto config = parse_config(text, "gnomond.yaml");
   ASSERT_TRUE(config) << config.error().message;
   const Config defaults;
+  EXPECT_EQ(config->server.mode, defaults.server.mode);
+  EXPECT_EQ(config->server.tls, defaults.server.tls);
   EXPECT_EQ(config->server.control_port, defaults.server.control_port);
   EXPECT_EQ(config->server.max_half_open, defaults.server.max_half_open);
   EXPECT_EQ(config->server.max_sessions_per_address, defaults.server.max_sessions_per_address);

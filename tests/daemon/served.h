@@ -44,6 +44,8 @@ class Served : public testing::Test {
     write_scene(folder_ / "files" / "another.gltf", true);
     write_scene(folder_ / "files" / "dark.gltf", false);
     std::ofstream(folder_ / "files" / "broken.gltf") << "{";
+    config_.server.mode = ServerMode::demo;
+    config_.server.state_folder = folder_ / "state";
     config_.server.control_port = config_.server.data_port = config_.admin.port = 0;
     config_.server.drain_timeout = std::chrono::milliseconds(0);
     config_.scenes.list = {{kScene, folder_ / "triangle.gltf", ""}};

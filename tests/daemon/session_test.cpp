@@ -17,19 +17,24 @@ class SessionTest : public testing::Test {
 
   Session& add(uint64_t id, TimePoint now) {
     auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
-    return table_.add(std::make_unique<Session>(SessionId{id}, protocol::Bytes16{}, Accepted{},
+    return table_.add(std::make_unique<Session>(SessionId{id}, seal(id, protocol::Side::server), Accepted{},
                                                 std::get<Seat>(std::move(seat)), now));
+  }
+
+  static std::unique_ptr<protocol::Seal> seal(uint64_t id, protocol::Side side) {
+    return std::make_unique<protocol::Seal>(SessionId{id}, protocol::CipherId::aes_128_gcm, protocol::SealSecrets{},
+                                            side);
   }
 
   // What the client of that session sends next.
   std::vector<uint8_t> view(uint64_t id, uint32_t frame) {
-    auto& seal = client_seals_[id];
-    if (!seal) seal = protocol::make_clear_seal(SessionId{id}, {}, protocol::Side::client);
+    auto& client = client_seals_[id];
+    if (!client) client = seal(id, protocol::Side::client);
     protocol::CameraUpdate update;
     update.frame = FrameId{frame};
     std::vector<uint8_t> body, datagram;
     protocol::append_camera_update(body, update);
-    seal->seal(protocol::DatagramKind::camera_update, body, datagram);
+    client->seal(protocol::DatagramKind::camera_update, body, datagram);
     return datagram;
   }
 
@@ -54,7 +59,7 @@ TEST_F(SessionTest, OnlyWhatIsAuthenticCountsAsLifeAndMovesTheAddress) {
   EXPECT_FALSE(session.address());
   auto damaged = view(1, 1);
   damaged.back() ^= 1;
-  EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_seal);
+  EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_forged);
   EXPECT_FALSE(session.address());
   EXPECT_EQ(session.last_heard(), kStart);
   EXPECT_TRUE(session.receive(view(1, 2), here_, kStart + 4s).view);
@@ -83,11 +88,11 @@ TEST_F(SessionTest, FrameNumbersMayWrap) {
 
 TEST_F(SessionTest, AServersOwnKindOfDatagramIsRefused) {
   Session& session = add(1, kStart);
-  auto seal = protocol::make_clear_seal(SessionId{1}, {}, protocol::Side::client);
+  const auto client = seal(1, protocol::Side::client);
   std::vector<uint8_t> datagram;
-  seal->seal(protocol::DatagramKind::frame_slice, {}, datagram);
+  client->seal(protocol::DatagramKind::frame_slice, {}, datagram);
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_kind);
-  seal->seal(protocol::DatagramKind::camera_update, {}, datagram);
+  client->seal(protocol::DatagramKind::camera_update, {}, datagram);
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_body);
   EXPECT_FALSE(session.address());
 }

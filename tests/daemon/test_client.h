@@ -5,6 +5,7 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/ip/udp.hpp>
+#include <asio/ssl.hpp>
 #include <asio/write.hpp>
 #include <optional>
 #include <string>
@@ -13,7 +14,7 @@
 
 #include "protocol/codec.h"
 #include "protocol/messages.h"
-#include "protocol/seal.h"
+#include "protocol/seal_exporter.h"
 
 namespace gnomon::daemon {
 
@@ -22,8 +23,12 @@ inline constexpr std::chrono::seconds kPatience{20};
 
 class TestClient {
  public:
-  explicit TestClient(uint16_t control_port) : control_(io_), data_(io_) {
-    control_.connect({asio::ip::address_v4::loopback(), control_port});
+  // Takes any certificate: who is who is tested elsewhere.
+  explicit TestClient(uint16_t control_port) : control_(io_, tls_), data_(io_) {
+    SSL_set_alpn_protos(control_.native_handle(), protocol::kAlpn.data(), protocol::kAlpn.size());
+    control_.next_layer().connect({asio::ip::address_v4::loopback(), control_port});
+    asio::error_code refused;
+    control_.handshake(asio::ssl::stream_base::client, refused);
     data_.open(asio::ip::udp::v4());
     data_.bind({asio::ip::address_v4::loopback(), 0});
   }
@@ -57,7 +62,7 @@ class TestClient {
         failed = error;
         got = bytes;
       });
-      wait(control_);
+      wait(control_.next_layer());
       if (failed) return std::nullopt;
       reader_.feed(std::span(incoming_).first(got));
     }
@@ -78,7 +83,9 @@ class TestClient {
     const auto welcome = receive_a<protocol::Welcome>();
     if (!welcome) return false;
     welcome_ = *welcome;
-    seal_ = protocol::make_clear_seal(welcome_.session, welcome_.data_key, protocol::Side::client);
+    const auto secrets = protocol::export_secrets(control_.native_handle(), welcome_.session, welcome_.cipher);
+    if (!secrets) return false;
+    seal_ = std::make_unique<protocol::Seal>(welcome_.session, welcome_.cipher, *secrets, protocol::Side::client);
     return true;
   }
   const protocol::Welcome& welcome() const { return welcome_; }
@@ -136,7 +143,7 @@ class TestClient {
   }
 
   void vanish() {
-    control_.close();
+    control_.next_layer().close();
     data_.close();
   }
 
@@ -151,7 +158,8 @@ class TestClient {
   }
 
   asio::io_context io_;
-  asio::ip::tcp::socket control_;
+  asio::ssl::context tls_{asio::ssl::context::tls_client};
+  asio::ssl::stream<asio::ip::tcp::socket> control_;
   asio::ip::udp::socket data_;
   std::array<uint8_t, 4096> incoming_;
   protocol::MessageReader reader_;

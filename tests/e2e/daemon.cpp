@@ -62,7 +62,7 @@ Daemon::Daemon(const std::string& config)
     output = process_.output();
     return output.find("gnomond ready") != std::string::npos || !process_.running();
   });
-  const std::regex ready(R"(gnomond ready control=(\S+) data=(\d+)\S* admin=http://(\S+))");
+  const std::regex ready(R"(gnomond ready control=(\S+) data=(\d+)\S* admin=http://(\S+) pin=(\S+))");
   if (!std::regex_search(output, found, ready)) {
     ADD_FAILURE() << "gnomond did not get ready:\n" << output;
     return;
@@ -70,6 +70,7 @@ Daemon::Daemon(const std::string& config)
   control_ = client::parse_address(found[1].str()).value();
   data_port_ = static_cast<uint16_t>(std::stoi(found[2]));
   admin_ = client::parse_address(found[3].str()).value();
+  pin_ = found[4].str();
 }
 
 void Daemon::rewrite_config(const std::string& text) const { write_config(folder_.path(), text); }

@@ -11,7 +11,7 @@ namespace gnomon::tests {
 
 // The living room, two tenants, little patience with the silent.
 inline constexpr const char* kConfig = R"(
-server: {listen: 127.0.0.1, control_port: 0, data_port: 0, silence_timeout_ms: 3000, drain_timeout_ms: 2000}
+server: {mode: demo, state_folder: state, listen: 127.0.0.1, control_port: 0, data_port: 0, silence_timeout_ms: 3000, drain_timeout_ms: 2000}
 admin: {listen: 127.0.0.1, port: 0}
 render: {device: cpu}
 scenes:
@@ -31,6 +31,7 @@ class Daemon {
 
   const client::Address& address() const { return control_; }
   std::string server() const { return to_string(control_); }
+  const std::string& pin() const { return pin_; }  // of its certificate
   uint16_t data_port() const { return data_port_; }
   Process& process() { return process_; }
   void rewrite_config(const std::string& text) const;  // in the place of what it was started with
@@ -49,6 +50,7 @@ class Daemon {
   client::Address control_;
   client::Address admin_;
   uint16_t data_port_ = 0;
+  std::string pin_;
 };
 
 }  // namespace gnomon::tests

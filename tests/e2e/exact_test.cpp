@@ -66,9 +66,9 @@ TEST(Client, ShowsWhatTheTracerDoes) {
   for (const std::string kind : {"mask", "bounds", "lists"}) {
     const TemporaryFolder folder;
     const auto [status, output] =
-        run("gnomon-client",
-            {"--server", daemon.server(), "--tenant", "studio", "--scene", "living_room", "--size", "160x90",
-             "--frames", "1", "--pictures", "1", "--view", kind, "--out", folder.path().string()});
+        run("gnomon-client", {"--server", daemon.server(), "--pin", daemon.pin(), "--tenant", "studio", "--scene",
+                              "living_room", "--size", "160x90", "--frames", "1", "--pictures", "1", "--view", kind,
+                              "--out", folder.path().string()});
     ASSERT_EQ(status, 0) << output;
     size_t lights = 0;
     for (const auto& entry : fs::directory_iterator(folder.path())) {
@@ -102,16 +102,12 @@ TEST(Client, LeavesPicturesAndFigures) {
   for (const std::string mode : {"sequential", "queued"}) {
     const TemporaryFolder folder;
     const auto json = folder.path() / "client.json";
-    const auto [status, output] = run("gnomon-client", {"--server",   daemon.server(),
-                                                        "--tenant",   "studio",
-                                                        "--scene",    "living_room",
-                                                        "--size",     "160x90",
-                                                        "--border",   "32x18",
-                                                        "--frames",   "3",
-                                                        "--pictures", "1",
-                                                        "--mode",     mode,
-                                                        "--out",      folder.path().string(),
-                                                        "--json",     json.string()});
+    const auto [status, output] =
+        run("gnomon-client", {"--server", daemon.server(), "--pin",       daemon.pin(), "--tenant",
+                              "studio",   "--scene",       "living_room", "--size",     "160x90",
+                              "--border", "32x18",         "--frames",    "3",          "--pictures",
+                              "1",        "--mode",        mode,          "--out",      folder.path().string(),
+                              "--json",   json.string()});
     ASSERT_EQ(status, 0) << output;
     size_t shaded = 0, lights = 0;
     for (const auto& entry : fs::directory_iterator(folder.path())) {
@@ -142,7 +138,7 @@ TEST(Client, FailuresAreOneClearLine) {
   const Daemon daemon;
   const TemporaryFolder folder;
   const auto fails = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"--size", "160x90", "--frames", "1"};
+    std::vector<std::string> arguments{"--pin", daemon.pin(), "--size", "160x90", "--frames", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto [status, output] = run("gnomon-client", arguments);
     EXPECT_EQ(status, 1) << output;

@@ -49,6 +49,7 @@ class Flier {
                                        const std::string& scene) {
     client::StreamOptions options;
     options.connect.server = daemon.address();
+    options.connect.trust.pin = daemon.pin();
     options.connect.timeout = kPatience;
     options.connect.hello.tenant = tenant;
     options.connect.hello.scene = scene;

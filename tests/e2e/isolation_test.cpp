@@ -43,8 +43,8 @@ class Isolation : public testing::Test {
   std::unique_ptr<Process> another_client() {
     return std::make_unique<Process>(
         "gnomon-load",
-        std::vector<std::string>{"--server", daemon_.server(), "--scene", "living_room", "--size", "160x90",
-                                 "--rate", "20", "--seconds", "600", "--tenant", "arcade::1"},
+        std::vector<std::string>{"--server", daemon_.server(), "--pin", daemon_.pin(), "--scene", "living_room",
+                                 "--size", "160x90", "--rate", "20", "--seconds", "600", "--tenant", "arcade::1"},
         folder_.path());
   }
 
@@ -101,19 +101,18 @@ TEST_F(Isolation, JunkDatagramsGetNoAnswerAndChangeNothing) {
   std::mt19937 random(3);
   const Stranger stranger(SOCK_DGRAM, daemon_.data_port());
   // Noise; true headers with forged tags; true datagrams of a session with another key.
-  protocol::Bytes16 wrong_key{};
-  const auto forger = protocol::make_clear_seal(welcome.session, wrong_key, protocol::Side::client);
+  protocol::Seal forger(welcome.session, welcome.cipher, {}, protocol::Side::client);
   for (int i = 0; i < 2000; ++i) {
     stranger.say(random_bytes(random, random() % 1400));
     std::vector<uint8_t> forged;
-    forger->seal(protocol::DatagramKind::camera_update, random_bytes(random, 65), forged);
+    forger.seal(protocol::DatagramKind::camera_update, random_bytes(random, 65), forged);
     stranger.say(forged);
     stranger.say(std::span(forged).first(random() % forged.size()));
     if (i % 100 == 0) loop_.poll();
   }
   EXPECT_TRUE(all_progress(loop_, fliers_, 5));
   EXPECT_FALSE(stranger.hears_something()) << "nothing is sent to an address that has not proved itself";
-  EXPECT_TRUE(until([&] { return daemon_.metric("gnomon_datagrams_rejected_total", {"reason=\"seal\""}) > 0; }));
+  EXPECT_TRUE(until([&] { return daemon_.metric("gnomon_datagrams_rejected_total", {"reason=\"forged\""}) > 0; }));
   EXPECT_TRUE(until([&] { return daemon_.metric("gnomon_datagrams_rejected_total", {"reason=\"header\""}) > 0; }));
   EXPECT_EQ(daemon_.sessions(), 2);
 }

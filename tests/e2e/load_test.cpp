@@ -12,8 +12,8 @@ class Load : public testing::Test {
  protected:
   nlohmann::json run_load(std::vector<std::string> more) {
     const auto file = folder_.path() / "load.json";
-    std::vector<std::string> arguments{"--server", daemon_.server(), "--scene", "living_room",
-                                       "--size",   "160x90",         "--json",  file.string()};
+    std::vector<std::string> arguments{"--server",    daemon_.server(), "--pin",  daemon_.pin(), "--scene",
+                                       "living_room", "--size",         "160x90", "--json",      file.string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto [status, output] = run("gnomon-load", arguments);
     EXPECT_EQ(status, 0) << output;

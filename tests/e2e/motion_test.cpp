@@ -52,7 +52,7 @@ struct Hall {
       : file(folder.write("hall.gltf", moving_hall())),
         scene(scenes::load_scene(file, {}, kShove).value()),
         daemon(R"(
-server: {listen: 127.0.0.1, control_port: 0, data_port: 0}
+server: {mode: demo, state_folder: state, listen: 127.0.0.1, control_port: 0, data_port: 0}
 admin: {listen: 127.0.0.1, port: 0}
 render: {device: cpu, tracer: )" +
                tracer + R"(}
@@ -165,8 +165,9 @@ TEST(Motion, APictureIsThatOfTheSceneStopped) {
 TEST(Motion, TheClientFindsTheServersScene) {
   Hall hall("clock_hz: 60");
   const auto [status, output] =
-      run("gnomon-client", {"--server", hall.daemon.server(), "--tenant", "studio", "--scene", "hall",
-                            "--scene-dir", hall.folder.path().string(), "--size", "160x90", "--frames", "4"});
+      run("gnomon-client",
+          {"--server", hall.daemon.server(), "--pin", hall.daemon.pin(), "--tenant", "studio", "--scene", "hall",
+           "--scene-dir", hall.folder.path().string(), "--size", "160x90", "--frames", "4"});
   EXPECT_EQ(status, 0) << output;
 }
 

@@ -19,7 +19,7 @@ class Daemon:
         self.folder = tempfile.TemporaryDirectory(prefix="gnomon-load-")
         self.args = args
         self.config = {
-            "server": {"control_port": 0, "data_port": 0},
+            "server": {"mode": "demo", "state_folder": "state", "control_port": 0, "data_port": 0},
             "admin": {"port": 0},
             "scenes": {"list": [{"name": args.scene, "file": f"{args.scene}.glb"}]},
             "scheduler": {"policy": policy, "admit_percent": 0, **scheduler},
@@ -30,12 +30,12 @@ class Daemon:
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen([args.bin / "gnomond", "--config", config], stdout=self.log,
                                         stderr=subprocess.STDOUT)
-        self.control, self.admin = self.wait_until_ready()
+        self.control, self.admin, self.pin = self.wait_until_ready()
 
     def wait_until_ready(self):
         deadline = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline and self.process.poll() is None:
-            ready = re.search(r"gnomond ready control=(\S+).* admin=(\S+)", pathlib.Path(self.log.name).read_text())
+            ready = re.search(r"gnomond ready control=(\S+).* admin=(\S+) pin=(\S+)", pathlib.Path(self.log.name).read_text())
             if ready:
                 return ready.groups()
             time.sleep(0.05)
@@ -68,7 +68,7 @@ class Daemon:
     def load(self, clients, size, rate, seconds, deadline_ms=0):
         """Starts gnomon-load. `clients`: number by tenant."""
         file = pathlib.Path(tempfile.mkstemp(suffix=".json", dir=self.folder.name)[1])
-        command = [self.args.bin / "gnomon-load", "--server", self.control, "--scene", self.args.scene, "--size", size,
+        command = [self.args.bin / "gnomon-load", "--server", self.control, "--pin", self.pin, "--scene", self.args.scene, "--size", size,
                    "--rate", str(rate), "--seconds", str(seconds), "--deadline-ms", str(deadline_ms), "--json", file]
         for tenant, count in clients.items():
             command += ["--tenant", f"{tenant}::{count}"]

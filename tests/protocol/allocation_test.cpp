@@ -27,7 +27,7 @@ std::atomic<size_t> allocations = 0;
 namespace gnomon::protocol {
 namespace {
 
-constexpr Bytes16 kKey = {9, 9, 9};
+constexpr SealSecrets kSecrets{{9, 9, 9}, {8, 8}};
 
 template <class Work>
 size_t allocations_of(Work work) {
@@ -41,8 +41,8 @@ TEST(Allocations, AreCounted) {
 }
 
 TEST(Allocations, NoneForACameraUpdate) {
-  const auto client = make_clear_seal(SessionId{1}, kKey, Side::client);
-  const auto server = make_clear_seal(SessionId{1}, kKey, Side::server);
+  Seal client(SessionId{1}, CipherId::aes_128_gcm, kSecrets, Side::client);
+  Seal server(SessionId{1}, CipherId::aes_128_gcm, kSecrets, Side::server);
   CameraUpdate update;
   update.ack_count = kMaxAcks;
   std::vector<uint8_t> body, datagram;
@@ -51,10 +51,10 @@ TEST(Allocations, NoneForACameraUpdate) {
   bool same = false;
   EXPECT_EQ(allocations_of([&] {
               append_camera_update(body, update);
-              client->seal(DatagramKind::camera_update, body, datagram);
-              same = decode_camera_update(server->open(datagram)->body) == update;
+              client.seal(DatagramKind::camera_update, body, datagram);
+              same = decode_camera_update(server.open(datagram)->body) == update;
               datagram.back() ^= 1;
-              same = same && !server->open(datagram);
+              same = same && !server.open(datagram);
             }),
             0u);
   EXPECT_TRUE(same);

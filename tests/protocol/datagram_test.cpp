@@ -48,9 +48,8 @@ TEST(Datagram, HeadersComeBackAsTheyWere) {
   for (int i = 0; i < 200; ++i) {
     const Header header{static_cast<DatagramKind>(1 + random() % 2), static_cast<uint16_t>(random()),
                         SessionId{random()}, random()};
-    Bytes bytes;
-    append_header(bytes, header);
-    ASSERT_EQ(bytes.size(), kHeaderBytes);
+    std::array<uint8_t, kHeaderBytes> bytes;
+    write_header(bytes, header);
     EXPECT_EQ(decode_header(bytes), header);
     for (size_t size = 0; size < bytes.size(); ++size) {
       EXPECT_FALSE(decode_header(std::span(bytes).first(size)));
@@ -59,8 +58,8 @@ TEST(Datagram, HeadersComeBackAsTheyWere) {
 }
 
 TEST(Datagram, OtherVersionsAndKindsAreRefused) {
-  Bytes bytes;
-  append_header(bytes, {.session = SessionId{1}, .sequence = 1});
+  Bytes bytes(kHeaderBytes);
+  write_header(std::span(bytes).first<kHeaderBytes>(), {.session = SessionId{1}, .sequence = 1});
   for (int value = 0; value < 256; ++value) {
     Bytes other = bytes;
     other[0] = static_cast<uint8_t>(value);

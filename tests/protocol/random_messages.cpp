@@ -68,15 +68,17 @@ SceneManifest manifest(Random& random) {
 }
 
 CodecId codec(Random& random) { return static_cast<CodecId>(below(random, 2)); }
+CipherId cipher(Random& random) { return static_cast<CipherId>(1 + below(random, 2)); }
 
 Hello hello(Random& random) {
   Hello m;
-  m.version_min = static_cast<uint16_t>(below(random, 100));
-  m.version_max = static_cast<uint16_t>(m.version_min + below(random, 100));
+  m.version_min = static_cast<uint16_t>(below(random, kVersion + 1));
+  m.version_max = static_cast<uint16_t>(kVersion + below(random, 100));
   m.features = random();
   m.client = text(random);
   m.tenant = text(random);
   m.token = text(random);
+  for (uint64_t i = below(random, 3); i > 0; --i) m.ciphers.push_back(cipher(random));
   m.scene = text(random);
   m.width = static_cast<uint16_t>(1 + below(random, 65535));
   m.height = static_cast<uint16_t>(1 + below(random, 65535));
@@ -94,7 +96,7 @@ Welcome welcome(Random& random) {
   m.features = random();
   m.session = SessionId{random()};
   m.data_port = static_cast<uint16_t>(1 + below(random, 65535));
-  m.data_key = bytes16(random);
+  m.cipher = cipher(random);
   m.width = side(random);
   m.height = side(random);
   m.rate_hz = number(random, 0, 240);

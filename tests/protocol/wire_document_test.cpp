@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <numeric>
 #include <sstream>
 
 #include "protocol/codec.h"
@@ -54,11 +55,37 @@ std::vector<std::pair<int, std::string>> numbered_rows(const std::string& headin
 }
 
 constexpr SessionId kSession{0x1122334455667788};
-constexpr Bytes16 kKey = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+// Those of the document: 00 01 02 ... for the client, 20 21 22 ... for the server.
+SealSecrets secrets() {
+  SealSecrets made;
+  std::iota(made.client.begin(), made.client.end(), uint8_t{0x00});
+  std::iota(made.server.begin(), made.server.end(), uint8_t{0x20});
+  return made;
+}
+
+std::unique_ptr<Seal> seal_of(Side side, CipherId cipher = CipherId::aes_128_gcm,
+                              uint64_t epoch_datagrams = kEpochDatagrams) {
+  return std::make_unique<Seal>(kSession, cipher, secrets(), side, epoch_datagrams);
+}
+
+std::string hex(std::span<const uint8_t> bytes) {
+  std::string text;
+  for (const uint8_t byte : bytes) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    text.append(text.empty() ? "" : " ").append({kDigits[byte >> 4], kDigits[byte & 15]});
+  }
+  return text;
+}
+
+void expect_packet(const Bytes& made, const std::string& name) {
+  EXPECT_EQ(hex(made), hex(packet(name))) << "WIRE.md's packet " << name;
+}
 
 TEST(WireDocument, HelloIsAsWorkedOut) {
   Hello hello;
   hello.client = "probe 1";
+  hello.ciphers = {CipherId::aes_128_gcm};
   hello.scene = "temple";
   hello.width = 1984;
   hello.height = 1116;
@@ -66,7 +93,7 @@ TEST(WireDocument, HelloIsAsWorkedOut) {
   hello.border_y = 36;
   hello.rate_hz = 60;
   hello.codecs = {CodecId::tiles_lz4};
-  EXPECT_EQ(encode(hello), packet("hello"));
+  expect_packet(encode(hello), "hello");
   MessageReader reader;
   reader.feed(packet("hello"));
   const auto read = reader.next();
@@ -74,7 +101,7 @@ TEST(WireDocument, HelloIsAsWorkedOut) {
   EXPECT_EQ(**read, Message{hello});
 }
 
-TEST(WireDocument, CameraUpdateIsAsWorkedOut) {
+Bytes camera_update_body() {
   CameraUpdate update;
   update.frame = FrameId{7};
   update.camera = {{1, 1.5f, -2}, {0, 0.6f, 0, 0.8f}, 0.75f, 0.75f, 0.5f, 0.5f, 0.0625f};
@@ -84,16 +111,31 @@ TEST(WireDocument, CameraUpdateIsAsWorkedOut) {
   update.acks[0] = {FrameId{6}, 0, 0b111};
   Bytes body;
   append_camera_update(body, update);
-  Bytes datagram;
-  make_clear_seal(kSession, kKey, Side::client)->seal(DatagramKind::camera_update, body, datagram);
-  EXPECT_EQ(datagram, packet("camera_update"));
+  return body;
+}
 
-  const auto server = make_clear_seal(kSession, kKey, Side::server);
-  const Bytes written = packet("camera_update");
-  const auto opened = server->open(written);
-  ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->header, (Header{DatagramKind::camera_update, 0, kSession, 1}));
-  EXPECT_EQ(decode_camera_update(opened->body), update);
+TEST(WireDocument, CameraUpdateIsAsWorkedOut) {
+  const Bytes body = camera_update_body();
+  expect_packet(body, "camera_update_body");
+  for (const auto& [cipher, name] : {std::pair(CipherId::aes_128_gcm, "camera_update"),
+                                     std::pair(CipherId::chacha20_poly1305, "camera_update_chacha")}) {
+    Bytes datagram;
+    seal_of(Side::client, cipher)->seal(DatagramKind::camera_update, body, datagram);
+    expect_packet(datagram, name);
+    const auto server = seal_of(Side::server, cipher);
+    const auto opened = server->open(packet(name));
+    ASSERT_TRUE(opened);
+    EXPECT_EQ(opened->header, (Header{DatagramKind::camera_update, 0, kSession, 1}));
+    EXPECT_EQ(hex(opened->body), hex(body));
+  }
+}
+
+// Epochs of one datagram: the second is sealed with the keys that follow from the document's third secret.
+TEST(WireDocument, TheNextEpochsKeysAreAsWorkedOut) {
+  const auto client = seal_of(Side::client, CipherId::aes_128_gcm, 1);
+  Bytes datagram;
+  for (int i = 0; i < 2; ++i) client->seal(DatagramKind::camera_update, camera_update_body(), datagram);
+  expect_packet(Bytes(datagram.end() - kTagBytes, datagram.end()), "second_epoch_tag");
 }
 
 TEST(WireDocument, FrameSliceIsAsWorkedOut) {
@@ -109,11 +151,12 @@ TEST(WireDocument, FrameSliceIsAsWorkedOut) {
   header.gpu_us = 1500;
   Bytes body;
   append_frame_slice(body, header, frame.payload(0));
+  expect_packet(body, "frame_slice_body");
   Bytes datagram;
-  make_clear_seal(kSession, kKey, Side::server)->seal(DatagramKind::frame_slice, body, datagram);
-  EXPECT_EQ(datagram, packet("frame_slice"));
+  seal_of(Side::server)->seal(DatagramKind::frame_slice, body, datagram);
+  expect_packet(datagram, "frame_slice");
 
-  const auto client = make_clear_seal(kSession, kKey, Side::client);
+  const auto client = seal_of(Side::client);
   const Bytes written = packet("frame_slice");
   const auto opened = client->open(written);
   ASSERT_TRUE(opened);

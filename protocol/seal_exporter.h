@@ -1,0 +1,15 @@
+// The data channel's first secrets, from the TLS session of the control connection (RFC 8446, 7.5): both ends compute
+// them, none crosses the wire.
+#pragma once
+
+#include "common/result.h"
+#include "protocol/seal.h"
+
+struct ssl_st;
+
+namespace gnomon::protocol {
+
+// `tls`: after its handshake. Error: the session is not TLS 1.3 or not established.
+Result<SealSecrets> export_secrets(ssl_st* tls, SessionId session, CipherId cipher);
+
+}  // namespace gnomon::protocol

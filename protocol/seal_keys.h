@@ -1,0 +1,78 @@
+// Keys of the data channel, one direction at a time: from the secret that the TLS session exports to the keys of each
+// epoch. WIRE.md, "the seal", is the specification.
+//
+// An epoch is kEpochDatagrams sequence numbers long; each has keys of its own, and its secret is made from the one
+// before by a function that cannot be turned round. So no AES-GCM key seals more than what RFC 9001 (6.6) allows it
+// (2^23 packets), and who takes a secret from memory cannot read what was sent in earlier epochs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "protocol/types.h"
+
+struct evp_cipher_ctx_st;
+
+namespace gnomon::protocol {
+
+inline constexpr uint64_t kEpochDatagrams = uint64_t{1} << 22;
+
+using Secret = std::array<uint8_t, 32>;
+
+// An AEAD with one key. One direction and one thread; its context is made once, and used without allocating.
+class Aead {
+ public:
+  static constexpr size_t kTagBytes = 16;
+
+  // Derives key and nonce base from the epoch's secret.
+  Aead(CipherId cipher, const Secret& secret, bool sealing);
+
+  // `out` has room for text and tag, and is text.data() or does not overlap it.
+  void seal(uint64_t sequence, std::span<const uint8_t> header, std::span<const uint8_t> text, uint8_t* out);
+
+  // `sealed` ends with the tag; `out` has room for what stands before it. False: forged or damaged, and `out` holds
+  // nothing of use.
+  bool open(uint64_t sequence, std::span<const uint8_t> header, std::span<const uint8_t> sealed, uint8_t* out);
+
+ private:
+  struct Free {
+    void operator()(evp_cipher_ctx_st* context) const;
+  };
+  using Nonce = std::array<uint8_t, 12>;
+  Nonce nonce(uint64_t sequence) const;
+
+  std::unique_ptr<evp_cipher_ctx_st, Free> context_;
+  Nonce base_{};
+};
+
+// The secret of the next epoch.
+Secret next_secret(const Secret& secret);
+
+// The AEADs of one direction's epochs around the newest.
+class SealKeys {
+ public:
+  // `secret`: of epoch 0.
+  SealKeys(CipherId cipher, const Secret& secret, bool sealing);
+  ~SealKeys();  // wipes what it knows
+  SealKeys(const SealKeys&) = delete;
+
+  // Of the newest epoch, the one before or the one after; null: of none of these.
+  Aead* of(uint64_t epoch);
+
+  // That epoch has begun: one that of() gave an AEAD for.
+  void begin(uint64_t epoch);
+
+ private:
+  CipherId cipher_;
+  bool sealing_;
+  uint64_t newest_ = 0;
+  Secret after_;                                     // of epoch newest_ + 1
+  std::array<std::unique_ptr<Aead>, 3> by_epoch_{};  // at epoch % 3
+};
+
+// Whether the processor has instructions for AES; without them ChaCha20 is quicker.
+bool has_aes_instructions();
+
+}  // namespace gnomon::protocol
