@@ -133,7 +133,7 @@ TEST_F(Isolation, JunkOnTheControlPortIsRefusedAndChangesNothing) {
     }
   }
   EXPECT_TRUE(all_progress(loop_, fliers_, 5));
-  EXPECT_TRUE(until([&] { return daemon_.metric("gnomon_refusals_total", {"reason=\"malformed\""}) > 0; }));
+  EXPECT_TRUE(until([&] { return daemon_.metric("gnomon_refusals_total", {"reason=\"tls\""}) > 0; }));
   EXPECT_TRUE(until([&] { return daemon_.metric("gnomon_refusals_total", {"reason=\"handshake_timeout\""}) > 0; }));
   EXPECT_EQ(daemon_.sessions(), 2);
 }
