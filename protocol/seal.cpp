@@ -16,7 +16,8 @@ Seal::Seal(SessionId session, CipherId cipher, const SealSecrets& secrets, Side 
     : session_(session),
       epoch_datagrams_(epoch_datagrams),
       sending_(cipher, side == Side::client ? secrets.client : secrets.server, true),
-      receiving_(cipher, side == Side::client ? secrets.server : secrets.client, false) {}
+      receiving_(cipher, side == Side::client ? secrets.server : secrets.client, false),
+      text_(side == Side::client ? kMaxProbedBytes : kMaxDatagramBytes) {}
 
 void Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out) {
   assert(out.size() == sealed_size(body.size()));
@@ -34,7 +35,7 @@ void Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<ui
 }
 
 std::optional<Opened> Seal::open(std::span<const uint8_t> datagram) {
-  if (datagram.size() < sealed_size(0) || datagram.size() > kMaxDatagramBytes) return reject(Rejection::header);
+  if (datagram.size() < sealed_size(0) || datagram.size() > text_.size()) return reject(Rejection::header);
   const auto header = decode_header(datagram);
   if (!header) return reject(Rejection::header);
   if (header->session != session_) return reject(Rejection::session);

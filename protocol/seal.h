@@ -69,7 +69,7 @@ class Seal {
   uint64_t forged_ = 0;
   ReplayWindow window_;
   Rejection rejection_ = Rejection::header;
-  std::array<uint8_t, kMaxDatagramBytes> text_;
+  std::vector<uint8_t> text_;  // as long as the longest datagram that this side takes
 };
 
 }  // namespace gnomon::protocol
