@@ -94,8 +94,9 @@ void Connection::on_welcome(protocol::Welcome welcome) {
   if (!secrets) return fail(secrets.error());
   auto seal = std::make_unique<protocol::Seal>(welcome.session, welcome.cipher, *secrets, protocol::Side::client);
   auto data = DataChannel::open(loop_, {control_.server_ip(), welcome.data_port}, std::move(seal),
-                                [this](const protocol::Opened& datagram) {
-                                  if (state_ == State::open && events_.datagram) events_.datagram(datagram);
+                                [this](const protocol::Opened& datagram, TimePoint arrived) {
+                                  if (state_ == State::open && events_.datagram)
+                                    events_.datagram(datagram, arrived);
                                 });
   if (!data) return fail(data.error());
   welcome_ = std::move(welcome);

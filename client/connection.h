@@ -31,10 +31,10 @@ std::string describe(const protocol::Refused& refused);
 
 // Call backs come while the loop runs; they may close the connection, but not destroy it.
 struct ConnectionEvents {
-  std::function<void()> opened = {};                           // Welcome has come
-  std::function<void(const protocol::Message&)> message = {};  // any message after it
-  std::function<void(const protocol::Opened&)> datagram = {};  // borrowed for the call
-  std::function<void(const Error&)> closed = {};               // by the server or the network; not by close()
+  std::function<void()> opened = {};                                              // Welcome has come
+  std::function<void(const protocol::Message&)> message = {};                     // any message after it
+  std::function<void(const protocol::Opened&, TimePoint arrived)> datagram = {};  // borrowed for the call
+  std::function<void(const Error&)> closed = {};  // by the server or the network; not by close()
 };
 
 class Connection {

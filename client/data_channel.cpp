@@ -3,6 +3,8 @@
 #include <array>
 #include <asio/ip/udp.hpp>
 
+#include "client/arrival_stamp.h"
+
 namespace gnomon::client {
 namespace {
 
@@ -22,7 +24,7 @@ struct DataChannel::State : std::enable_shared_from_this<State> {
   OnDatagram on_datagram;
   std::unique_ptr<protocol::Seal> seal;
   std::vector<uint8_t> outgoing;
-  std::array<uint8_t, protocol::kMaxDatagramBytes + 1> incoming{};
+  std::array<uint8_t, protocol::kMaxProbedBytes + 1> incoming{};
   DataCounters counters;
   bool closed = false;
 
@@ -36,15 +38,14 @@ struct DataChannel::State : std::enable_shared_from_this<State> {
 
   void receive_ready() {
     for (int i = 0; i < kDatagramsPerTurn && !closed; ++i) {
-      asio::error_code error;
-      const size_t count = socket.receive(asio::buffer(incoming), 0, error);
-      if (error == asio::error::would_block) return;
-      if (error) continue;  // an earlier datagram met a closed port: the server may come back
-      accept(std::span(incoming).first(count));
+      const auto got = receive_stamped(socket.native_handle(), incoming);
+      if (got.nothing) return;
+      if (got.bytes == 0) continue;  // an earlier datagram met a closed port: the server may come back
+      accept(std::span(incoming).first(got.bytes), got.arrived);
     }
   }
 
-  void accept(std::span<const uint8_t> datagram) {
+  void accept(std::span<const uint8_t> datagram, TimePoint arrived) {
     const auto opened = seal->open(datagram);
     if (!opened) {
       ++counters.rejected;
@@ -52,7 +53,7 @@ struct DataChannel::State : std::enable_shared_from_this<State> {
     }
     ++counters.received;
     counters.received_bytes += datagram.size();
-    on_datagram(*opened);
+    on_datagram(*opened, arrived);
   }
 };
 
@@ -68,6 +69,7 @@ Result<std::unique_ptr<DataChannel>> DataChannel::open(Loop& loop, const Address
   if (error) return Error{"cannot open a data socket to " + to_string(server) + ": " + error.message()};
   asio::error_code ignored;
   state->socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
+  stamp_arrivals(state->socket.native_handle());
   state->wait();
   return std::unique_ptr<DataChannel>(new DataChannel(std::move(state)));
 }

@@ -24,7 +24,8 @@ struct DataCounters {
 // The loop's thread. Datagrams come only from the server's address. Loss is silent in both directions.
 class DataChannel {
  public:
-  using OnDatagram = std::function<void(const protocol::Opened&)>;  // borrowed for the call
+  // Borrowed for the call. `arrived`: at this machine, however late this thread came to read it.
+  using OnDatagram = std::function<void(const protocol::Opened&, TimePoint arrived)>;
 
   // `server`: a numeric address.
   static Result<std::unique_ptr<DataChannel>> open(Loop& loop, const Address& server,

@@ -10,7 +10,8 @@ constexpr Nanoseconds kRepeatInterval = std::chrono::milliseconds(250);
 constexpr size_t kLightVersions = 16;  // kept for frames that are still on their way
 
 StreamOptions with_features(StreamOptions options) {
-  options.connect.hello.features |= protocol::kFeatureMoments;
+  using namespace protocol;
+  options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity;
   return options;
 }
 
@@ -25,6 +26,7 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
   lost_slices += other.lost_slices;
   duplicate_slices += other.duplicate_slices;
   late_slices += other.late_slices;
+  rebuilt_slices += other.rebuilt_slices;
   wrong_frames += other.wrong_frames;
   return *this;
 }
@@ -33,13 +35,16 @@ VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events eve
     : options_(with_features(std::move(options))),
       events_(std::move(events)),
       upkeep_timer_(loop, [this] { upkeep(Clock::now()); }),
+      report_timer_(loop, [this] { report_arrivals(); }),
       connection_(loop, options_.connect,
                   {.opened = [this] { start(); },
                    .message = [this](const protocol::Message& message) { on_message(message); },
-                   .datagram = [this](const protocol::Opened& datagram) { on_datagram(datagram); },
+                   .datagram = [this](const protocol::Opened& datagram,
+                                      TimePoint arrived) { on_datagram(datagram, arrived); },
                    .closed =
                        [this](const Error& error) {
                          upkeep_timer_.disarm();
+                         report_timer_.disarm();
                          if (events_.closed) events_.closed(error);
                        }}) {}
 
@@ -93,29 +98,71 @@ FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds di
 }
 
 void VisibilityStream::send_newest() {
-  acks_.fill(newest_);
+  if (!has(protocol::kFeatureFeedback)) acks_.fill(newest_);
   body_.clear();
   protocol::append_camera_update(body_, newest_);
   connection_.send(protocol::DatagramKind::camera_update, body_);
   last_sent_ = Clock::now();
 }
 
-void VisibilityStream::on_datagram(const protocol::Opened& datagram) {
-  if (datagram.header.kind != protocol::DatagramKind::frame_slice) return;
-  if (const auto slice = protocol::decode_frame_slice(datagram.body)) {
-    add_slice(*slice);
+bool VisibilityStream::has(uint64_t feature) const { return (connection_.welcome().features & feature) != 0; }
+
+void VisibilityStream::on_datagram(const protocol::Opened& datagram, TimePoint arrived) {
+  if (has(protocol::kFeatureFeedback)) {
+    arrivals_.received(datagram.header.sequence, arrived);
+    plan_report();
+  }
+  if (datagram.header.kind == protocol::DatagramKind::frame_slice) return on_slice(datagram.body);
+  if (datagram.header.kind != protocol::DatagramKind::frame_parity) return;
+  if (const auto parity = protocol::decode_parity(datagram.body)) {
+    if (may_be_asked_for(parity->header.frame)) add_rebuilt(recovery_.add_parity(*parity));
   } else {
     ++counters_.wrong_frames;
   }
 }
 
-void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
-  const FrameId frame = slice.header.frame;
-  if (frame.value == 0 || frame > newest_asked_) {
+void VisibilityStream::on_slice(std::span<const uint8_t> body) {
+  const auto slice = protocol::decode_frame_slice(body);
+  if (!slice || !may_be_asked_for(slice->header.frame)) {
     ++counters_.wrong_frames;
     return;
   }
-  acks_.received(frame, slice.header.slice);
+  add_slice(*slice);
+  if (has(protocol::kFeatureParity)) add_rebuilt(recovery_.add_slice(slice->header, body));
+}
+
+void VisibilityStream::add_rebuilt(const std::vector<std::vector<uint8_t>>& bodies) {
+  for (const auto& body : bodies) {
+    const auto slice = protocol::decode_frame_slice(body);
+    if (!slice) continue;
+    ++counters_.rebuilt_slices;
+    add_slice(*slice);
+  }
+}
+
+bool VisibilityStream::may_be_asked_for(FrameId frame) const { return frame.value != 0 && frame <= newest_asked_; }
+
+void VisibilityStream::plan_report() {
+  if (report_planned_ || connection_.state() != Connection::State::open) return;
+  report_planned_ = true;
+  report_timer_.arm(arrivals_.due_at());
+}
+
+void VisibilityStream::report_arrivals() {
+  report_planned_ = false;
+  const TimePoint now = Clock::now();
+  if (arrivals_.due_at() > now) return arrivals_.due_at() == TimePoint::max() ? void() : plan_report();
+  protocol::Feedback feedback = arrivals_.take(now);
+  feedback.recovered = static_cast<uint32_t>(counters_.rebuilt_slices);
+  feedback.incomplete = static_cast<uint32_t>(counters_.incomplete);
+  body_.clear();
+  protocol::append_feedback(body_, feedback);
+  connection_.send(protocol::DatagramKind::feedback, body_);
+}
+
+void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
+  const FrameId frame = slice.header.frame;
+  if (!has(protocol::kFeatureFeedback)) acks_.received(frame, slice.header.slice);
   Asked* asked = find(frame);
   if (!asked || asked->answered || frame < first_of_grid_) {
     ++counters_.late_slices;

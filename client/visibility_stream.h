@@ -14,8 +14,10 @@
 #include <optional>
 
 #include "client/ack_list.h"
+#include "client/arrival_report.h"
 #include "client/connection.h"
 #include "client/frame_assembler.h"
+#include "client/slice_recovery.h"
 
 namespace gnomon::client {
 
@@ -44,8 +46,9 @@ struct StreamCounters {
   uint64_t unanswered = 0;   // cameras without answer for the timeout, and no newer one either
   uint64_t lost_slices = 0;  // of incomplete frames
   uint64_t duplicate_slices = 0;
-  uint64_t late_slices = 0;   // of frames already handed over
-  uint64_t wrong_frames = 0;  // slices of frames never asked for, that contradict their frame or do not decode
+  uint64_t late_slices = 0;     // of frames already handed over
+  uint64_t rebuilt_slices = 0;  // from parity
+  uint64_t wrong_frames = 0;    // slices of frames never asked for, that contradict their frame or do not decode
 
   StreamCounters& operator+=(const StreamCounters& other);
 };
@@ -88,7 +91,13 @@ class VisibilityStream {
   void start();
   void restart_with(TileGrid grid);
   void on_message(const protocol::Message& message);
-  void on_datagram(const protocol::Opened& datagram);
+  void on_datagram(const protocol::Opened& datagram, TimePoint arrived);
+  void on_slice(std::span<const uint8_t> body);
+  void add_rebuilt(const std::vector<std::vector<uint8_t>>& bodies);
+  bool has(uint64_t feature) const;  // granted
+  bool may_be_asked_for(FrameId frame) const;
+  void plan_report();
+  void report_arrivals();
   void add_slice(const protocol::FrameSlice& slice);
   void deliver_finished();
   void send_newest();
@@ -103,7 +112,10 @@ class VisibilityStream {
   std::optional<FrameAssembler> assembler_;
   protocol::SceneManifest scene_;
   std::map<uint32_t, std::vector<protocol::LightInfo>> lights_;  // by version, the newest few
-  AckList acks_;
+  AckList acks_;                                                 // where there is no feedback
+  ArrivalReport arrivals_;
+  SliceRecovery recovery_;
+  bool report_planned_ = false;
   std::deque<Asked> asked_;  // of consecutive frames up to newest_asked_
   FrameId newest_asked_{0};
   FrameId newest_answered_{0};
@@ -114,6 +126,7 @@ class VisibilityStream {
   std::vector<uint8_t> body_;
   Nanoseconds repeat_interval_{};
   Timer upkeep_timer_;
+  Timer report_timer_;
   Connection connection_;
 };
 

@@ -1,5 +1,7 @@
 #include "daemon/data_socket.h"
 
+#include <netinet/in.h>
+
 #include <cerrno>
 
 #include "daemon/supervisor.h"
@@ -34,6 +36,13 @@ Result<std::unique_ptr<DataSocket>> DataSocket::open(asio::io_context& io, const
   asio::error_code ignored;
   made->socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
   made->socket_.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
+  // No datagram is cut into fragments: which lengths pass is for the sessions to find out (daemon/link/path_mtu.h).
+  const int probe = local.protocol() == asio::ip::udp::v6() ? IPV6_PMTUDISC_PROBE : IP_PMTUDISC_PROBE;
+  if (local.protocol() == asio::ip::udp::v6()) {
+    setsockopt(made->socket_.native_handle(), IPPROTO_IPV6, IPV6_MTU_DISCOVER, &probe, sizeof probe);
+  } else {
+    setsockopt(made->socket_.native_handle(), IPPROTO_IP, IP_MTU_DISCOVER, &probe, sizeof probe);
+  }
   made->port_ = made->socket_.local_endpoint().port();
   return made;
 }

@@ -41,7 +41,8 @@ void EncodePool::work() {
   while (take(frame)) {
     EncodedFrame out{frame.meta, {}};
     out.meta.encode_began = Clock::now();
-    const size_t room = protocol::kMaxSlicePayloadBytes - (frame.meta.moment ? protocol::kMomentBytes : 0);
+    const size_t header = protocol::kSliceHeaderBytes + (frame.meta.moment ? protocol::kMomentBytes : 0);
+    const size_t room = frame.meta.slice_body_bytes - header;
     const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, room, out.slices);
     frame.mask.drop();
     if (!result) {

@@ -31,6 +31,7 @@ constexpr std::array kTable{
     FaultRow{Fault::send_queue_full, kFrame, "send_queue_full", Level::debug, "too many frames waiting to be sent"},
     FaultRow{Fault::socket_full, kFrame, "socket_full", Level::debug, "frame cut short: socket buffer full"},
     FaultRow{Fault::send_failed, kFrame, "send_failed", Level::debug, "frame cut short: network error"},
+    FaultRow{Fault::link_too_slow, kFrame, "link_too_slow", Level::debug, "frame cut short: of no use any more"},
 
     FaultRow{Fault::refused_malformed, kRefusal, "malformed", Level::info, "refused"},
     FaultRow{Fault::refused_version, kRefusal, "version", Level::info, "refused"},

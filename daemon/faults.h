@@ -32,6 +32,7 @@ enum class Fault : uint8_t {
   send_queue_full,
   socket_full,
   send_failed,
+  link_too_slow,
   // A connection is refused a session.
   refused_malformed,
   refused_version,

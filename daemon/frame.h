@@ -20,6 +20,9 @@ struct ViewRequest {
   gpu::CameraView camera;
   TimePoint arrival;                      // of the datagram
   TimePoint deadline = TimePoint::max();  // of use until then; max: not said
+  // What its link takes at the moment.
+  size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;  // header and payload
+  uint32_t coalesced = 0;                                  // views that it replaced while the link was busy
 };
 
 // What later stages need to know of a frame, and when each was done with it.
@@ -30,6 +33,7 @@ struct FrameMeta {
   uint32_t net_thread = 0;  // which one owns the session
   FrameId frame;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
+  size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
   TileGrid grid;
   std::optional<protocol::Moment> moment;  // that the client is to be told
   uint32_t coalesced = 0;                  // views of this session replaced since its last frame

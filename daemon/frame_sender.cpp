@@ -4,11 +4,8 @@
 
 namespace gnomon::daemon {
 
-void FrameSender::seal(EncodedFrame& frame, Session& session, TimePoint now) {
-  count_ = frame.slices.slices.size();
-  if (datagrams_.size() < count_) datagrams_.resize(count_);
-  for (size_t i = 0; i < count_; ++i) {
-    protocol::SliceHeader& header = frame.slices.slices[i];
+size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
+  for (protocol::SliceHeader& header : frame.slices.slices) {
     header.frame = frame.meta.frame;
     header.server_us = static_cast<uint32_t>(to_microseconds(now - frame.meta.arrival));
     if (frame.meta.moment) {
@@ -16,21 +13,33 @@ void FrameSender::seal(EncodedFrame& frame, Session& session, TimePoint now) {
       header.moment = *frame.meta.moment;
     }
     header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.gpu));
-    body_.clear();
-    protocol::append_frame_slice(body_, header, frame.slices.payload(i));
-    session.seal().seal(protocol::DatagramKind::frame_slice, body_, datagrams_[i]);
   }
+  return session.link().add(frame.slices, frame.meta.deadline, now);
 }
 
-Sent FrameSender::send(EncodedFrame& frame, Session& session, DataSocket& socket) {
-  seal(frame, session, Clock::now());
-  const auto datagrams = std::span<const std::vector<uint8_t>>(datagrams_).first(count_);
-  asio::error_code error;
-  const size_t taken = socket.send(datagrams, *session.address(), error);
-  Sent sent;
-  for (const auto& datagram : datagrams.first(taken)) sent.bytes += datagram.size();
-  if (taken < count_) sent.fault = error ? Fault::send_failed : Fault::socket_full;
-  return sent;
+// Seals what may go into datagrams_; returns how many. A probe of the path comes last: what is after it in a batch
+// would suffer when the path's first hop refuses it.
+size_t FrameSender::fill(Session& session, TimePoint now) {
+  LinkSender& link = session.link();
+  for (size_t count = 0; count < kBatch;) {
+    const auto out = link.next(now);
+    if (!out) return count;
+    std::vector<uint8_t>& datagram = datagrams_[count++];
+    session.seal().seal(out->kind, out->body, datagram);
+    link.sent(protocol::decode_header(datagram)->sequence, datagram.size(), now);
+    if (out->kind == protocol::DatagramKind::probe) return count;
+  }
+  return kBatch;
+}
+
+std::optional<Fault> FrameSender::send(Session& session, DataSocket& socket, TimePoint now) {
+  while (const size_t count = fill(session, now)) {
+    asio::error_code error;
+    const size_t taken = socket.send(std::span(datagrams_).first(count), *session.address(), error);
+    if (taken == count || error == asio::error::message_size) continue;
+    return error ? Fault::send_failed : Fault::socket_full;
+  }
+  return std::nullopt;
 }
 
 }  // namespace gnomon::daemon

@@ -1,4 +1,5 @@
-// An encoded frame on its way out: slice headers filled in, sealed, handed to the kernel.
+// Encoded frames on their way out: slice headers filled in, handed to the session's link; and what the link lets go,
+// sealed and handed to the kernel, in batches.
 #pragma once
 
 #include <optional>
@@ -10,23 +11,22 @@
 
 namespace gnomon::daemon {
 
-struct Sent {
-  size_t bytes = 0;
-  std::optional<Fault> fault;  // then the rest of the frame was dropped: the client covers what is missing
-};
-
-// Keeps its buffers from frame to frame. The net thread's.
+// Keeps its buffers from batch to batch. The net thread's.
 class FrameSender {
  public:
-  // Precondition: the session has an address.
-  Sent send(EncodedFrame& frame, Session& session, DataSocket& socket);
+  // The frame waits in the session's link then. Returns the bytes that it will take.
+  size_t add(EncodedFrame& frame, Session& session, TimePoint now);
+
+  // Sends what may go now. Precondition: the session has an address. A fault: the kernel did not take everything; what
+  // it did not take is lost as on any link.
+  std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
  private:
-  void seal(EncodedFrame& frame, Session& session, TimePoint now);
+  size_t fill(Session& session, TimePoint now);
 
-  std::vector<uint8_t> body_;
-  std::vector<std::vector<uint8_t>> datagrams_;
-  size_t count_ = 0;  // of datagrams_ in use
+  static constexpr size_t kBatch = DataSocket::kBatch;
+
+  std::array<std::vector<uint8_t>, kBatch> datagrams_;
 };
 
 }  // namespace gnomon::daemon

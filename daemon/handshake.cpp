@@ -12,6 +12,8 @@ using protocol::Hello;
 using protocol::RefusalCode;
 using protocol::Refused;
 
+constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity;
+
 // What came from a stranger is shown, but not at any length.
 std::string shown(const std::string& text) {
   std::string quoted(1, '\'');
@@ -80,7 +82,7 @@ std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& co
                   hello.rate_hz,
                   hello.codecs.empty() ? config.encode.codec : hello.codecs.front(),
                   choose_cipher(hello.ciphers),
-                  hello.features & protocol::kFeatureMoments};
+                  hello.features & kFeatures};
 }
 
 }  // namespace gnomon::daemon

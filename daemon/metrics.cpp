@@ -1,5 +1,7 @@
 #include "daemon/metrics.h"
 
+#include "daemon/link_metrics.h"
+
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/histogram.h>
@@ -157,6 +159,7 @@ struct Metrics::Families {
       counter(registry, "gnomon_tenant_refusals_total", "Sessions refused a tenant, by the limit that they met.");
 
   // Reserved once: growing moves nothing, so that others may look at the series that were there before.
+  LinkMetrics links{registry, kMostTenants};
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
   std::vector<std::string> scenes;  // labels
@@ -191,6 +194,7 @@ struct Metrics::Families {
       series->scenes[scene] = {&buffers.Add(labels), &bits.Add(labels)};
     }
     tenants.push_back(std::move(series));
+    links.add_tenant(name);
     names.push_back(name);
   }
 };
@@ -260,6 +264,8 @@ void Metrics::degraded(TenantId tenant, bool down) {
   TenantSeries& series = *families_->tenants[tenant.value];
   (down ? series.degraded : series.restored).Increment();
 }
+
+void Metrics::link(TenantId tenant, const LinkReport& report) { families_->links.count(tenant, report); }
 
 void Metrics::refused(TenantId tenant, std::string_view limit) {
   const prometheus::Labels labels{{"tenant", families_->names[tenant.value]}, {"limit", std::string(limit)}};

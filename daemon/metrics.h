@@ -12,6 +12,7 @@
 #include "common/ids.h"
 #include "daemon/faults.h"
 #include "daemon/frame.h"
+#include "daemon/link_report.h"
 #include "daemon/share_account.h"
 #include "scenes/registry.h"
 #include "scheduler/admission.h"
@@ -47,6 +48,7 @@ class Metrics {
   void shares(const ShareReport& report);
   void reloaded(bool done);
   void degraded(TenantId tenant, bool down);
+  void link(TenantId tenant, const LinkReport& report);
   void refused(TenantId tenant, std::string_view limit);
   // Of a configured scene; others have no series.
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,

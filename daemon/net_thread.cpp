@@ -69,9 +69,8 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
   if (!session) return metrics.report(Fault::datagram_session);
   const Received received = session->receive(datagram, from, Clock::now());
   if (received.fault) return metrics.report(*received.fault, {{"session", session->id().value}});
-  if (received.view && !shared_.inbox.push_view(*received.view)) {
-    metrics.dropped(session->accepted().tenant, Fault::view_queue_full);
-  }
+  if (received.view) ask(*session, *received.view);
+  serve(*session);
 }
 
 void NetThread::deliver(EncodedFrame frame) {
@@ -83,18 +82,6 @@ void NetThread::deliver(EncodedFrame frame) {
     frames_waiting_.fetch_sub(1);
     send(frame);
   });
-}
-
-void NetThread::send(EncodedFrame& frame) {
-  Session* session = sessions_.find(frame.meta.session);
-  if (!session || !session->address()) return shared_.metrics.dropped(frame.meta.tenant, Fault::session_gone);
-  const Sent sent = sender_.send(frame, *session, *data_);
-  const TimePoint now = Clock::now();
-  if (sent.fault)
-    shared_.metrics.dropped(session->accepted().tenant, *sent.fault, {{"session", session->id().value}});
-  session->frame_sent(frame.meta, now);
-  shared_.inbox.push(BytesSent{session->accepted().tenant, frame.meta.scene, frame.meta.grid.bits(), sent.bytes});
-  shared_.metrics.frame_sent(session->accepted().tenant, session->accepted().scene, frame.meta, now, sent.bytes);
 }
 
 void NetThread::tell(const SessionDegraded& session) {
@@ -165,6 +152,7 @@ void NetThread::report_stats() {
   std::vector<SessionStatus> all;
   for (const auto& [id, session] : sessions_) {
     const protocol::Stats stats = session->take_stats();
+    shared_.metrics.link(session->accepted().tenant, session->take_link_report());
     streams_.at(id)->send(stats);
     std::string address;
     if (session->address()) {

@@ -28,6 +28,7 @@
 #include "daemon/session_table.h"
 #include "daemon/status.h"
 #include "daemon/tls.h"
+#include "daemon/wake_list.h"
 
 namespace gnomon::daemon {
 
@@ -71,6 +72,11 @@ class NetThread {
 
   void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
   void send(EncodedFrame& frame);
+  void ask(const Session& session, const ViewRequest& view);
+  void serve(Session& session);
+  void finish(Session& session, const Session::Ended& ended, TimePoint now);
+  void arm_wakes();
+  void wake();
 
   using OnVisitorMessage = std::function<void(const std::shared_ptr<ControlStream>&, Result<protocol::Message>)>;
   void welcome_visitor(asio::ip::tcp::socket socket);
@@ -97,6 +103,9 @@ class NetThread {
   asio::steady_timer timer_{io_};
   std::unique_ptr<DataSocket> data_;
   FrameSender sender_;
+  WakeList wakes_;
+  asio::steady_timer wake_timer_{io_};
+  TimePoint armed_ = TimePoint::max();  // what wake_timer_ waits for
   Lobby lobby_;
   SessionTable sessions_;
   std::unordered_map<SessionId, std::shared_ptr<ControlStream>> streams_;

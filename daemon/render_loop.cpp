@@ -36,6 +36,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
   meta.net_thread = session.opened.net_thread;
   meta.frame = view.frame;
   meta.codec = session.opened.codec;
+  meta.slice_body_bytes = view.slice_body_bytes;
   meta.grid = session.grid();
   meta.coalesced = session.coalesced;
   meta.arrival = view.arrival;
@@ -104,6 +105,7 @@ void RenderLoop::on(const ViewRequest& view, TimePoint now) {
   if (found == sessions_.end()) return metrics_.report(Fault::session_gone);
   RenderSession& session = found->second;
   ++session.arrived;
+  session.coalesced += view.coalesced;
   if (session.newest) {
     ++session.coalesced;
     metrics_.coalesced(session.opened.tenant);

@@ -27,23 +27,73 @@ uint32_t mean_us(Nanoseconds sum, uint32_t count) {
 }  // namespace
 
 Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now)
-    : id_(id), accepted_(std::move(accepted)), seat_(std::move(seat)), seal_(std::move(seal)), last_heard_(now) {}
+    : id_(id),
+      accepted_(std::move(accepted)),
+      seat_(std::move(seat)),
+      seal_(std::move(seal)),
+      last_heard_(now),
+      link_(accepted_.features) {}
 
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
   const auto opened = seal_->open(datagram);
   if (!opened) return {std::nullopt, fault_of(seal_->rejection())};
-  if (opened->header.kind != protocol::DatagramKind::camera_update) return {std::nullopt, Fault::datagram_kind};
-  const auto update = protocol::decode_camera_update(opened->body);
-  if (!update) return {std::nullopt, Fault::datagram_body};
-  address_ = from;
-  last_heard_ = now;
-  if (newest_ == update->frame) return {};
-  if (newest_ && !is_newer(update->frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
-  newest_ = update->frame;
+  switch (opened->header.kind) {
+    case protocol::DatagramKind::camera_update: {
+      const auto update = protocol::decode_camera_update(opened->body);
+      if (!update) return {std::nullopt, Fault::datagram_body};
+      address_ = from;
+      last_heard_ = now;
+      return hear(*update, now);
+    }
+    case protocol::DatagramKind::feedback: {
+      const auto feedback = protocol::decode_feedback(opened->body);
+      if (!feedback) return {std::nullopt, Fault::datagram_body};
+      address_ = from;
+      last_heard_ = now;
+      link_.hear(*feedback, now);
+      return {};
+    }
+    default: return {std::nullopt, Fault::datagram_kind};
+  }
+}
+
+Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
+  if (newest_ == update.frame) return {};
+  if (newest_ && !is_newer(update.frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
+  newest_ = update.frame;
   // The client's clock is not ours: its deadline counts from the arrival.
-  const auto until = std::chrono::microseconds(update->display_deadline_us);
+  const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
-  return {ViewRequest{id_, update->frame, to_gpu(update->camera), now, deadline}, std::nullopt};
+  ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
+  if (kept_) view.coalesced = kept_->coalesced + 1;
+  if (link_.takes_view(now)) return {released(view, now), std::nullopt};
+  kept_ = view;
+  return {};
+}
+
+ViewRequest Session::released(ViewRequest view, TimePoint now) {
+  kept_.reset();
+  link_.view_taken(view.frame, now);
+  view.slice_body_bytes = link_.slice_body_bytes();
+  return view;
+}
+
+std::optional<ViewRequest> Session::take_kept(TimePoint now) {
+  if (!kept_ || !link_.takes_view(now)) return std::nullopt;
+  return released(*kept_, now);
+}
+
+TimePoint Session::kept_until(TimePoint now) const { return kept_ ? link_.takes_view_at(now) : TimePoint::max(); }
+
+std::optional<Session::Ended> Session::take_ended() {
+  while (const auto end = link_.take_end()) {
+    while (!under_way_.empty()) {
+      const UnderWay frame = under_way_.front();
+      under_way_.pop_front();
+      if (frame.meta.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
+    }
+  }
+  return std::nullopt;
 }
 
 void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
@@ -53,6 +103,11 @@ void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
   recent_.queue += meta.submitted - meta.arrival;
   recent_.gpu += meta.gpu;
   recent_.total += sent - meta.arrival;
+}
+
+LinkReport Session::take_link_report() {
+  const LinkCounters before = std::exchange(reported_, link_.counters());
+  return {link_.counters() - before, link_.rate(), link_.rtt(), link_.queue_delay()};
 }
 
 protocol::Stats Session::take_stats() {

@@ -3,6 +3,7 @@
 
 #include <asio/ip/udp.hpp>
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,12 +11,14 @@
 #include "daemon/faults.h"
 #include "daemon/frame.h"
 #include "daemon/handshake.h"
+#include "daemon/link_report.h"
 #include "daemon/seats.h"
 #include "protocol/seal.h"
 
 namespace gnomon::daemon {
 
-// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is no news).
+// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is no news; a view
+// that the link has no room for is kept).
 struct Received {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
@@ -29,15 +32,31 @@ class Session {
   SessionId id() const { return id_; }
   const Accepted& accepted() const { return accepted_; }
   protocol::Seal& seal() { return *seal_; }
+  LinkSender& link() { return link_; }
 
   // Where the last valid datagram came from; nothing is sent anywhere else.
   const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
 
   Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
+  // The newest view, if it was kept and the link has room for it now. When to ask again; max: it was not kept.
+  std::optional<ViewRequest> take_kept(TimePoint now);
+  TimePoint kept_until(TimePoint now) const;
+
+  // A frame on its way through the link; the frames whose sending is over come back, in their order.
+  void sending(const FrameMeta& meta, size_t bytes) { under_way_.push_back({meta, bytes}); }
+  struct Ended {
+    FrameMeta meta;
+    size_t bytes = 0;
+    bool whole = false;
+  };
+  std::optional<Ended> take_ended();
+
   TimePoint last_heard() const { return last_heard_; }
 
   void frame_sent(const FrameMeta& meta, TimePoint sent);
+
+  LinkReport take_link_report();
 
   // Totals of the session, means since the last call (those of an interval without frames are 0).
   protocol::Stats take_stats();
@@ -48,6 +67,14 @@ class Session {
     Nanoseconds queue{}, gpu{}, total{};
   };
 
+  struct UnderWay {
+    FrameMeta meta;
+    size_t bytes = 0;
+  };
+
+  Received hear(const protocol::CameraUpdate& update, TimePoint now);
+  ViewRequest released(ViewRequest view, TimePoint now);
+
   SessionId id_;
   Accepted accepted_;
   Seat seat_;
@@ -55,9 +82,13 @@ class Session {
   std::optional<asio::ip::udp::endpoint> address_;
   std::optional<FrameId> newest_;
   TimePoint last_heard_;
+  LinkSender link_;
+  std::optional<ViewRequest> kept_;
+  std::deque<UnderWay> under_way_;
   uint64_t frames_ = 0;
   uint64_t coalesced_ = 0;
   Sums recent_;
+  LinkCounters reported_;
 };
 
 }  // namespace gnomon::daemon

@@ -20,7 +20,8 @@ inline constexpr size_t kHeaderBytes = 20;
 inline constexpr size_t kTagBytes = 16;
 inline constexpr size_t kSliceHeaderBytes = 32;
 inline constexpr size_t kMomentBytes = 8;
-inline constexpr size_t kMaxSlicePayloadBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes - kSliceHeaderBytes;
+inline constexpr size_t kMaxSliceBodyBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
+inline constexpr size_t kMaxSlicePayloadBytes = kMaxSliceBodyBytes - kSliceHeaderBytes;
 
 enum class DatagramKind : uint8_t {
   camera_update = 1,

@@ -31,8 +31,9 @@ size_t LinkSender::slice_body_bytes() const {
   return datagram_bytes() - kSealBytes - (parity() ? protocol::kParityOverhead : 0);
 }
 
-void LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now) {
-  if (slices.slices.empty()) return;
+size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now) {
+  if (slices.slices.empty()) return 0;
+  const size_t before = backlog_;
   if (last_frame_ != TimePoint{}) interval_ += (std::min<Nanoseconds>(now - last_frame_, 200ms) - interval_) / 8;
   last_frame_ = now;
   expire(now);
@@ -47,6 +48,7 @@ void LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline, T
     push(fresh_, {frame.frame(), Cargo::parity, i, frame.parity_body(i).size() + kSealBytes});
   }
   spread_rate_ = static_cast<double>(backlog_) / to_seconds(std::min(kLongestSpread, interval_ / 2));
+  return backlog_ - before;
 }
 
 // Where a lost slice can come again in time, that costs less.
@@ -67,6 +69,22 @@ void LinkSender::pop(std::deque<Item>& queue) {
   queue.pop_front();
 }
 
+void LinkSender::pop_fresh(bool sent) {
+  const FrameId frame = fresh_.front().frame;
+  pop(fresh_);
+  whole_ = whole_ && sent;
+  if (!fresh_.empty() && fresh_.front().frame == frame) return;
+  ends_.push_back({frame, whole_});
+  whole_ = true;
+}
+
+std::optional<FrameEnd> LinkSender::take_end() {
+  if (ends_.empty()) return std::nullopt;
+  const FrameEnd end = ends_.front();
+  ends_.pop_front();
+  return end;
+}
+
 StoredFrame* LinkSender::find(FrameId frame) {
   for (StoredFrame& stored : frames_) {
     if (stored.frame() == frame) return &stored;
@@ -74,20 +92,16 @@ StoredFrame* LinkSender::find(FrameId frame) {
   return nullptr;
 }
 
-// What has lost its use is thrown away on the way.
-std::optional<Outgoing> LinkSender::first_of(std::deque<Item>& queue, TimePoint now) {
-  while (!queue.empty()) {
-    const Item& item = queue.front();
-    const StoredFrame* frame = find(item.frame);
-    if (frame && now < frame->useful_until()) {
-      offered_ = item;
-      return Outgoing{kind_of(item.cargo),
-                      item.cargo == Cargo::parity ? frame->parity_body(item.number) : frame->body(item.number)};
-    }
+// Empty: it has lost its use.
+std::optional<Outgoing> LinkSender::offer(const Item& item, TimePoint now) {
+  const StoredFrame* frame = find(item.frame);
+  if (!frame || now >= frame->useful_until()) {
     ++counters_.too_late;
-    pop(queue);
+    return std::nullopt;
   }
-  return std::nullopt;
+  offered_ = item;
+  const bool parity = item.cargo == Cargo::parity;
+  return Outgoing{kind_of(item.cargo), parity ? frame->parity_body(item.number) : frame->body(item.number)};
 }
 
 std::optional<Outgoing> LinkSender::next(TimePoint now) {
@@ -104,8 +118,13 @@ std::optional<Outgoing> LinkSender::next(TimePoint now) {
       return Outgoing{DatagramKind::probe, probe_};
     }
   }
-  if (auto again = first_of(again_, now)) return again;
-  return first_of(fresh_, now);
+  for (offered_again_ = true; !again_.empty(); pop(again_)) {
+    if (auto out = offer(again_.front(), now)) return out;
+  }
+  for (offered_again_ = false; !fresh_.empty(); pop_fresh(false)) {
+    if (auto out = offer(fresh_.front(), now)) return out;
+  }
+  return std::nullopt;
 }
 
 double LinkSender::pace() const { return std::min(rate(), std::max(spread_rate_, RateController::kLeastRate)); }
@@ -117,14 +136,15 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
   offered_.reset();
   if (item.cargo == Cargo::probe) {
     mtu_.probe_sent();
+    extra_bytes_ += datagram_bytes;
+  } else if (offered_again_) {
+    pop(again_);
+    ++counters_.retransmitted;
+    extra_bytes_ += datagram_bytes;
   } else {
-    const bool again = !again_.empty() && again_.front().frame == item.frame &&
-                       again_.front().cargo == item.cargo && again_.front().number == item.number;
-    pop(again ? again_ : fresh_);
-    counters_.retransmitted += again;
-    StoredFrame* frame = find(item.frame);
-    if (frame && !again) frame->sent(now);
+    if (StoredFrame* frame = find(item.frame)) frame->sent(now);
     counters_.parity += item.cargo == Cargo::parity;
+    pop_fresh(true);
   }
   if (!feedback()) return;
   pacer_.sent(datagram_bytes, pace(), now);
@@ -201,7 +221,8 @@ void LinkSender::expire(TimePoint now) {
 
 TimePoint LinkSender::wake_at(TimePoint now) const {
   if (!feedback()) return backlog_ > 0 ? now : TimePoint::max();
-  const TimePoint paced = backlog_ > 0 ? std::max(now, pacer_.next()) : TimePoint::max();
+  // Not at once: a batch may gather.
+  const TimePoint paced = backlog_ > 0 ? std::max(now + Pacer::kBatch, pacer_.next()) : TimePoint::max();
   return std::min(paced, log_.tail_due());
 }
 

@@ -7,6 +7,7 @@
 
 #include <deque>
 #include <optional>
+#include <utility>
 
 #include "daemon/link/pacer.h"
 #include "daemon/link/path_mtu.h"
@@ -24,6 +25,12 @@ struct Outgoing {
   std::span<const uint8_t> body;  // borrowed until the next call
 };
 
+// The first sending of a frame is over.
+struct FrameEnd {
+  FrameId frame;
+  bool whole = false;  // else some of it came to nothing: its deadline was over, or newer frames took its place
+};
+
 // Since the session began.
 struct LinkCounters {
   uint64_t sent = 0;  // datagrams
@@ -34,6 +41,17 @@ struct LinkCounters {
   uint64_t recovered = 0;   // slices, as the client says
   uint64_t incomplete = 0;  // frames, as the client says
   uint64_t too_late = 0;    // datagrams dropped because their frame had lost its use
+
+  LinkCounters operator-(const LinkCounters& before) const {
+    return {sent - before.sent,
+            arrived - before.arrived,
+            lost - before.lost,
+            retransmitted - before.retransmitted,
+            parity - before.parity,
+            recovered - before.recovered,
+            incomplete - before.incomplete,
+            too_late - before.too_late};
+  }
 };
 
 class LinkSender {
@@ -41,8 +59,9 @@ class LinkSender {
   // `features`: granted ones. Without kFeatureFeedback everything goes at once and nothing is known of the path.
   explicit LinkSender(uint64_t features);
 
-  // A frame to send. Nothing of it goes after the deadline; max: the client has said none.
-  void add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
+  // A frame to send. Nothing of it goes after the deadline; max: the client has said none. Returns the bytes of its
+  // datagrams, parity included.
+  size_t add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
 
   void hear(const protocol::Feedback& feedback, TimePoint now);
 
@@ -50,6 +69,8 @@ class LinkSender {
   std::optional<Outgoing> next(TimePoint now);
   void sent(uint64_t sequence, size_t datagram_bytes, TimePoint now);
   TimePoint wake_at(TimePoint now) const;
+  std::optional<FrameEnd> take_end();
+  size_t take_extra_bytes() { return std::exchange(extra_bytes_, 0); }  // beside frames' first sending
 
   bool takes_view(TimePoint now);
   void view_taken(FrameId frame, TimePoint now) { gate_.asked(frame, now); }
@@ -79,8 +100,9 @@ class LinkSender {
   bool worth_parity(TimePoint deadline, TimePoint now) const;
   void push(std::deque<Item>& queue, const Item& item);
   void pop(std::deque<Item>& queue);
+  void pop_fresh(bool sent);
   StoredFrame* find(FrameId frame);
-  std::optional<Outgoing> first_of(std::deque<Item>& queue, TimePoint now);
+  std::optional<Outgoing> offer(const Item& item, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
   void handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now);
   double delivered() const;
@@ -94,7 +116,11 @@ class LinkSender {
   std::deque<Item> again_, fresh_;
   size_t backlog_ = 0;  // bytes of both
   double spread_rate_ = 0;
+  size_t extra_bytes_ = 0;
+  bool whole_ = true;  // the first of fresh_, so far
+  std::deque<FrameEnd> ends_;
   std::optional<Item> offered_;  // by next()
+  bool offered_again_ = false;   // from again_
   std::vector<uint8_t> probe_;
   bool limited_ = false;                                  // by the rate, since the last feedback
   Nanoseconds interval_ = std::chrono::milliseconds(16);  // between frames, smoothed

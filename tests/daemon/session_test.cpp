@@ -15,9 +15,11 @@ class SessionTest : public testing::Test {
  protected:
   static constexpr TimePoint kStart = TimePoint(1h);
 
-  Session& add(uint64_t id, TimePoint now) {
+  Session& add(uint64_t id, TimePoint now, uint64_t features = 0) {
+    Accepted accepted;
+    accepted.features = features;
     auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
-    return table_.add(std::make_unique<Session>(SessionId{id}, seal(id, protocol::Side::server), Accepted{},
+    return table_.add(std::make_unique<Session>(SessionId{id}, seal(id, protocol::Side::server), accepted,
                                                 std::get<Seat>(std::move(seat)), now));
   }
 
@@ -95,6 +97,63 @@ TEST_F(SessionTest, AServersOwnKindOfDatagramIsRefused) {
   client->seal(protocol::DatagramKind::camera_update, {}, datagram);
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_body);
   EXPECT_FALSE(session.address());
+}
+
+// Slices of `bytes` each.
+protocol::EncodedFrame large_frame(uint32_t frame, uint16_t slices, size_t bytes) {
+  protocol::EncodedFrame made;
+  made.offsets.push_back(0);
+  for (uint16_t i = 0; i < slices; ++i) {
+    protocol::SliceHeader header;
+    header.frame = FrameId{frame};
+    header.slice = i;
+    header.slice_count = slices;
+    header.tile_count = header.light_count = 1;
+    made.slices.push_back(header);
+    made.bytes.resize(made.bytes.size() + bytes);
+    made.offsets.push_back(made.bytes.size());
+  }
+  return made;
+}
+
+TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
+  Session& session = add(1, kStart, protocol::kFeatureFeedback);
+  ASSERT_TRUE(session.receive(view(1, 1), here_, kStart).view);
+  FrameMeta meta;
+  meta.frame = FrameId{1};
+  session.sending(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
+  EXPECT_FALSE(session.receive(view(1, 2), here_, kStart + 1ms).view);
+  EXPECT_FALSE(session.receive(view(1, 3), here_, kStart + 2ms).view);
+  EXPECT_FALSE(session.take_kept(kStart + 2ms));
+  const TimePoint later = session.kept_until(kStart + 2ms);
+  ASSERT_GT(later, kStart + 100ms);
+
+  TimePoint now = kStart;
+  for (uint64_t sent = 0; session.link().wake_at(now) < kStart + 10s && sent < 200; now += 1ms) {
+    while (session.link().next(now)) session.link().sent(++sent, 1168, now);
+  }
+  const auto ended = session.take_ended();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->meta.frame, FrameId{1});
+  EXPECT_TRUE(ended->whole);
+  const auto kept = session.take_kept(now);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->frame, FrameId{3});
+  EXPECT_EQ(kept->coalesced, 1u);
+  EXPECT_FALSE(session.take_kept(now)) << "once";
+}
+
+TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
+  Session& session = add(1, kStart, protocol::kFeatureFeedback);
+  session.receive(view(1, 1), here_, kStart);
+  FrameMeta meta;
+  meta.frame = FrameId{1};
+  session.sending(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
+  EXPECT_FALSE(session.take_ended());
+  EXPECT_FALSE(session.link().next(kStart + 20ms));
+  const auto ended = session.take_ended();
+  ASSERT_TRUE(ended);
+  EXPECT_FALSE(ended->whole);
 }
 
 TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {

@@ -23,10 +23,11 @@ struct FlierFrame {
 class Flier {
  public:
   Flier(client::Loop& loop, const Daemon& daemon, const std::string& tenant, const client::CameraPath& path,
-        client::ViewSize size = kSmall, const std::string& scene = "living_room")
+        client::ViewSize size = kSmall, const std::string& scene = "living_room",
+        const std::optional<client::Address>& by_way_of = {})
       : path_(path),
         size_(size),
-        stream_(loop, options(daemon, tenant, size, scene),
+        stream_(loop, options(daemon, by_way_of.value_or(daemon.address()), tenant, size, scene),
                 {.answer =
                      [this](const client::Answer& answer) {
                        if (answer.mask.complete())
@@ -45,10 +46,10 @@ class Flier {
   void land() { stream_.close("landed"); }
 
  private:
-  static client::StreamOptions options(const Daemon& daemon, const std::string& tenant, client::ViewSize size,
-                                       const std::string& scene) {
+  static client::StreamOptions options(const Daemon& daemon, const client::Address& server,
+                                       const std::string& tenant, client::ViewSize size, const std::string& scene) {
     client::StreamOptions options;
-    options.connect.server = daemon.address();
+    options.connect.server = server;
     options.connect.trust.pin = daemon.pin();
     options.connect.timeout = kPatience;
     options.connect.hello.tenant = tenant;

@@ -6,7 +6,9 @@
 #include <sstream>
 
 #include "protocol/codec.h"
+#include "protocol/feedback.h"
 #include "protocol/messages.h"
+#include "protocol/parity.h"
 #include "protocol/seal.h"
 #include "tests/protocol/masks.h"
 
@@ -233,6 +235,29 @@ TEST(WireDocument, NumbersEveryMessageType) {
     ASSERT_FALSE(read.has_value());
     EXPECT_NE(read.error().message.find(name + ":"), std::string::npos) << read.error().message;
   }
+}
+
+TEST(WireDocument, FeedbackIsAsWorkedOut) {
+  Feedback feedback;
+  feedback.time_us = 1050000;
+  feedback.first = 5;
+  feedback.recovered = 3;
+  feedback.incomplete = 1;
+  feedback.count = 3;
+  feedback.ages = {1 + 640 / kAgeUnitUs, 0, 1};
+  Bytes bytes;
+  append_feedback(bytes, feedback);
+  EXPECT_EQ(bytes, packet("feedback_body"));
+}
+
+TEST(WireDocument, ParityIsAsWorkedOut) {
+  const Bytes first{1, 2, 3}, second{4};
+  const auto shards = make_parity({first, second}, 1);
+  Bytes bytes;
+  append_parity(bytes, {FrameId{7}, 2, 1, 0, 0, 0}, shards[0]);
+  EXPECT_EQ(bytes, packet("parity_body"));
+  const ParityShard shard{0, std::span(bytes).subspan(kParityHeaderBytes)};
+  EXPECT_EQ(rebuild({first, {}}, std::span(&shard, 1)), std::vector<Bytes>{second});
 }
 
 }  // namespace

@@ -1,0 +1,61 @@
+// What goes through the sessions' links: views in as far as the link has room for their frames, frames out at its pace.
+#include "daemon/net_thread.h"
+
+namespace gnomon::daemon {
+
+void NetThread::ask(const Session& session, const ViewRequest& view) {
+  const TenantId tenant = session.accepted().tenant;
+  for (uint32_t i = 0; i < view.coalesced; ++i) shared_.metrics.coalesced(tenant);
+  if (!shared_.inbox.push_view(view)) shared_.metrics.dropped(tenant, Fault::view_queue_full);
+}
+
+void NetThread::send(EncodedFrame& frame) {
+  Session* session = sessions_.find(frame.meta.session);
+  if (!session || !session->address()) return shared_.metrics.dropped(frame.meta.tenant, Fault::session_gone);
+  const size_t bytes = sender_.add(frame, *session, Clock::now());
+  session->sending(frame.meta, bytes);
+  serve(*session);
+}
+
+// After whatever changed: sends what may go, asks for the view that was kept back, and comes back in time.
+void NetThread::serve(Session& session) {
+  const TimePoint now = Clock::now();
+  if (session.address()) {
+    const auto fault = sender_.send(session, *data_, now);
+    if (fault) shared_.metrics.dropped(session.accepted().tenant, *fault, {{"session", session.id().value}});
+  }
+  while (const auto ended = session.take_ended()) finish(session, *ended, now);
+  if (const auto view = session.take_kept(now)) ask(session, *view);
+  wakes_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));
+  arm_wakes();
+}
+
+void NetThread::finish(Session& session, const Session::Ended& ended, TimePoint now) {
+  const TenantId tenant = session.accepted().tenant;
+  const size_t bytes = ended.bytes + session.link().take_extra_bytes();
+  shared_.inbox.push(BytesSent{tenant, ended.meta.scene, ended.meta.grid.bits(), bytes});
+  if (!ended.whole) return shared_.metrics.dropped(tenant, Fault::link_too_slow);
+  session.frame_sent(ended.meta, now);
+  shared_.metrics.frame_sent(tenant, session.accepted().scene, ended.meta, now, bytes);
+}
+
+void NetThread::arm_wakes() {
+  const TimePoint next = wakes_.next();
+  if (next >= armed_) return;
+  armed_ = next;
+  wake_timer_.expires_at(next);
+  wake_timer_.async_wait([this](const asio::error_code& error) {
+    if (!error) wake();
+  });
+}
+
+void NetThread::wake() {
+  armed_ = TimePoint::max();
+  const TimePoint now = Clock::now();
+  for (SessionId id; wakes_.take(now, id);) {
+    if (Session* session = sessions_.find(id)) serve(*session);
+  }
+  arm_wakes();
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,47 @@
+// When which session wants to be looked after next. The net thread's.
+#pragma once
+
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include "common/clock.h"
+#include "common/ids.h"
+
+namespace gnomon::daemon {
+
+class WakeList {
+ public:
+  // In the place of what was set before; max: not at all.
+  void set(SessionId id, TimePoint when) {
+    const auto found = times_.find(id);
+    if (found != times_.end() && found->second == when) return;
+    remove(id);
+    if (when == TimePoint::max()) return;
+    times_.emplace(id, when);
+    order_.emplace(when, id);
+  }
+
+  void remove(SessionId id) {
+    const auto found = times_.find(id);
+    if (found == times_.end()) return;
+    order_.erase({found->second, id});
+    times_.erase(found);
+  }
+
+  TimePoint next() const { return order_.empty() ? TimePoint::max() : order_.begin()->first; }
+
+  // One whose time has come; its entry is gone then.
+  bool take(TimePoint now, SessionId& id) {
+    if (next() > now) return false;
+    id = order_.begin()->second;
+    remove(id);
+    return true;
+  }
+
+ private:
+  std::unordered_map<SessionId, TimePoint> times_;
+  std::set<std::pair<TimePoint, SessionId>> order_;
+};
+
+}  // namespace gnomon::daemon
