@@ -217,6 +217,7 @@ Keys<Config> all_keys() {
       integer("max_height", &TenantConfig::max_height, 0, protocol::kMaxSide, kNoLimit),
       integer("least_rate_percent", &TenantConfig::least_rate_percent, 1, 100),
       integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
+      integer("least_lights_percent", &TenantConfig::least_lights_percent, 1, 100),
       integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
   };
   return {

@@ -35,6 +35,7 @@ struct FrameMeta {
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
   TileGrid grid;
+  uint32_t traced_lights = 0;              // of the grid's; the others are lit everywhere
   std::optional<protocol::Moment> moment;  // that the client is to be told
   uint32_t coalesced = 0;                  // views of this session replaced since its last frame
   TimePoint arrival;
@@ -45,6 +46,8 @@ struct FrameMeta {
   TimePoint encoded;
   Nanoseconds gpu{};       // measured by the device
   Nanoseconds readback{};  // of it, the copy to host memory
+
+  uint64_t traced_bits() const { return uint64_t{grid.width} * grid.height * traced_lights; }
 };
 
 struct RenderedFrame {

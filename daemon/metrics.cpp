@@ -237,7 +237,7 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   const auto known = series.scenes.find(scene);
   const SceneCounters& counters = known != series.scenes.end() ? known->second : series.scenes.at(kOtherScenes);
   counters.buffers->Increment();
-  counters.bits->Increment(static_cast<double>(meta.grid.bits()));
+  counters.bits->Increment(static_cast<double>(meta.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
   series.stages.observe(meta, sent);
   if (sent > meta.deadline) series.late.Increment();

@@ -33,7 +33,7 @@ void NetThread::serve(Session& session) {
 void NetThread::finish(Session& session, const Session::Ended& ended, TimePoint now) {
   const TenantId tenant = session.accepted().tenant;
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
-  shared_.inbox.push(BytesSent{tenant, ended.meta.scene, ended.meta.grid.bits(), bytes});
+  shared_.inbox.push(BytesSent{tenant, ended.meta.scene, ended.meta.traced_bits(), bytes});
   if (!ended.whole) return shared_.metrics.dropped(tenant, Fault::link_too_slow);
   session.frame_sent(ended.meta, now);
   shared_.metrics.frame_sent(tenant, session.accepted().scene, ended.meta, now, bytes);

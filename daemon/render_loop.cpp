@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "daemon/light_importance.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -38,6 +40,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
   meta.codec = session.opened.codec;
   meta.slice_body_bytes = view.slice_body_bytes;
   meta.grid = session.grid();
+  meta.traced_lights = session.traced_lights();
   meta.coalesced = session.coalesced;
   meta.arrival = view.arrival;
   meta.deadline = view.deadline;
@@ -272,6 +275,7 @@ void RenderLoop::submit(RenderSession& session, const scheduler::Ticket& ticket,
 void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   const ViewRequest view = *std::exchange(session.newest, std::nullopt);
   if (session.wanted_grid() != session.grid()) adopt_size(session);
+  choose_lights(session, view.camera);
   const uint32_t all_rows = session.grid().tiles_y();
   // A frame that is cut holds a slot for long: the last one is for those that are done at once.
   if (session.next.rows.count < all_rows && device_.renderer().free_slots() < 2) {
@@ -280,6 +284,7 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   const uint32_t rows = session.next.rows.count;
   BegunFrame frame{JobId{next_job_++}, meta_of(session, view, now), 0, std::make_shared<Nanoseconds>()};
   gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
+  job.untraced = session.untraced;
   if (rows < all_rows) job.tile_rows = rows;
   job.time = motion_.time_of(session.opened.scene, now);
   if (session.opened.wants_moments) frame.meta.moment = motion_.moment_of(session.opened.scene, now);
@@ -303,11 +308,26 @@ void RenderLoop::adopt_size(RenderSession& session) {
   tell(session);
 }
 
+// What is left out is chosen for each frame anew, and changes seldom.
+void RenderLoop::choose_lights(RenderSession& session, const gpu::CameraView& camera) {
+  const size_t keep = session.wanted_lights();
+  if (keep >= session.opened.lights && session.untraced.none()) return;
+  const gpu::LightSet untraced =
+      least_important(motion_.lights_of(session.opened.scene), camera.position, keep, session.untraced);
+  if (untraced == session.untraced) return;
+  session.untraced = untraced;
+  session.next = next_job(session, models_[session.opened.scene], terms_.slice);
+  tell(session);
+}
+
 void RenderLoop::tell(const RenderSession& session) {
   protocol::Degraded news;
   news.width = static_cast<uint16_t>(session.opened.width);
   news.height = static_cast<uint16_t>(session.opened.height);
   news.rate_hz = static_cast<float>(session.rate_hz());
+  for (uint16_t light = 0; light < session.opened.lights; ++light) {
+    if (session.untraced[light]) news.untraced_lights.push_back(light);
+  }
   const bool full = session.degradation.point() == scheduler::OperatingPoint{};
   news.reason = full ? "the device keeps up again" : "the device cannot keep up";
   degraded_({session.opened.session, session.opened.net_thread, news});
@@ -322,7 +342,8 @@ void RenderLoop::review_sessions(Nanoseconds since_last) {
     const scheduler::OperatingPoint before = session.degradation.point();
     if (!session.degradation.observe({std::min(arrived, allowed), answered})) continue;
     const scheduler::OperatingPoint after = session.degradation.point();
-    metrics_.degraded(session.opened.tenant, after.rate * after.size < before.rate * before.size);
+    metrics_.degraded(session.opened.tenant,
+                      after.rate * after.size * after.lights < before.rate * before.size * before.lights);
     session.rate = limit_to(session.rate_hz());
     if (after.rate != before.rate) tell(session);
   }

@@ -67,6 +67,7 @@ class RenderLoop {
   void drop_hopeless(TimePoint now);
   void submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void adopt_size(RenderSession& session);
+  void choose_lights(RenderSession& session, const gpu::CameraView& camera);
   void tell(const RenderSession& session);
   void begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);

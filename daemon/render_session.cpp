@@ -6,11 +6,11 @@
 namespace gnomon::daemon {
 namespace {
 
-scheduler::Work work_of(const TileGrid& grid, const TileRows& rows, bool begins) {
+scheduler::Work work_of(const TileGrid& grid, uint32_t traced_lights, const TileRows& rows, bool begins) {
   const uint32_t top = rows.first * kTileSize;
   const uint32_t bottom = std::min(rows.end() * kTileSize, grid.height);
   const uint64_t pixels = uint64_t{grid.width} * grid.height;
-  return {pixels, uint64_t{grid.width} * (bottom - top) * grid.lights, begins};
+  return {pixels, uint64_t{grid.width} * (bottom - top) * traced_lights, begins};
 }
 
 uint32_t shrunk(uint32_t side, double share) {
@@ -25,11 +25,15 @@ TileGrid RenderSession::wanted_grid() const {
   return {shrunk(granted_width, size), shrunk(granted_height, size), opened.lights};
 }
 
+uint32_t RenderSession::wanted_lights() const {
+  return std::max(1u, static_cast<uint32_t>(std::ceil(degradation.point().lights * opened.lights)));
+}
+
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice) {
   const TileGrid grid = session.grid();
   const uint32_t first = session.begun ? session.begun->next_row : 0;
   const auto piece = [&](uint32_t rows) {
-    NextJob job{{first, rows}, work_of(grid, {first, rows}, !session.begun), {}, {}};
+    NextJob job{{first, rows}, work_of(grid, session.traced_lights(), {first, rows}, !session.begun), {}, {}};
     const scheduler::Cost predicted = model.predict(job.work);
     job.cost = session.view.apply(predicted);
     if (model.knows()) job.model_cost = predicted;

@@ -39,12 +39,15 @@ struct RenderSession {
   scheduler::ViewFactor view;
   scheduler::RateLimit rate;  // in force
   scheduler::Degradation degradation;
+  gpu::LightSet untraced;
   uint32_t granted_width = 0, granted_height = 0;
   uint32_t arrived = 0, answered = 0;  // views since the last review
 
   // In force now, and where the degradation wants it.
   double rate_hz() const { return opened.rate_hz * degradation.point().rate; }
   TileGrid wanted_grid() const;
+  uint32_t wanted_lights() const;  // that are traced; at least one
+  uint32_t traced_lights() const { return opened.lights - static_cast<uint32_t>(untraced.count()); }
   TileGrid grid() const { return {opened.width, opened.height, opened.lights}; }
   bool has_work() const { return begun || newest; }
 };

@@ -16,6 +16,12 @@ void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedS
 }
 
 // The clock stands still between its steps, so that frames of one step show the same.
+std::span<const scenes::Light> SceneMotion::lights_of(SceneId scene) const {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end()) return {};
+  return found->second.wanted;
+}
+
 scenes::SceneTime SceneMotion::time_of(SceneId scene, TimePoint now) const {
   const auto found = scenes_.find(scene);
   if (found == scenes_.end()) return {};

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,8 @@ class SceneMotion {
   void remove(SceneId id) { scenes_.erase(id); }
 
   scenes::SceneTime time_of(SceneId scene, TimePoint now) const;
+  // As they were asked to be last, those of animations at time 0. Empty: no such scene.
+  std::span<const scenes::Light> lights_of(SceneId scene) const;
   // Empty: the scene is as its file has it, for ever.
   std::optional<protocol::Moment> moment_of(SceneId scene, TimePoint now) const;
 

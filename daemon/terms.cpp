@@ -12,7 +12,8 @@ Terms terms_of(const Config& config) {
     terms.tenants.push_back({{tenant.weight, tenant.priority},
                              {double(tenant.max_vbps), double(tenant.max_bits_per_s),
                               double(tenant.max_bytes_per_s), tenant.max_gpu_percent / 100.0},
-                             {tenant.least_rate_percent / 100.0, tenant.least_size_percent / 100.0}});
+                             {tenant.least_rate_percent / 100.0, tenant.least_size_percent / 100.0,
+                              tenant.least_lights_percent / 100.0}});
   }
   return terms;
 }

@@ -37,7 +37,7 @@ Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes:
 }
 
 Result<FrameTiming> BlockingFrame::render(const CameraView& camera, const TileGrid& grid) {
-  const auto timeline = slot().submit(lane_->plan, *scene_, posed_, camera, grid);
+  const auto timeline = slot().submit(lane_->plan, *scene_, posed_, {camera, grid});
   if (!timeline) return timeline.error();
   if (auto passed = device_->queue().wait(*timeline); !passed) return passed.error();
   return slot().timing(lane_->plan);

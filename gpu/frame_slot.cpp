@@ -55,13 +55,21 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
   return {};
 }
 
-void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera) {
+void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) {
   FrameUniforms uniforms{};
-  set_view(uniforms, camera, grid_.width, grid_.height);
+  set_view(uniforms, view_.camera, view_.grid.width, view_.grid.height);
   scene.describe(uniforms, *posed_);
+  const exact::TracedLight silenced = silenced_light(scene.scene().bounds);
+  const auto silence = [&] {
+    for (size_t i = 0; i < uniforms.light_count; ++i) {
+      if (view_.untraced[i]) uniforms.lights[i] = silenced;
+    }
+  };
+  silence();
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
   if (resources_->resting_uniforms.mapped()) {
     std::copy(posed_->resting_lights.begin(), posed_->resting_lights.end(), uniforms.lights);
+    silence();
     std::memcpy(resources_->resting_uniforms.mapped(), &uniforms, sizeof(uniforms));
   }
   if (const auto moving = host(plan, resource::kMovingHost); !moving.empty())
@@ -69,11 +77,10 @@ void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene, 
 }
 
 Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene,
-                                       const PosedScenePtr& posed, const CameraView& camera, const TileGrid& grid,
-                                       uint32_t rows) {
+                                       const PosedScenePtr& posed, const FrameView& view, uint32_t rows) {
   posed_ = posed;
-  grid_ = grid;
-  write_inputs(plan, scene, camera);
+  view_ = view;
+  write_inputs(plan, scene);
   if (const VkResult r = vkResetCommandPool(device_->handle(), pool_.get(), 0); r != VK_SUCCESS)
     return vulkan_error(r, "resetting a command pool");
   bands_ = 0;
@@ -91,8 +98,9 @@ Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const Residen
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const VkResult r = vkBeginCommandBuffer(recording.commands, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
-  plan.execute(recording.commands, *resources_, scene, *posed_, number_, grid_,
-               {{next_row_, rows}, bands_ == 0, next_row_ + rows == grid_.tiles_y()}, recording.timestamps.get());
+  plan.execute(recording.commands, *resources_, scene, *posed_, number_, view_,
+               {{next_row_, rows}, bands_ == 0, next_row_ + rows == view_.grid.tiles_y()},
+               recording.timestamps.get());
   if (const VkResult r = vkEndCommandBuffer(recording.commands); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
   ++bands_;
@@ -101,8 +109,8 @@ Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const Residen
 }
 
 Result<uint64_t> FrameSlot::submit(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
-                                   const CameraView& camera, const TileGrid& grid) {
-  const auto frame = record(plan, scene, posed, camera, grid, grid.tiles_y());
+                                   const FrameView& view) {
+  const auto frame = record(plan, scene, posed, view, view.grid.tiles_y());
   if (!frame) return frame.error();
   return device_->queue().submit({&frame->commands, 1});
 }

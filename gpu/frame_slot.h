@@ -30,16 +30,16 @@ class FrameSlot {
   // last frame has passed. Error: out of memory; then only another reserve may follow.
   Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
-  // Records one frame of `grid`, which was reserved, of the scene as it is `posed`: all of it, or the first band of
+  // Records one frame of a grid that was reserved, of the scene as it is `posed`: all of it, or the first band of
   // rows, the uppermost `rows` (none: it is only rasterised). Error: out of memory or device lost; the slot stays usable.
   Result<RecordedBand> record(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
-                              const CameraView& camera, const TileGrid& grid, uint32_t rows);
+                              const FrameView& view, uint32_t rows);
   // Records the next band of that frame: `rows` further ones. The bands before may still be on the device.
   Result<RecordedBand> record_more(const FramePlan& plan, const ResidentScene& scene, uint32_t rows);
 
   // Records and submits a whole frame. Returns the timeline value.
   Result<uint64_t> submit(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
-                          const CameraView& camera, const TileGrid& grid);
+                          const FrameView& view);
 
   // Of a band that was submitted, by default the first of the frame recorded last; precondition: it has passed. Any
   // thread.
@@ -58,12 +58,12 @@ class FrameSlot {
   };
 
   Result<void> add_recording(const FramePlan& plan);
-  void write_inputs(const FramePlan& plan, const ResidentScene& scene, const CameraView& camera);
+  void write_inputs(const FramePlan& plan, const ResidentScene& scene);
 
   DevicePtr device_;
   Owned<VkCommandPool, vkDestroyCommandPool> pool_;
   std::vector<Recording> recordings_;  // one for each band; as many as a frame ever had
-  TileGrid grid_;                      // of the frame recorded last
+  FrameView view_;                     // of the frame recorded last
   size_t bands_ = 0;                   // of it, recorded
   uint32_t next_row_ = 0;
   std::optional<FrameResources> resources_;

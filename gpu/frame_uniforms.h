@@ -9,8 +9,6 @@
 
 namespace gnomon::gpu {
 
-inline constexpr uint32_t kMaxLights = 256;
-
 // Device addresses of a resident scene's buffers.
 struct SceneAddresses {
   uint64_t positions = 0;           // vec3 for each vertex

@@ -3,6 +3,7 @@
 //   render loop -submit-> [frame slot: raster, trace, pack, read back] -completion thread-> on_done(FrameDone)
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -31,6 +32,10 @@ struct CameraView {
   float near_plane = 0.05f;
 };
 
+// Of a scene's lights, by number.
+inline constexpr uint32_t kMaxLights = 256;
+using LightSet = std::bitset<kMaxLights>;
+
 struct RenderJob {
   JobId id;
   SceneId scene;  // made resident before
@@ -38,6 +43,7 @@ struct RenderJob {
   uint32_t width = 0;  // pixels of the traced buffer
   uint32_t height = 0;
   scenes::SceneTime time{};                // of what moves in the scene, within its period
+  LightSet untraced = {};                  // these are lit everywhere in the mask
   std::optional<uint32_t> tile_rows = {};  // what this submit traces, from the top; none: everything
 };
 

@@ -158,7 +158,7 @@ class VulkanRenderer : public Renderer {
     const auto lane = pool_->lanes.lane_for(*posed);
     if (!lane) return lane.error();
     const size_t slot = pool_->take();
-    const auto band = record(**lane, slot, *scene->second, posed, job.camera, grid, rows);
+    const auto band = record(**lane, slot, *scene->second, posed, {job.camera, grid, job.untraced}, rows);
     if (!band) {
       pool_->give_back(slot);
       return band.error();
@@ -220,11 +220,10 @@ class VulkanRenderer : public Renderer {
   }
 
   static Result<RecordedBand> record(Lane& lane, size_t number, const ResidentScene& scene,
-                                     const PosedScenePtr& posed, const CameraView& camera, const TileGrid& grid,
-                                     uint32_t rows) {
+                                     const PosedScenePtr& posed, const FrameView& view, uint32_t rows) {
     FrameSlot& slot = lane.slots[number];
-    if (auto room = slot.reserve(lane.plan, scene, grid); !room) return room.error();
-    return slot.record(lane.plan, scene, posed, camera, grid, rows);
+    if (auto room = slot.reserve(lane.plan, scene, view.grid); !room) return room.error();
+    return slot.record(lane.plan, scene, posed, view, rows);
   }
 
   void pend(const RecordedBand& band, InFlight frame) {

@@ -133,6 +133,7 @@ void fields(A& a, Of<A, Degraded>& m) {
   a.check(is_side(m.width) && is_side(m.height), "the size is empty or too large");
   a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
   a.text(m.reason, kMaxSentence);
+  a.list(m.untraced_lights, kMaxLights, [&](auto& light) { a(light); });
 }
 
 template <class A>

@@ -15,7 +15,7 @@ constexpr uint32_t kGoodWindows = 5;
 constexpr uint32_t kMostPatience = 160;
 constexpr uint32_t kProven = 30;  // windows that a step up has held
 
-constexpr double kRateStep = 0.75, kSizeStep = 0.75;
+constexpr double kRateStep = 0.75, kSizeStep = 0.75, kLightStep = 0.75;
 
 // How many steps of that factor stay at `least` or above.
 uint32_t steps(double factor, double least) {
@@ -42,7 +42,7 @@ bool Degradation::down() {
   bad_ = 0;
   if (since_step_up_ > 0) patience_ = std::clamp(2 * patience_, kGoodWindows, kMostPatience);
   since_step_up_ = 0;
-  if (level_ >= steps(kRateStep, terms_.least_rate) + steps(kSizeStep, terms_.least_size)) return false;
+  if (level_ >= deepest()) return false;
   ++level_;
   return true;
 }
@@ -54,10 +54,16 @@ bool Degradation::up() {
   return true;
 }
 
+uint32_t Degradation::deepest() const {
+  return steps(kRateStep, terms_.least_rate) + steps(kSizeStep, terms_.least_size) +
+         steps(kLightStep, terms_.least_lights);
+}
+
 OperatingPoint Degradation::point() const {
   const uint32_t by_rate = std::min(level_, steps(kRateStep, terms_.least_rate));
   const uint32_t by_size = std::min(level_ - by_rate, steps(kSizeStep, terms_.least_size));
-  return {std::pow(kRateStep, by_rate), std::pow(kSizeStep, by_size)};
+  const uint32_t by_lights = std::min(level_ - by_rate - by_size, steps(kLightStep, terms_.least_lights));
+  return {std::pow(kRateStep, by_rate), std::pow(kSizeStep, by_size), std::pow(kLightStep, by_lights)};
 }
 
 }  // namespace gnomon::scheduler

@@ -1,6 +1,6 @@
 // What a session is given less of when the device cannot keep up with it, and when it gets it back.
 //
-// A ladder of operating points: the rate goes down first, then the size, each as far as its tenant allows. One step
+// A ladder of operating points: the rate goes down first, then the size, then lights, each as far as its tenant allows. One step
 // down after two bad windows in a row, one up after a row of good ones. A step up that fails makes the next try wait
 // twice as long, so that a steady overload settles instead of swinging. Pure: the caller counts and ticks.
 #pragma once
@@ -14,12 +14,14 @@ namespace gnomon::scheduler {
 // How far a tenant lets its sessions go down, as shares of what was granted; 1: not at all.
 struct DegradationTerms {
   double least_rate = 0.5;
-  double least_size = 1;  // of each side
+  double least_size = 1;    // of each side
+  double least_lights = 1;  // that are traced
 };
 
 struct OperatingPoint {
   double rate = 1;  // shares of what was granted
   double size = 1;
+  double lights = 1;
   friend bool operator==(const OperatingPoint&, const OperatingPoint&) = default;
 };
 
@@ -44,6 +46,7 @@ class Degradation {
  private:
   bool down();
   bool up();
+  uint32_t deepest() const;
 
   DegradationTerms terms_;
   uint32_t level_ = 0;  // steps below what was granted

@@ -277,7 +277,7 @@ void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resourc
 }
 
 void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-                        const PosedScene& posed, uint32_t slot, const TileGrid& grid, const Band& band,
+                        const PosedScene& posed, uint32_t slot, const FrameView& view, const Band& band,
                         VkQueryPool timestamps) const {
   const auto stamp = [&](size_t query, VkPipelineStageFlags2 stage) {
     vkCmdWriteTimestamp2(commands, stage, timestamps, static_cast<uint32_t>(query));
@@ -295,9 +295,9 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
     }
     if (mine) {
       // What runs once has the whole frame to itself.
-      const TileRows whole{0, grid.tiles_y()};
-      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, posed, slot, grid,
-                             share == Share::every_band ? band.rows : whole});
+      const TileRows whole{0, view.grid.tiles_y()};
+      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, posed, slot, view.grid,
+                             view.untraced, share == Share::every_band ? band.rows : whole});
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   }

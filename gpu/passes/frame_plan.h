@@ -42,7 +42,7 @@ class FramePlan {
   // Records the passes that have a share of the band and their barriers, and a timestamp before the first and
   // after each (queries 0...pass_count). Bands follow each other from the top to the last row.
   void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-               const PosedScene& posed, uint32_t slot, const TileGrid& grid, const Band& band,
+               const PosedScene& posed, uint32_t slot, const FrameView& view, const Band& band,
                VkQueryPool timestamps) const;
 
  private:

@@ -45,11 +45,22 @@ class PackClassesPass : public ComputePass {
             {resource::kMixedPlaces, Use::storage_write, {{}, places_bytes}}};
   }
   void record(const FrameContext& frame) const override {
-    const struct {
+    struct {
       VkDeviceAddress masks, cares, classes, mixed_counts;
-      uint32_t words;
-    } push{frame.ports[0].buffer->address(), frame.ports[1].buffer->address(), frame.ports[2].buffer->address(),
-           frame.ports[3].buffer->address(), words_of(frame)};
+      uint32_t words, words_of_light;
+      uint32_t any_untraced;
+      uint32_t untraced[kMaxLights / 32];
+    } push{frame.ports[0].buffer->address(),
+           frame.ports[1].buffer->address(),
+           frame.ports[2].buffer->address(),
+           frame.ports[3].buffer->address(),
+           words_of(frame),
+           frame.grid.tile_count(),
+           frame.untraced.any(),
+           {}};
+    for (uint32_t light = 0; light < kMaxLights; ++light) {
+      push.untraced[light / 32] |= uint32_t{frame.untraced[light]} << (light % 32);
+    }
     bind(frame, step_, std::as_bytes(std::span(&push, 1)));
     dispatch_groups(frame);
   }

@@ -16,6 +16,13 @@
 
 namespace gnomon::gpu {
 
+// What a frame is to show.
+struct FrameView {
+  CameraView camera;
+  TileGrid grid;
+  LightSet untraced = {};
+};
+
 // How a pass touches a resource. The first four and `sampled` concern images where a format is given.
 enum class Use {
   color_target,
@@ -110,6 +117,7 @@ struct FrameContext {
   const PosedScene& posed;  // the scene at this frame's time
   uint32_t slot = 0;        // of the frames in flight
   TileGrid grid;            // this frame's, within the capacity
+  LightSet untraced;        // lit everywhere in the mask
   TileRows rows;            // this band's
 
   Capacity size() const { return frame_size(scene, grid); }

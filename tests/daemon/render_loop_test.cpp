@@ -1,5 +1,6 @@
 #include "daemon/render_loop.h"
 
+#include "daemon/light_importance.h"
 #include "tests/daemon/render_loop_fixture.h"
 
 namespace gnomon::daemon {
@@ -339,6 +340,48 @@ TEST_F(OverloadTest, LessIsToldAndMoreAgain) {
   EXPECT_EQ(degraded_.back().news.width, 160);
   EXPECT_EQ(degraded_.back().news.rate_hz, 40);
   EXPECT_EQ(last_.width, 160u);
+}
+
+TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
+  constexpr SceneId kLit{7};
+  auto scene = std::make_shared<scenes::Scene>();
+  for (const float x : {100.0f, 0.0f, 50.0f}) scene->lights.emplace_back().position = {x, 0, 0};
+  loop_->handle(SceneArrived{{kLit, scene, 0, 0}, [](Result<gpu::SceneFootprint>) {}}, now_);
+  Terms terms = terms_of({});
+  terms.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1, .least_lights = 0.3};
+  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SessionClosed{kBusy}, now_);
+  SessionOpened opened{kBusy, kTenant, kLit, 160, 96, 3, protocol::CodecId::tiles_lz4, 0};
+  opened.rate_hz = 40;
+  loop_->handle(opened, now_);
+  for (int i = 0; i < 30; ++i) second(8);  // the camera stands at x = the frame's number, 1,000 and more
+  ASSERT_FALSE(degraded_.empty());
+  EXPECT_EQ(degraded_.front().news.rate_hz, 30) << "the rate first";
+  EXPECT_TRUE(degraded_.front().news.untraced_lights.empty());
+  EXPECT_EQ(degraded_.back().news.untraced_lights, (std::vector<uint16_t>{1, 2}))
+      << "the first light is the nearest";
+  EXPECT_EQ(last_.untraced, gpu::LightSet(0b110)) << "told what is in force";
+  for (int i = 0; i < 200; ++i) second(1);
+  EXPECT_TRUE(degraded_.back().news.untraced_lights.empty());
+  EXPECT_TRUE(last_.untraced.none());
+}
+
+TEST(LightImportance, DistanceCountsAndPlacesAreNotChangedForLittle) {
+  std::vector<scenes::Light> lights(2);
+  lights[1].position = {10, 0, 0};
+  const auto left_out = [&](float x, const gpu::LightSet& before) {
+    return least_important(lights, {x, 0, 0}, 1, before);
+  };
+  const gpu::LightSet first(0b01), second(0b10);
+  EXPECT_EQ(left_out(2, {}), second);
+  EXPECT_EQ(left_out(8, {}), first);
+  EXPECT_EQ(left_out(5.2f, second), second) << "a little nearer to the second";
+  EXPECT_EQ(left_out(4.8f, first), first);
+  EXPECT_EQ(left_out(8, second), first);
+  lights[0].intensity = 1000;
+  EXPECT_EQ(left_out(8, first), second);
+  lights[0].range = 1;
+  EXPECT_EQ(left_out(8, second), first) << "out of its range";
 }
 
 TEST(RenderInbox, BoundsWaitingViewsAndNothingElse) {

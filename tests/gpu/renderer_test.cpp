@@ -109,6 +109,29 @@ TEST(RendererTest, BandsMakeTheSameFrame) {
   EXPECT_EQ(renderer->free_slots(), 3u);
 }
 
+// What is left out is lit everywhere, and the other lights are what they were.
+TEST(RendererTest, UntracedLightsAreLit) {
+  auto renderer = renderer_with_scene(2);
+  constexpr SceneId kSoup{2};
+  constexpr uint32_t kLights = 5;
+  ASSERT_TRUE(renderer->make_resident(kSoup, triangle_soup(11, 200, kLights)));
+  const TileGrid grid{150, 90, kLights};
+  RenderJob all = job(1, grid.width, grid.height), some = job(2, grid.width, grid.height);
+  all.scene = some.scene = kSoup;
+  some.untraced = LightSet(0b01010);
+  some.tile_rows = 5;
+  Frames frames, whole;
+  ASSERT_TRUE(renderer->submit(all, whole.take()));
+  ASSERT_TRUE(renderer->submit(some, frames.take()));
+  ASSERT_TRUE(renderer->resume(JobId(2), 100, frames.take()));
+  const auto expected = words_of(whole.wait_for(1)[0]);
+  const auto words = words_of(frames.wait_for(2)[1]);
+  for (size_t i = 0; i < grid.word_count(); ++i) {
+    const bool traced = !some.untraced[i / grid.tile_count()];
+    ASSERT_EQ(words[i], traced ? expected[i] : ~uint64_t{0}) << i;
+  }
+}
+
 TEST(RendererTest, AnAbandonedFrameGivesItsSlotBack) {
   auto renderer = renderer_with_scene(1);
   Frames frames;

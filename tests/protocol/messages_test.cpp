@@ -143,7 +143,7 @@ TEST(Messages, SizesRatesAndVersionsThatMakeNoSenseAreRefused) {
   with(welcome, [](Welcome& m) { m.scene.bounds_max[1] = NAN; });
   with(welcome, [](Welcome& m) { m.scene.default_camera.orientation = {0, 0, 0, 0.9f}; });
   with(Refused{}, [](Refused& m) { m.fit_rate_hz = -INFINITY; });
-  with(Degraded{8, 8, 1, ""}, [](Degraded& m) { m.height = 0; });
+  with(Degraded{8, 8, 1, "", {}}, [](Degraded& m) { m.height = 0; });
 }
 
 TEST(Messages, LightsThatMakeNoSenseAreRefused) {

@@ -173,7 +173,9 @@ Message random_message(size_t type, Random& random) {
     case 2: return refused(random);
     case 3: return SceneChanged{manifest(random)};
     case 4: return LightsChanged{lights(random), static_cast<uint32_t>(random())};
-    case 5: return Degraded{side(random), side(random), number(random, 0, 240), text(random)};
+    case 5:
+      return Degraded{side(random), side(random), number(random, 0, 240), text(random),
+                      std::vector<uint16_t>(random() % 5, side(random))};
     case 6: return Draining{static_cast<uint32_t>(random())};
     case 7: return stats(random);
     default: return Bye{text(random)};

@@ -65,6 +65,20 @@ TEST(Degradation, TheRateGoesFirstThenTheSizeAndNeitherTooFar) {
   EXPECT_LT(before.rate * before.size, 0.5);
 }
 
+TEST(Degradation, LightsGoLast) {
+  Session s{Degradation({.least_rate = 0.5, .least_size = 0.5, .least_lights = 0.25}), 0};
+  for (int i = 0; i < 50; ++i) {
+    s.run(2, 1e6, 1);
+    if (s.degradation.point().lights < 1) {
+      EXPECT_LT(s.degradation.point().size * 0.75, 0.5);
+    }
+  }
+  EXPECT_GE(s.degradation.point().lights, 0.25);
+  EXPECT_LT(s.degradation.point().lights, 0.34);
+  s.run(500, 0.1, 1);
+  EXPECT_EQ(s.degradation.point(), OperatingPoint{});
+}
+
 TEST(Degradation, WhoMayNotBeDegradedIsNot) {
   Session s = session(1, 1);
   s.run(100, 10, 1);
