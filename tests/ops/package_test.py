@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""The Debian package in a clean Debian root: dependencies are enough, it serves, upgrades keep what the operator
+edited, purge leaves nothing.
+
+    package_test.py BUILD
+
+Needs root, mmdebstrap and a package mirror; the root is kept in BUILD/ops for the next time.
+"""
+import hashlib
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from booted_root import run
+from node import eventually, skip
+
+BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+KEPT = BUILD / "ops"
+CONFIG = "etc/gnomon/gnomond.yaml"
+SELF_TEST_S = 5
+# What dpkg and the tools that it calls write down for themselves.
+BOOKS = re.compile(r"^/(var/lib/(dpkg|systemd/deb-systemd-helper-\w+)|var/log|var/cache/(ldconfig|debconf)|proc|tmp|dev)"
+                   r"(/|$)|^/etc/(group|gshadow|ld\.so\.cache)-?$")
+
+
+def build_package():
+    shutil.rmtree(KEPT / "package", ignore_errors=True)
+    run("cpack", "-B", KEPT / "package", cwd=BUILD)
+    return next((KEPT / "package").glob("gnomon_*.deb"))
+
+
+def archive():
+    """The package mirror that this machine itself uses."""
+    for file in pathlib.Path("/etc/apt/sources.list.d").glob("*.sources"):
+        for stanza in file.read_text().split("\n\n"):
+            keys = dict(re.findall(r"^(\w[\w-]*): *(.*)$", stanza, re.M))
+            if "bookworm" in keys.get("Suites", "").split():
+                return keys["URIs"].split()[0]
+    for file in [pathlib.Path("/etc/apt/sources.list"), *pathlib.Path("/etc/apt/sources.list.d").glob("*.list")]:
+        found = file.is_file() and re.search(r"^deb +(?:\[.*\] +)?(\S+) +bookworm ", file.read_text(), re.M)
+        if found:
+            return found.group(1)
+    return None
+
+
+def clean_root(package, folder):
+    """A minimal bookworm with the package's dependencies and nothing else."""
+    depends = run("dpkg-deb", "-f", package, "Depends").stdout
+    names = sorted({re.match(r"[^ (]+", part.split("|")[0].strip()).group(0) for part in depends.split(",")})
+    digest = hashlib.sha256(",".join(names).encode()).hexdigest()[:12]
+    kept = KEPT / f"bookworm-{digest}.tar"
+    if not kept.is_file():
+        mirror = archive()
+        if not mirror:
+            skip("no bookworm mirror among this machine's package sources")
+        done = run("mmdebstrap", "--quiet", "--variant=essential", "--include=" + ",".join(names), "bookworm",
+                   str(kept) + ".part", "--format=tar", mirror, check=False)
+        if done.returncode != 0:
+            skip("no clean Debian root can be made here: " + done.stdout[-300:])
+        os.replace(str(kept) + ".part", kept)
+    run("tar", "-C", folder, "-xf", kept)
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        KEPT.mkdir(exist_ok=True)
+        cls.package = build_package()
+        cls.temporary = tempfile.TemporaryDirectory(prefix="gnomon-package-")
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.root = pathlib.Path(cls.temporary.name, "root")
+        cls.root.mkdir()
+        clean_root(cls.package, cls.root)
+        (cls.root / "proc").mkdir(exist_ok=True)
+        run("mount", "-t", "proc", "proc", cls.root / "proc")
+        cls.addClassCleanup(run, "umount", "--lazy", cls.root / "proc")
+
+    def chroot(self, *command, **more):
+        return run("chroot", self.root, *command, **more)
+
+    def files(self):
+        found = self.chroot("find", "/", "-xdev", "-path", "/proc", "-prune", "-o", "-print").stdout.split("\n")
+        return {path for path in found if not BOOKS.search(path)}
+
+    def install(self, package, *options):
+        shutil.copy(package, self.root / "gnomon.deb")
+        try:
+            self.chroot("dpkg", *options, "--install", "/gnomon.deb")
+        finally:
+            (self.root / "gnomon.deb").unlink()
+
+    def newer(self):
+        """The same with a higher version and another default in its configuration."""
+        tree = pathlib.Path(self.temporary.name, "newer")
+        run("dpkg-deb", "-R", self.package, tree)
+        control, config = tree / "DEBIAN/control", tree / CONFIG
+        control.write_text(re.sub(r"^Version: .*$", "Version: 99.0", control.read_text(), flags=re.M))
+        config.write_text(config.read_text().replace("drain_timeout_ms: 2000", "drain_timeout_ms: 2500"))
+        run("dpkg-deb", "-b", tree, tree.with_suffix(".deb"))
+        return tree.with_suffix(".deb")
+
+    def self_test(self):
+        """The packaged configuration with one scene, as nobody, on the packaged ports, by the packaged clients."""
+        (self.root / "var/cache/gnomon").mkdir(parents=True, exist_ok=True)
+        os.chown(self.root / "var/cache/gnomon", 65534, 65534)
+        log = pathlib.Path(self.temporary.name, "log")
+        with open(log, "w") as out:
+            daemon = subprocess.Popen(
+                ["chroot", "--userspec=65534:65534", self.root, "gnomond", "--config", "/" + CONFIG, "--set",
+                 "scenes.list=[{name: living_room, file: living_room.glb}]", "--set", "server.control_port=0",
+                 "--set", "server.data_port=0", "--set", "admin.port=0"], stdout=out, stderr=subprocess.STDOUT)
+        try:
+            ready = eventually(lambda: daemon.poll() is not None
+                               or re.search(r"ready control=(\S+) data=\S+ admin=(\S+)", log.read_text()), "ready")
+            self.assertIsNone(daemon.poll(), log.read_text())
+            load = self.chroot("gnomon-load", "--server", ready.group(1), "--scene", "living_room", "--size", "160x90",
+                               "--clients", 2, "--rate", 0, "--seconds", SELF_TEST_S)
+            print(load.stdout[-400:])
+            self.assertIn("ready", self.chroot("gnomonctl", "--admin", ready.group(2), "status").stdout)
+            self.chroot("gnomonctl", "--admin", ready.group(2), "drain")
+            self.assertEqual(daemon.wait(60), 0, log.read_text())
+        finally:
+            daemon.kill()
+            daemon.wait()
+
+    def test_from_nothing_to_nothing(self):
+        before = self.files()
+        self.install(self.package)
+        self.assertIn("ok", self.chroot("gnomond", "--config", "/" + CONFIG, "--check-config").stdout)
+        self.self_test()
+
+        config = self.root / CONFIG
+        edited = config.read_text().replace("policy: fair", "policy: deadline")
+        config.write_text(edited)
+        self.install(self.newer(), "--force-confold")
+        self.assertEqual(config.read_text(), edited)
+        self.assertEqual(self.chroot("dpkg-query", "-W", "-f", "${Version}", "gnomon").stdout, "99.0")
+        self.assertIn("2500", (self.root / (CONFIG + ".dpkg-dist")).read_text())
+
+        (self.root / "etc/gnomon/credentials/tls.key").write_text("secret")
+        self.chroot("dpkg", "--remove", "gnomon")
+        self.assertEqual(config.read_text(), edited, "removing keeps the configuration")
+        self.chroot("dpkg", "--purge", "gnomon")
+        self.assertEqual(sorted(self.files() - before), [])
+
+
+if __name__ == "__main__":
+    if os.geteuid() != 0 or not shutil.which("mmdebstrap"):
+        skip("a clean Debian root needs root and mmdebstrap")
+    unittest.main(verbosity=2)
