@@ -27,6 +27,11 @@ void limit(httplib::Server& server) {
 void answer(httplib::Response& response, Page page) {
   response.status = page.status;
   response.set_header("Cache-Control", "no-store");
+  response.set_header("X-Content-Type-Options", "nosniff");
+  // The page needs nothing from elsewhere, and nobody else may show it.
+  response.set_header("Content-Security-Policy",
+                      "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
+                      "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
   response.set_content(std::move(page.body), page.content_type);
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/daemon.h"
+#include "daemon/page_files.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -30,6 +31,10 @@ json to_json(const std::string& name, const HostedScene& scene) {
 
 json to_json(const DeviceStatus& device, bool up) {
   return {{"name", device.name}, {"driver", device.driver}, {"tracer", device.tracer}, {"up", up}};
+}
+
+json to_json(const TenantTotals& totals) {
+  return {{"buffers", totals.buffers}, {"bits", totals.bits}, {"bytes", totals.bytes}};
 }
 
 json to_json(const TenantReport& tenant) {
@@ -78,6 +83,7 @@ std::string Daemon::status_json() const {
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
     if (!roster->open(TenantId{i}) && open == 0) continue;
     json row{{"name", roster->name(TenantId{i})}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
+    row.update(to_json(metrics_.totals(TenantId{i})));
     if (i < shares->tenants.size()) row.update(to_json(shares->tenants[i]));
     status["tenants"].push_back(std::move(row));
   }
@@ -177,6 +183,18 @@ Admin::Actions Daemon::actions() {
 
 Admin::Pages Daemon::pages() {
   return {
+      {"/",
+       [] {
+         return Page{200, "text/html; charset=utf-8", kPageHtml};
+       }},
+      {"/page.css",
+       [] {
+         return Page{200, "text/css; charset=utf-8", kPageCss};
+       }},
+      {"/page.js",
+       [] {
+         return Page{200, "text/javascript; charset=utf-8", kPageJs};
+       }},
       {"/healthz",
        [] {
          return Page{200, kText, "alive\n"};
@@ -187,6 +205,7 @@ Admin::Pages Daemon::pages() {
        }},
       {"/metrics",
        [this] {
+         metrics_.health(health_.ready(), health_.device_up);
          return Page{200, "text/plain; version=0.0.4; charset=utf-8", metrics_.text()};
        }},
       {"/status",

@@ -10,6 +10,8 @@
 
 #include <map>
 
+#include "daemon/process_figures.h"
+
 #include "daemon/roster.h"
 
 namespace gnomon::daemon {
@@ -24,9 +26,9 @@ using prometheus::Gauge;
 using prometheus::Histogram;
 using prometheus::Registry;
 
-// From a fast GPU's kernel to a frame that nobody waits for any more.
-const Histogram::BucketBoundaries kStageBuckets{0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01,
-                                                0.02,   0.05,   0.1,   0.2,   0.5,   1};
+// Few, since each tenant has them: frames of a fast GPU, of one that is shared, of one that is overrun.
+const Histogram::BucketBoundaries kFrameBuckets{0.01, 0.03, 0.1, 0.3};
+const Histogram::BucketBoundaries kStageBuckets{0.002, 0.01, 0.05};
 
 Family<Counter>& counter(Registry& registry, const char* name, const char* help) {
   return BuildCounter().Name(name).Help(help).Register(registry);
@@ -37,18 +39,15 @@ Family<Gauge>& gauge(Registry& registry, const char* name, const char* help) {
 }
 
 struct Stages {
-  Histogram *queue, *gpu, *readback, *encode, *send, *total;
+  Histogram *queue, *gpu, *readback, *encode, *send;
 
-  Stages(Family<Histogram>& family, const std::string& tenant) {
-    const auto stage = [&](const char* name) {
-      return &family.Add({{"tenant", tenant}, {"stage", name}}, kStageBuckets);
-    };
+  explicit Stages(Family<Histogram>& family) {
+    const auto stage = [&](const char* name) { return &family.Add({{"stage", name}}, kStageBuckets); };
     queue = stage("queue");
     gpu = stage("gpu");
     readback = stage("readback");
     encode = stage("encode");
     send = stage("send");
-    total = stage("total");
   }
 
   void observe(const FrameMeta& meta, TimePoint sent) {
@@ -57,29 +56,21 @@ struct Stages {
     readback->Observe(to_seconds(meta.readback));
     encode->Observe(to_seconds(meta.encoded - meta.encode_began));
     send->Observe(to_seconds(sent - meta.encoded));
-    total->Observe(to_seconds(sent - meta.arrival));
   }
 };
 
-struct SceneCounters {
-  Counter* buffers;
-  Counter* bits;
-};
-
 struct TenantSeries {
-  Stages stages;
+  Histogram& frame;
+  Counter& buffers;
+  Counter& bits;
   Counter& coalesced;
   Counter& bytes_sent;
   Counter& gpu_seconds;
   Counter& late;
-  Counter& degraded;
-  Counter& restored;
   Gauge& share;
   Gauge& expected_share;
   Gauge& lag;
-  Gauge& cost_error;
   Gauge& sessions;
-  std::map<std::string, SceneCounters> scenes;
 };
 
 }  // namespace
@@ -88,13 +79,15 @@ struct Metrics::Families {
   Registry registry;
   Family<Counter>& buffers =
       counter(registry, "gnomon_visibility_buffers_total", "Visibility buffers sent; vbps is the rate of this.");
-  Family<Counter>& bits =
-      counter(registry, "gnomon_visibility_bits_total", "Visibility bits sent: pixels times lights.");
+  Family<Counter>& bits = counter(registry, "gnomon_visibility_values_total",
+                                  "Visibility values sent: pixels times lights, a bit each.");
   Family<Counter>& coalesced = counter(registry, "gnomon_frames_coalesced_total",
                                        "Views replaced by a newer one before they were rendered.");
   Family<Counter>& bytes = counter(registry, "gnomon_bytes_sent_total", "Bytes of datagrams sent to clients.");
   Family<Counter>& dropped =
       counter(registry, "gnomon_frames_dropped_total", "Views and frames dropped, by reason.");
+  Counter& datagrams =
+      counter(registry, "gnomon_datagrams_received_total", "Datagrams received, good or not.").Add({});
   Family<Counter>& rejected = counter(registry, "gnomon_datagrams_rejected_total",
                                       "Datagrams that were not a view of a session, by reason.");
   Family<Counter>& refusals =
@@ -106,16 +99,21 @@ struct Metrics::Families {
   // Its series are made when there is something to count: most tenants never lose a frame.
   Family<Counter>& tenant_dropped = counter(registry, "gnomon_tenant_frames_dropped_total",
                                             "Views and frames of the tenant that were dropped, by reason.");
+  Family<Counter>& scene_buffers =
+      counter(registry, "gnomon_scene_visibility_buffers_total", "Visibility buffers sent, by scene.");
   Family<Counter>& degradations = counter(registry, "gnomon_degradations_total",
                                           "Steps down and up of sessions that the device did not keep up with.");
+  Counter& degraded = degradations.Add({{"direction", "down"}});
+  Counter& restored = degradations.Add({{"direction", "up"}});
   Family<Gauge>& share =
       gauge(registry, "gnomon_tenant_share_ratio", "The tenant's part of the device time of the last second.");
   Family<Gauge>& expected_share = gauge(registry, "gnomon_tenant_expected_share_ratio",
                                         "Its part by weight, if it had work all through the last second.");
   Family<Gauge>& lag = gauge(registry, "gnomon_tenant_lag_seconds",
                              "Device time that the policy owes the tenant; negative: it had some in advance.");
-  Family<Gauge>& cost_error = gauge(registry, "gnomon_tenant_cost_error_ratio",
-                                    "Mean error of predicted costs, relative to real ones, in the last second.");
+  Gauge& cost_error = gauge(registry, "gnomon_cost_error_ratio",
+                            "Mean error of predicted costs, relative to real ones, in the last second.")
+                          .Add({});
   Gauge& jain = gauge(registry, "gnomon_fairness_jain_index",
                       "Jain's index of device time by weight, of the tenants that always had work: 1 is fair.")
                     .Add({});
@@ -146,10 +144,26 @@ struct Metrics::Families {
   Family<Gauge>& build = gauge(registry, "gnomon_build_info", "Always 1; the version is the label.");
   Family<Histogram>& stages = BuildHistogram()
                                   .Name("gnomon_stage_seconds")
-                                  .Help("Time that frames spent in a stage; total is from arrival to sent.")
+                                  .Help("Time that frames of all tenants spent in a stage.")
+                                  .Register(registry);
+  Stages stage{stages};
+  Family<Histogram>& frames = BuildHistogram()
+                                  .Name("gnomon_frame_seconds")
+                                  .Help("Time from a camera's arrival until its frame was sent.")
                                   .Register(registry);
   Counter& device_busy =
       counter(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.").Add({});
+
+  Gauge& device_up =
+      gauge(registry, "gnomon_device_up", "1: the device takes work, 0: it is being made anew.").Add({});
+  Counter& device_losses =
+      counter(registry, "gnomon_device_losses_total", "Times that the device was lost.").Add({});
+  Gauge& ready = gauge(registry, "gnomon_ready", "1: new clients are served.").Add({});
+  Gauge& resident_memory =
+      gauge(registry, "gnomon_process_resident_memory_bytes", "Memory of the process, as the system has it.")
+          .Add({});
+  Gauge& open_files = gauge(registry, "gnomon_process_open_fds", "Open file descriptors.").Add({});
+  Gauge& threads = gauge(registry, "gnomon_process_threads", "Threads of the process.").Add({});
 
   Family<Counter>& all_reloads =
       counter(registry, "gnomon_config_reloads_total", "Configurations read while running, taken or not.");
@@ -159,11 +173,11 @@ struct Metrics::Families {
       counter(registry, "gnomon_tenant_refusals_total", "Sessions refused a tenant, by the limit that they met.");
 
   // Reserved once: growing moves nothing, so that others may look at the series that were there before.
-  LinkMetrics links{registry, kMostTenants};
+  LinkMetrics links{registry};
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
-  std::vector<std::string> scenes;  // labels
-  std::vector<Counter*> faults;     // by Fault
+  std::map<std::string, Counter*> scenes;  // by label
+  std::vector<Counter*> faults;            // by Fault; null: made when there is something to count
 
   Family<Counter>& family_of(FaultKind kind) {
     switch (kind) {
@@ -174,27 +188,15 @@ struct Metrics::Families {
     return dropped;
   }
 
+  Counter& counter_of(const FaultRow& row) { return family_of(row.kind).Add({{"reason", row.label}}); }
+
   void add_tenant(const std::string& name) {
-    auto series =
-        std::make_unique<TenantSeries>(TenantSeries{{stages, name},
-                                                    coalesced.Add({{"tenant", name}}),
-                                                    bytes.Add({{"tenant", name}}),
-                                                    gpu_seconds.Add({{"tenant", name}}),
-                                                    late.Add({{"tenant", name}}),
-                                                    degradations.Add({{"tenant", name}, {"direction", "down"}}),
-                                                    degradations.Add({{"tenant", name}, {"direction", "up"}}),
-                                                    share.Add({{"tenant", name}}),
-                                                    expected_share.Add({{"tenant", name}}),
-                                                    lag.Add({{"tenant", name}}),
-                                                    cost_error.Add({{"tenant", name}}),
-                                                    sessions.Add({{"tenant", name}}),
-                                                    {}});
-    for (const std::string& scene : scenes) {
-      const prometheus::Labels labels{{"tenant", name}, {"scene", scene}};
-      series->scenes[scene] = {&buffers.Add(labels), &bits.Add(labels)};
-    }
+    auto series = std::make_unique<TenantSeries>(TenantSeries{
+        frames.Add({{"tenant", name}}, kFrameBuckets), buffers.Add({{"tenant", name}}),
+        bits.Add({{"tenant", name}}), coalesced.Add({{"tenant", name}}), bytes.Add({{"tenant", name}}),
+        gpu_seconds.Add({{"tenant", name}}), late.Add({{"tenant", name}}), share.Add({{"tenant", name}}),
+        expected_share.Add({{"tenant", name}}), lag.Add({{"tenant", name}}), sessions.Add({{"tenant", name}})});
     tenants.push_back(std::move(series));
-    links.add_tenant(name);
     names.push_back(name);
   }
 };
@@ -204,11 +206,13 @@ Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std:
     : families_(std::make_unique<Families>()) {
   families_->names.reserve(kMostTenants);
   families_->tenants.reserve(kMostTenants);
-  families_->scenes = scenes;
-  families_->scenes.push_back(kOtherScenes);
+  for (const std::string& scene : scenes)
+    families_->scenes[scene] = &families_->scene_buffers.Add({{"scene", scene}});
+  families_->scenes[kOtherScenes] = &families_->scene_buffers.Add({{"scene", kOtherScenes}});
   know_tenants(tenants);
   for (const FaultRow& row : fault_table()) {
-    families_->faults.push_back(&families_->family_of(row.kind).Add({{"reason", row.label}}));
+    // Refusals are rare and there are many reasons.
+    families_->faults.push_back(row.kind == FaultKind::refusal ? nullptr : &families_->counter_of(row));
   }
   families_->build.Add({{"version", version}}).Set(1);
 }
@@ -221,7 +225,8 @@ void Metrics::know_tenants(const std::vector<std::string>& tenants) {
 
 void Metrics::report(Fault fault, log::Fields fields) {
   const FaultRow& row = row_of(fault);
-  families_->faults[static_cast<size_t>(fault)]->Increment();
+  Counter* known = families_->faults[static_cast<size_t>(fault)];
+  (known ? *known : families_->counter_of(row)).Increment();
   switch (row.level) {
     case log::Level::debug: return log::debug(row.event, fields);
     case log::Level::info: return log::info(row.event, fields);
@@ -234,15 +239,17 @@ void Metrics::report(Fault fault, log::Fields fields) {
 void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameMeta& meta, TimePoint sent,
                          size_t bytes) {
   TenantSeries& series = *families_->tenants[tenant.value];
-  const auto known = series.scenes.find(scene);
-  const SceneCounters& counters = known != series.scenes.end() ? known->second : series.scenes.at(kOtherScenes);
-  counters.buffers->Increment();
-  counters.bits->Increment(static_cast<double>(meta.traced_bits()));
+  const auto known = families_->scenes.find(scene);
+  (known != families_->scenes.end() ? known->second : families_->scenes.at(kOtherScenes))->Increment();
+  series.buffers.Increment();
+  series.bits.Increment(static_cast<double>(meta.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
-  series.stages.observe(meta, sent);
+  series.frame.Observe(to_seconds(sent - meta.arrival));
+  families_->stage.observe(meta, sent);
   if (sent > meta.deadline) series.late.Increment();
 }
 
+void Metrics::datagram_received() { families_->datagrams.Increment(); }
 void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coalesced.Increment(); }
 void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]->sessions.Increment(); }
 void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
@@ -260,12 +267,16 @@ void Metrics::dropped(TenantId tenant, Fault fault, log::Fields fields) {
 
 void Metrics::reloaded(bool done) { (done ? families_->reloads : families_->failed_reloads).Increment(); }
 
-void Metrics::degraded(TenantId tenant, bool down) {
-  TenantSeries& series = *families_->tenants[tenant.value];
-  (down ? series.degraded : series.restored).Increment();
+void Metrics::degraded(bool down) { (down ? families_->degraded : families_->restored).Increment(); }
+
+void Metrics::device_lost() { families_->device_losses.Increment(); }
+
+void Metrics::health(bool ready, bool device_up) {
+  families_->ready.Set(ready ? 1 : 0);
+  families_->device_up.Set(device_up ? 1 : 0);
 }
 
-void Metrics::link(TenantId tenant, const LinkReport& report) { families_->links.count(tenant, report); }
+void Metrics::link(const LinkReport& report) { families_->links.count(report); }
 
 void Metrics::refused(TenantId tenant, std::string_view limit) {
   const prometheus::Labels labels{{"tenant", families_->names[tenant.value]}, {"limit", std::string(limit)}};
@@ -273,21 +284,25 @@ void Metrics::refused(TenantId tenant, std::string_view limit) {
 }
 
 void Metrics::shares(const ShareReport& report) {
+  double error = 0;
+  int served = 0;
   for (size_t i = 0; i < report.tenants.size(); ++i) {
     const TenantReport& tenant = report.tenants[i];
     TenantSeries& series = *families_->tenants[i];
     series.share.Set(tenant.share);
     series.expected_share.Set(tenant.expected_share);
     series.lag.Set(to_seconds(tenant.lag));
-    series.cost_error.Set(tenant.predicted_error);
+    error += tenant.predicted_error;
+    served += tenant.share > 0;
   }
+  families_->cost_error.Set(served > 0 ? error / served : 0);
   families_->jain.Set(report.jain);
   families_->worst_lag.Set(to_seconds(report.worst_lag));
 }
 
 void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
                              const gpu::SceneFootprint& on_device) {
-  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  if (!families_->scenes.contains(scene)) return;
   const prometheus::Labels labels{{"scene", scene}};
   families_->resident.Add(labels).Set(1);
   families_->load_seconds.Add(labels).Set(loaded.load_seconds);
@@ -301,7 +316,7 @@ void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene
 }
 
 void Metrics::scene_unloaded(const std::string& scene) {
-  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  if (!families_->scenes.contains(scene)) return;
   const prometheus::Labels labels{{"scene", scene}};
   for (auto* family :
        {&families_->resident, &families_->scene_bytes, &families_->device_bytes, &families_->tracer_bytes}) {
@@ -310,21 +325,36 @@ void Metrics::scene_unloaded(const std::string& scene) {
 }
 
 void Metrics::scene_lights(const std::string& scene, const gpu::LightState& lights) {
-  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  if (!families_->scenes.contains(scene)) return;
   families_->lights.Add({{"scene", scene}, {"state", "resting"}}).Set(lights.resting);
   families_->lights.Add({{"scene", scene}, {"state", "moving"}}).Set(lights.moving);
   families_->rebuilds.Add({{"scene", scene}});
 }
 
 void Metrics::lights_rebuilt(const std::string& scene) {
-  if (!families_->tenants.front()->scenes.contains(scene)) return;
+  if (!families_->scenes.contains(scene)) return;
   families_->rebuilds.Add({{"scene", scene}}).Increment();
 }
 
-uint64_t Metrics::count_of(Fault fault) const {
-  return static_cast<uint64_t>(families_->faults[static_cast<size_t>(fault)]->Value());
+TenantTotals Metrics::totals(TenantId tenant) const {
+  const TenantSeries& series = *families_->tenants[tenant.value];
+  TenantTotals totals;
+  totals.buffers = series.buffers.Value();
+  totals.bits = series.bits.Value();
+  totals.bytes = series.bytes_sent.Value();
+  return totals;
 }
 
-std::string Metrics::text() const { return prometheus::TextSerializer().Serialize(families_->registry.Collect()); }
+uint64_t Metrics::count_of(Fault fault) const {
+  return static_cast<uint64_t>(families_->counter_of(row_of(fault)).Value());
+}
+
+std::string Metrics::text() const {
+  const ProcessFigures process = process_figures();
+  families_->resident_memory.Set(process.resident_bytes);
+  families_->open_files.Set(process.open_files);
+  families_->threads.Set(process.threads);
+  return prometheus::TextSerializer().Serialize(families_->registry.Collect());
+}
 
 }  // namespace gnomon::daemon

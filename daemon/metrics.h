@@ -22,6 +22,11 @@ namespace gnomon::daemon {
 // Clients may ask for files beside the configured scenes: all of those share this label.
 inline constexpr const char* kOtherScenes = "other";
 
+// Since the start.
+struct TenantTotals {
+  double buffers = 0, bits = 0, bytes = 0;
+};
+
 class Metrics {
  public:
   // The tenants' names in the order of their ids (at most kMostTenants), and the configured scenes.
@@ -39,6 +44,7 @@ class Metrics {
   // A frame's last datagram has been handed to the kernel.
   void frame_sent(TenantId tenant, const std::string& scene, const FrameMeta& meta, TimePoint sent, size_t bytes);
 
+  void datagram_received();  // of whatever kind
   void coalesced(TenantId tenant);
   void session_opened(TenantId tenant);
   void session_closed(TenantId tenant);
@@ -47,8 +53,10 @@ class Metrics {
   void dropped(TenantId tenant, Fault fault, log::Fields fields = {});
   void shares(const ShareReport& report);
   void reloaded(bool done);
-  void degraded(TenantId tenant, bool down);
-  void link(TenantId tenant, const LinkReport& report);
+  void degraded(bool down);
+  void device_lost();
+  void health(bool ready, bool device_up);
+  void link(const LinkReport& report);
   void refused(TenantId tenant, std::string_view limit);
   // Of a configured scene; others have no series.
   void scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
@@ -60,6 +68,7 @@ class Metrics {
   void scene_lights(const std::string& scene, const gpu::LightState& lights);
   void lights_rebuilt(const std::string& scene);
 
+  TenantTotals totals(TenantId tenant) const;
   uint64_t count_of(Fault fault) const;
 
   std::string text() const;  // Prometheus' text format

@@ -62,6 +62,7 @@ void NetThread::stop_when_all_left(TimePoint deadline) {
 
 void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from) {
   Metrics& metrics = shared_.metrics;
+  metrics.datagram_received();
   if (datagram.size() > protocol::kMaxDatagramBytes) return metrics.report(Fault::datagram_too_long);
   const auto header = protocol::decode_header(datagram);
   if (!header) return metrics.report(Fault::datagram_header);
@@ -152,7 +153,7 @@ void NetThread::report_stats() {
   std::vector<SessionStatus> all;
   for (const auto& [id, session] : sessions_) {
     const protocol::Stats stats = session->take_stats();
-    shared_.metrics.link(session->accepted().tenant, session->take_link_report());
+    shared_.metrics.link(session->take_link_report());
     streams_.at(id)->send(stats);
     std::string address;
     if (session->address()) {

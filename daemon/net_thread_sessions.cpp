@@ -183,7 +183,7 @@ void NetThread::close_session(SessionId id, const std::string& why) {
                                {"coalesced", totals.coalesced}});
   shared_.metrics.session_closed(session.accepted().tenant);
   shared_.inbox.push(SessionClosed{id});
-  shared_.metrics.link(session.accepted().tenant, sessions_.find(id)->take_link_report());
+  shared_.metrics.link(sessions_.find(id)->take_link_report());
   wakes_.remove(id);
   sessions_.remove(id);
   streams_.erase(found);

@@ -342,8 +342,7 @@ void RenderLoop::review_sessions(Nanoseconds since_last) {
     const scheduler::OperatingPoint before = session.degradation.point();
     if (!session.degradation.observe({std::min(arrived, allowed), answered})) continue;
     const scheduler::OperatingPoint after = session.degradation.point();
-    metrics_.degraded(session.opened.tenant,
-                      after.rate * after.size * after.lights < before.rate * before.size * before.lights);
+    metrics_.degraded(after.rate * after.size * after.lights < before.rate * before.size * before.lights);
     session.rate = limit_to(session.rate_hz());
     if (after.rate != before.rate) tell(session);
   }
@@ -425,6 +424,7 @@ void RenderLoop::abandon(RenderSession& session) {
 
 // Frames in bands are lost with it; whoever has a newer view asks again.
 void RenderLoop::lose_device() {
+  if (!lost_) metrics_.device_lost();
   lost_ = true;
   for (auto& [id, session] : sessions_) {
     if (!session.begun) continue;

@@ -23,8 +23,8 @@ TEST_F(Served, WelcomesAndAnswersWithTheMasksOfTheCameraAskedFor) {
     EXPECT_TRUE(is_frame_of(c, c.receive_frame(frame), x)) << frame;
   }
   EXPECT_TRUE(eventually([&] {
-    return metrics_say("gnomon_visibility_buffers_total{scene=\"triangle\",tenant=\"default\"} 20") ||
-           metrics_say("gnomon_visibility_buffers_total{tenant=\"default\",scene=\"triangle\"} 20");
+    return metrics_say("gnomon_visibility_buffers_total{tenant=\"default\"} 20") &&
+           metrics_say("gnomon_scene_visibility_buffers_total{scene=\"triangle\"} 20");
   })) << daemon_->metrics().text();
   EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1"));
 }

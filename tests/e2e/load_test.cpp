@@ -54,7 +54,7 @@ TEST_F(Load, EveryClientIsServedAndCountersAgree) {
     EXPECT_GE(sent, static_cast<double>(came));
     EXPECT_LE(sent, static_cast<double>(asked));
     EXPECT_LE(asked - came, 4u) << "one camera of each client may be unanswered at the end";
-    const double bits = daemon_.metric("gnomon_visibility_bits_total", {"tenant=\"" + tenant + "\""});
+    const double bits = daemon_.metric("gnomon_visibility_values_total", {"tenant=\"" + tenant + "\""});
     EXPECT_EQ(bits, sent * 160 * 90 * 3);
   }
   EXPECT_TRUE(eventually([&] { return daemon_.sessions() == 0; })) << "clients said Bye";

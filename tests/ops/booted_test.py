@@ -13,6 +13,7 @@ from node import eventually
 BUILD = sys.argv.pop(1)
 CONFIG = "/etc/gnomon/gnomond.yaml"
 CONFIG_TEXT = """
+server: {mode: demo}
 render: {device: cpu, cache_folder: /var/cache/gnomon}
 scenes: {list: [{name: living_room, file: living_room.glb}]}
 tenants: [{name: studio, weight: %d}, {name: arcade}]
@@ -21,7 +22,7 @@ FAULTS = """[Service]
 WatchdogSec=3s
 Environment=VK_ADD_LAYER_PATH=/opt/faults VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=/run/gnomon
 """
-LOAD = ("gnomon-load", "--server", "127.0.0.1:7600", "--scene", "living_room", "--size", "160x90", "--clients", 2,
+LOAD = ("gnomon-load", "--server", "127.0.0.1:7600", "--pin", "/var/lib/gnomon/demo.pin", "--scene", "living_room", "--size", "160x90", "--clients", 2,
         "--rate", 0, "--tenant", "studio::2")
 
 

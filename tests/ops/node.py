@@ -49,7 +49,7 @@ class Node:
                 VK_ADD_LAYER_PATH=str(self.build / "faults"), VK_INSTANCE_LAYERS="VK_LAYER_GNOMON_faults",
                 GNOMON_FAULTS=str(self.faults), GNOMON_FULL_FOLDER=str(self.cache))
         self.config = {
-            "server": {"control_port": 0, "data_port": 0},
+            "server": {"mode": "demo", "state_folder": "state", "control_port": 0, "data_port": 0},
             "admin": {"port": 0},
             "scenes": {"list": [{"name": "living_room", "file": "living_room.glb"}]},
             "render": {"device": "cpu", "cache_folder": str(self.cache)},
@@ -62,7 +62,7 @@ class Node:
                 self.config[section] = keys
         self.log_file = self.folder / "log"
         self.process = None
-        self.control = self.admin = None
+        self.control = self.admin = self.pin = None
 
     def write_config(self):
         file = self.folder / "gnomond.json"
@@ -85,8 +85,8 @@ class Node:
         def ready():
             if self.process.poll() is not None:
                 raise AssertionError("gnomond did not start:\n" + self.log_text())
-            return re.search(r"gnomond ready control=(\S+) data=\S+ admin=(\S+)", self.log_text())
-        self.control, self.admin = eventually(ready, "gnomond ready").groups()
+            return re.search(r"gnomond ready control=(\S+) data=\S+ admin=(\S+) pin=(\S+)", self.log_text())
+        self.control, self.admin, self.pin = eventually(ready, "gnomond ready").groups()
 
     def keep_ports(self):
         """The next start is on the ports of this one."""
@@ -164,7 +164,7 @@ class Node:
 class Load:
     def __init__(self, node, clients, size, rate, seconds, scene):
         self.file = pathlib.Path(tempfile.mkstemp(suffix=".json", dir=node.folder)[1])
-        command = [node.bin / "gnomon-load", "--server", node.control, "--scene", scene, "--size", size,
+        command = [node.bin / "gnomon-load", "--server", node.control, "--pin", node.pin, "--scene", scene, "--size", size,
                    "--rate", str(rate), "--seconds", str(seconds), "--json", self.file]
         for tenant, count in clients.items():
             command += ["--tenant", f"{tenant}::{count}"]

@@ -1,0 +1,90 @@
+"""Headless Chromium over its debugging pipe: one page, what it logs, what scripts say, pictures."""
+import base64
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+
+def find():
+    return shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+class Chromium:
+    def __init__(self, program):
+        self.folder = tempfile.TemporaryDirectory(prefix="gnomon-chromium-", ignore_cleanup_errors=True)
+        to_browser, self.out = os.pipe()
+        self.into, from_browser = os.pipe()
+        command = (f'exec "$@" 3<&{to_browser} 4>&{from_browser}')
+        self.process = subprocess.Popen(
+            ["bash", "-c", command, "bash", program, "--headless=new", "--no-sandbox", "--disable-gpu",
+             "--no-first-run", "--disable-background-networking", "--disable-component-update",
+             f"--user-data-dir={self.folder.name}", "--remote-debugging-pipe", "about:blank"],
+            pass_fds=(to_browser, from_browser), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_browser)
+        os.close(from_browser)
+        self.number, self.buffer, self.errors = 0, b"", []
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(domain + ".enable")
+
+    def receive(self):
+        while b"\0" not in self.buffer:
+            data = os.read(self.into, 1 << 20)
+            if not data:
+                raise AssertionError("the browser has gone")
+            self.buffer += data
+        message, self.buffer = self.buffer.split(b"\0", 1)
+        message = json.loads(message)
+        self.note(message.get("method"), message.get("params", {}))
+        return message
+
+    def note(self, method, params):
+        if method == "Page.loadEventFired":
+            self.loaded = True
+        if method == "Runtime.exceptionThrown":
+            self.errors.append(json.dumps(params["exceptionDetails"])[:500])
+        if method == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning", "assert"):
+            self.errors.append(json.dumps(params["args"])[:500])
+        if method == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):
+            self.errors.append(json.dumps(params["entry"])[:500])
+
+    def call(self, method, **params):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": params}
+        if getattr(self, "session", None):
+            message["sessionId"] = self.session
+        os.write(self.out, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self.receive()
+            if answer.get("id") == self.number:
+                if "error" in answer:
+                    raise AssertionError(f"{method}: {answer['error']}")
+                return answer["result"]
+
+    def open(self, url, width=1280, height=900):
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.loaded = False
+        self.call("Page.navigate", url=url)
+        while not self.loaded:
+            self.receive()
+
+    def evaluate(self, script):
+        result = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        if "exceptionDetails" in result:
+            raise AssertionError(f"{script}: {result['exceptionDetails']}")
+        return result["result"].get("value")
+
+    def picture(self, file):
+        data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True)["data"]
+        pathlib.Path(file).write_bytes(base64.b64decode(data))
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self.out)
+        os.close(self.into)
+        self.folder.cleanup()
