@@ -57,6 +57,7 @@ TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   Metrics metrics({"lab", "hall"}, {"room"}, "test");
   FrameMeta meta;
   meta.grid = {100, 50, 3};
+  meta.traced_lights = 3;
   meta.arrival = TimePoint(1h);
   meta.submitted = meta.arrival + 1ms;
   meta.gpu = 5ms;
