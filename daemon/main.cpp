@@ -9,6 +9,7 @@
 
 #include "daemon/daemon.h"
 #include "daemon/supervisor.h"
+#include "daemon/vulkan_renderers.h"
 #include "daemon/watchdog.h"
 #include "gpu/vulkan_renderer.h"
 #include "scenes/loader.h"
@@ -55,24 +56,6 @@ Result<Config> load_config(const Arguments& arguments) {
   if (auto found = find_files(*config, folder, share_folder()); !found) return found.error();
   if (config->render.passes.empty()) config->render.passes = gpu::RendererOptions{}.passes;
   return config;
-}
-
-// Each tenant may have one frame in bands beside those that are done at once; unused slots take no memory.
-uint32_t frame_slots(const Config& config) {
-  constexpr size_t kMostInBands = 16;
-  return config.render.frames_in_flight + static_cast<uint32_t>(std::min(config.tenants.size(), kMostInBands));
-}
-
-RendererFactory vulkan_renderers(const Config& config) {
-  const RenderConfig& render = config.render;
-  gpu::RendererOptions options;
-  if (render.device != "auto") options.device = render.device;
-  options.tracer = render.tracer;
-  options.tracer_options.cache_folder = render.cache_folder;
-  options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
-  options.passes = render.passes;
-  options.frames_in_flight = frame_slots(config);
-  return [options] { return gpu::make_renderer(options); };
 }
 
 void print_ready_line(const Daemon& daemon, const Config& config) {

@@ -40,6 +40,7 @@ void LoadClient::on_answer(const Answer& answer) {
   if (answer.mask.complete()) {
     ++frames_in_time_;
     latencies_.add(answer.response);
+    server_times_.add(std::chrono::microseconds(answer.mask.server_us));
   }
   send_when_due();
 }

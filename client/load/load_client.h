@@ -35,6 +35,8 @@ class LoadClient {
   // Complete frames, and their response times, between fly() and stop().
   uint64_t frames_in_time() const { return frames_in_time_; }
   const Latencies& latencies() const { return latencies_; }
+  // Of these frames: from the camera's arrival at the server to the sending of the last slice, as the server says.
+  const Latencies& server_times() const { return server_times_; }
 
  private:
   void on_answer(const Answer& answer);
@@ -46,6 +48,7 @@ class LoadClient {
   std::optional<Pacer> pacer_;
   uint64_t frames_in_time_ = 0;
   Latencies latencies_;
+  Latencies server_times_;
   Timer send_timer_;
   VisibilityStream stream_;
 };

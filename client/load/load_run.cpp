@@ -28,8 +28,8 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   connect.hello.width = options.size.width;
   connect.hello.height = options.size.height;
   connect.hello.rate_hz = static_cast<float>(options.rate_hz);
-  // At a rate, a camera goes out whatever has become of the last; without one, each waits for its answer.
-  client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : 1u};
+  // At a rate, a camera goes out whatever has become of the last; without one, it waits for answers.
+  client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : options.in_flight};
   client.deadline = options.deadline;
   client.phase = phase;
   return client;

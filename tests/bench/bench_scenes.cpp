@@ -30,10 +30,16 @@ std::vector<std::string> default_scenes() {
   return found;
 }
 
-Result<scenes::ScenePtr> open_scene(const std::string& scene) {
+Result<fs::path> scene_file(const std::string& scene) {
   for (const fs::path& file : candidates(scene))
-    if (fs::is_regular_file(file)) return scenes::load_scene(file);
+    if (fs::is_regular_file(file)) return fs::absolute(file);
   return Error{"no scene '" + scene + "': neither a name nor a file"};
+}
+
+Result<scenes::ScenePtr> open_scene(const std::string& scene) {
+  const auto file = scene_file(scene);
+  if (!file) return file.error();
+  return scenes::load_scene(*file);
 }
 
 Result<PictureSize> parse_size(const std::string& text) {

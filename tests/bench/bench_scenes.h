@@ -1,6 +1,7 @@
 // Scenes by name or file, and the cameras that benchmarks look through.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ std::vector<std::string> default_scenes();
 
 // `scene`: a built-in's name, one beside the repository, or a file.
 Result<scenes::ScenePtr> open_scene(const std::string& scene);
+Result<std::filesystem::path> scene_file(const std::string& scene);
 
 struct PictureSize {
   uint32_t width = 0, height = 0;

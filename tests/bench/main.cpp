@@ -44,6 +44,8 @@ int main(int argc, char** argv) {
       {"growth", "what a frame takes as triangles and lights grow in number", gnomon::bench::make_growth_suite()});
   commands.push_back({"codec", "bytes and milliseconds of the codecs on masks along camera paths",
                       gnomon::bench::make_codec_suite()});
+  commands.push_back({"pipeline", "the whole daemon over loopback, beside its kernels run back to back",
+                      gnomon::bench::make_pipeline_suite()});
   for (Command& command : commands) {
     command.app = app.add_subcommand(command.name, command.about);
     command.app->add_option("--json", json_file, "write the results to this file");

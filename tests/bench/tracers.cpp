@@ -1,15 +1,13 @@
 // Suite "tracers": the shadow stage of every tracer by the device's timestamps, and beside it, in the same run and over
 // the same surface points, Embree's occluded16 with coherent packets on two threads.
-#include <cstdlib>
-
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <optional>
 
 #include "common/clock.h"
 #include "gpu/surface_probe.h"
 #include "tests/bench/bench_scenes.h"
+#include "tests/bench/scratch_folder.h"
 #include "tests/bench/suites.h"
 #include "tests/gpu/embree_oracle.h"
 
@@ -56,25 +54,6 @@ struct Series {
     bits += peer.bits;
   }
   double diff_ppm() const { return bits ? 1e6 * static_cast<double>(differing) / static_cast<double>(bits) : 0; }
-};
-
-// Where tracers keep what they built, for one run: the first build of a scene is a build, the next reads the disk.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "gnomon-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;  // empty: the system gave none, nothing is kept
 };
 
 class TracersSuite : public Suite {
@@ -268,7 +247,7 @@ class TracersSuite : public Suite {
   std::vector<std::string> scenes_;
   std::string size_text_ = "1920x1080";
   std::string device_;
-  ScratchFolder cache_;
+  ScratchFolder cache_;  // the first build of a scene is a build, the next reads the disk
   uint32_t frames_ = 5;
   std::vector<std::string> tracers_{"light_buffer", "bvh", "ray_query"};
   PictureSize size_;

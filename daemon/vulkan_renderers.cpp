@@ -1,0 +1,30 @@
+#include "daemon/vulkan_renderers.h"
+
+#include <algorithm>
+
+#include "gpu/vulkan_renderer.h"
+
+namespace gnomon::daemon {
+namespace {
+
+// Each tenant may have one frame in bands beside those that are done at once; unused slots take no memory.
+uint32_t frame_slots(const Config& config) {
+  constexpr size_t kMostInBands = 16;
+  return config.render.frames_in_flight + static_cast<uint32_t>(std::min(config.tenants.size(), kMostInBands));
+}
+
+}  // namespace
+
+RendererFactory vulkan_renderers(const Config& config) {
+  const RenderConfig& render = config.render;
+  gpu::RendererOptions options;
+  if (render.device != "auto") options.device = render.device;
+  options.tracer = render.tracer;
+  options.tracer_options.cache_folder = render.cache_folder;
+  options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
+  if (!render.passes.empty()) options.passes = render.passes;
+  options.frames_in_flight = frame_slots(config);
+  return [options] { return gpu::make_renderer(options); };
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,242 @@
+// Suite "pipeline": the whole daemon in this process, asked over loopback by clients that keep it busy; and beside it,
+// in the same run and along the same camera paths, the bare kernels: frames submitted back to back and thrown away.
+#include <sys/resource.h>
+
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <sstream>
+
+#include "client/load/load_report.h"
+#include "client/load/load_run.h"
+#include "common/clock.h"
+#include "daemon/daemon.h"
+#include "daemon/vulkan_renderers.h"
+#include "gpu/vulkan_renderer.h"
+#include "scenes/loader.h"
+#include "tests/bench/bench_scenes.h"
+#include "tests/bench/scratch_folder.h"
+#include "tests/bench/suites.h"
+
+namespace gnomon::bench {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr uint32_t kSubmitted = 3;  // frames of the bare kernels on the device: what the daemon has at most
+constexpr SceneId kScene{0};
+
+double cpu_seconds(int who) {
+  rusage usage{};
+  getrusage(who, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// Of the daemon, in this process with the clients on the calling thread.
+double daemon_cpu_seconds() { return cpu_seconds(RUSAGE_SELF) - cpu_seconds(RUSAGE_THREAD); }
+
+double device_busy_seconds(const daemon::Metrics& metrics) {
+  std::istringstream lines(metrics.text());
+  const std::string name("gnomon_device_busy_seconds_total ");
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(name)) return std::stod(line.substr(name.size()));
+  return 0;
+}
+
+// Frames of `clients` cameras in turn, each somewhere else on the path, as the load's clients are.
+class BareKernels {
+ public:
+  BareKernels(std::unique_ptr<gpu::Renderer> renderer, scenes::ScenePtr scene)
+      : renderer_(std::move(renderer)), scene_(std::move(scene)) {}
+
+  Result<void> prepare() { return renderer_->make_resident(kScene, scene_); }
+  const gpu::Renderer& renderer() const { return *renderer_; }
+
+  // Frames a second.
+  Result<double> run(PictureSize size, size_t clients, double seconds) {
+    const TimePoint start = Clock::now();
+    uint64_t frames = 0;
+    for (double now = 0; now < seconds; now = to_seconds(Clock::now() - start), ++frames) {
+      const double phase = static_cast<double>(frames % clients) / static_cast<double>(clients);
+      const double length = path_seconds(*scene_);
+      const double place = std::fmod(now + phase * length, length);
+      if (auto submitted = submit(camera_on_path(*scene_, place, size), size); !submitted) return submitted.error();
+    }
+    wait_until(0);
+    return static_cast<double>(frames) / to_seconds(Clock::now() - start);
+  }
+
+ private:
+  Result<void> submit(const gpu::CameraView& camera, PictureSize size) {
+    wait_until(kSubmitted - 1);
+    const gpu::RenderJob job{JobId(++jobs_), kScene, camera, size.width, size.height};
+    auto submitted = renderer_->submit(job, [this](gpu::FrameDone done) {
+      done.mask.drop();
+      std::lock_guard lock(mutex_);
+      --under_way_;
+      changed_.notify_all();
+    });
+    if (!submitted) return submitted;
+    std::lock_guard lock(mutex_);
+    ++under_way_;
+    return {};
+  }
+
+  void wait_until(int most) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return under_way_ <= most; });
+  }
+
+  std::unique_ptr<gpu::Renderer> renderer_;
+  scenes::ScenePtr scene_;
+  uint64_t jobs_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int under_way_ = 0;
+};
+
+class PipelineSuite : public Suite {
+ public:
+  void add_options(CLI::App& command) override {
+    command.add_option("--scene", scenes_, "built-in name or glTF file; default: both built-in ones and Sponza");
+    command.add_option("--size", sizes_, "pixels of each client's buffer")->capture_default_str();
+    command.add_option("--clients", clients_, "how many at a time")->capture_default_str();
+    command.add_option("--rate", rate_hz_, "cameras a second of each client; 0: as many as are answered")
+        ->capture_default_str();
+    command.add_option("--seconds", seconds_, "of each measurement")->capture_default_str();
+    command.add_option("--device", device_, "index, type or part of the name");
+    command.add_option("--slice-us", slice_us_, "scheduler.slice_us of the daemon")->capture_default_str();
+    command.add_option("--encode-threads", encode_threads_, "encode.threads of the daemon")->capture_default_str();
+    command.add_option("--net-threads", net_threads_, "server.net_threads of the daemon")->capture_default_str();
+  }
+
+  Result<Report> run() override {
+    report_.suite = "pipeline";
+    log::set_level(log::Level::warning);
+    if (scenes_.empty()) {
+      for (const std::string& scene : default_scenes())
+        if (scene == "living_room" || scene == "temple" || scene == "sponza_crytek") scenes_.push_back(scene);
+    }
+    for (const std::string& scene : scenes_) {
+      if (auto measured = measure_scene(scene); !measured) return measured.error();
+    }
+    return std::move(report_);
+  }
+
+ private:
+  daemon::Config config(const std::string& name, const std::filesystem::path& file) const {
+    daemon::Config config;
+    config.server.mode = daemon::ServerMode::demo;
+    config.server.state_folder = scratch_.path();
+    config.server.control_port = config.server.data_port = config.admin.port = 0;
+    config.server.net_threads = net_threads_;
+    config.server.drain_timeout = std::chrono::milliseconds(0);
+    config.scenes.list = {{name, file, ""}};
+    if (!device_.empty()) config.render.device = device_;
+    config.render.cache_folder = scratch_.path();
+    config.render.passes = gpu::RendererOptions{}.passes;
+    config.encode.threads = encode_threads_;
+    config.scheduler.slice = std::chrono::microseconds(slice_us_);
+    config.scheduler.admit_percent = 0;
+    return config;
+  }
+
+  Result<void> measure_scene(const std::string& name) {
+    const auto file = scene_file(name);
+    if (!file) return file.error();
+    const auto scene = scenes::load_scene(*file);
+    if (!scene) return scene.error();
+    const daemon::Config config = this->config(file->stem().string(), *file);
+    const daemon::RendererFactory factory = daemon::vulkan_renderers(config);
+    say("scene " + name + ": the bare kernels get ready");
+    auto renderer = factory();
+    if (!renderer) return renderer.error();
+    BareKernels bare(std::move(*renderer), *scene);
+    if (auto ready = bare.prepare(); !ready) return ready;
+    report_.device = bare.renderer().device_name();
+    report_.driver = bare.renderer().driver_name();
+    say("scene " + name + ": the daemon gets ready");
+    auto daemon = daemon::Daemon::start({config, factory, "bench", {}, [](const Error& e) { say(e.message); }});
+    if (!daemon) return daemon.error();
+    for (const std::string& size : sizes_) {
+      for (const size_t clients : clients_) {
+        if (auto r = measure(name, *file, (*scene)->lights.size(), bare, **daemon, size, clients); !r) return r;
+      }
+    }
+    return {};
+  }
+
+  client::LoadOptions load(const std::filesystem::path& file, const daemon::Daemon& daemon, PictureSize size,
+                           double seconds) const {
+    client::LoadOptions options;
+    options.server = {"127.0.0.1", daemon.control_port()};
+    options.trust.pin = protocol::to_string(daemon.pin());
+    options.scene = file.stem().string();
+    options.scene_folder = file.parent_path();
+    options.size = {static_cast<uint16_t>(size.width), static_cast<uint16_t>(size.height)};
+    options.rate_hz = rate_hz_;
+    options.in_flight = 2;  // the next camera is there when a frame is done
+    options.duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
+    return options;
+  }
+
+  // Half of the bare kernels' time before, half after: the machine may change meanwhile.
+  Result<void> measure(const std::string& name, const std::filesystem::path& file, size_t lights, BareKernels& bare,
+                       daemon::Daemon& daemon, const std::string& size_text, size_t clients) {
+    const auto size = parse_size(size_text);
+    if (!size) return size.error();
+    say("scene " + name + " " + size_text + ", " + std::to_string(clients) + " clients");
+    const auto before = bare.run(*size, clients, seconds_ / 2);
+    if (!before) return before.error();
+    client::Progress progress;
+    client::LoadRun warm(load(file, daemon, *size, 0.25 * seconds_), {{"", "", clients}});  // costs are learned
+    if (auto done = warm.run(progress); !done) return done;
+    client::LoadRun flight(load(file, daemon, *size, seconds_), {{"", "", clients}});
+    const double busy = device_busy_seconds(daemon.metrics()), cpu = daemon_cpu_seconds();
+    if (auto done = flight.run(progress); !done) return done;
+    const double busy_after = device_busy_seconds(daemon.metrics()), cpu_after = daemon_cpu_seconds();
+    progress.clear();
+    const auto after = bare.run(*size, clients, seconds_ / 2);
+    if (!after) return after.error();
+
+    client::Latencies server;
+    for (const auto& participant : flight.participants()) server.add(participant.client->server_times());
+    const client::LoadRow total = client::load_rows(flight).back();
+    const double bare_vbps = (*before + *after) / 2;
+    const double bits = static_cast<double>(size->width) * size->height * static_cast<double>(lights);
+    report_.rows.push_back({{"scene", name},
+                            {"size", size_text},
+                            {"clients", clients},
+                            {"rate_hz", rate_hz_},
+                            {"vbps", total.vbps},
+                            {"gvis_per_s", total.vbps * bits / 1e9},
+                            {"p50_ms", to_milliseconds(server.percentile(0.5))},
+                            {"p99_ms", to_milliseconds(server.percentile(0.99))},
+                            {"response_p50_ms", to_milliseconds(total.latencies.percentile(0.5))},
+                            {"gpu_busy_share", (busy_after - busy) / flight.flight_seconds()},
+                            {"cpu_ms_per_frame", 1e3 * (cpu_after - cpu) / std::max<double>(1, total.frames)},
+                            {"bytes_per_frame", total.bytes_per_frame()},
+                            {"bare_vbps", bare_vbps},
+                            {"ratio_to_bare_kernels", total.vbps / bare_vbps}});
+    return {};
+  }
+
+  std::vector<std::string> scenes_;
+  std::vector<std::string> sizes_{"1280x720", "1920x1080"};
+  std::vector<size_t> clients_{1, 2, 4, 8, 16};
+  double rate_hz_ = 0, seconds_ = 8;
+  std::string device_;
+  int64_t slice_us_ = 4000;
+  uint32_t encode_threads_ = 1, net_threads_ = 1;
+  ScratchFolder scratch_;
+  Report report_;
+};
+
+}  // namespace
+
+std::unique_ptr<Suite> make_pipeline_suite() { return std::make_unique<PipelineSuite>(); }
+
+}  // namespace gnomon::bench
