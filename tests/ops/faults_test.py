@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""The real daemon, broken on purpose below its feet (tests/faults): what is lost, what goes on, and how long clients
+wait for the first frame after each fault.
+
+    faults_test.py BUILD
+"""
+import resource
+import socket
+import sys
+import time
+import unittest
+
+from node import Node, eventually
+
+BUILD = sys.argv.pop(1)
+FRAMES = "gnomon_visibility_buffers_total"
+figures = []  # (fault, seconds to the first frame after it)
+
+
+class Faults(unittest.TestCase):
+    def serve(self, **config):
+        self.node = Node(BUILD, faults=True, **config)
+        self.addCleanup(self.node.__exit__)
+        return self.node
+
+    def load(self, clients, **more):
+        load = self.node.load(clients, **{"seconds": 600, **more})
+        self.addCleanup(load.kill)
+        return load
+
+    def frames(self):
+        return self.node.metric(FRAMES)
+
+    def flying(self, sessions):
+        eventually(lambda: len(self.node.status()["sessions"]) == sessions and self.frames() > 0, "clients in flight")
+
+    def first_frame_after(self, fault, since):
+        begin = self.frames()
+        eventually(lambda: self.frames() > begin, f"a frame after: {fault}")
+        figures.append((fault, time.monotonic() - since))
+
+    def sessions(self):
+        return {session["id"] for session in self.node.status()["sessions"]}
+
+    def test_a_lost_device_is_made_anew_and_sessions_stay(self):
+        node = self.serve().start()  # builds the cache
+        self.load({"studio": 4})
+        self.flying(4)
+        before = self.sessions()
+        for number in (1, 2, 3):
+            since = time.monotonic()
+            node.order("lose_device")
+            eventually(lambda: node.metric("gnomon_device_losses_total") == number, "the loss")
+            self.first_frame_after("device lost in the middle of frames", since)
+        eventually(lambda: node.code("/readyz") == 200, "ready again")
+        self.assertEqual(self.sessions(), before)
+        node.order("lose_device")
+        self.assertEqual(node.wait(), 1, "the fourth loss within a minute is for the supervisor")
+
+    def test_no_device_memory_for_a_newcomer(self):
+        node = self.serve(render={"tracer": "bvh"}).start()
+        self.load({"studio": 1})
+        self.flying(1)
+        node.order("out_of_memory")
+        self.load({"arcade": 1}, size="3840x2160", rate=1)
+        eventually(lambda: node.metric("gnomon_frames_dropped_total", reason="submit_failed") > 0, "a refused frame")
+        served = self.frames()
+        eventually(lambda: self.frames() > served + 5, "frames of who was there before")
+        self.assertEqual(node.metric("gnomon_device_losses_total"), 0)
+        since = time.monotonic()
+        node.withdraw("out_of_memory")
+        eventually(lambda: node.metric(FRAMES, tenant="arcade") > 0, "frames of the newcomer when there is memory")
+        figures.append(("no device memory for a session of 3840x2160, then some", time.monotonic() - since))
+
+    def test_no_device_memory_for_a_scene(self):
+        node = self.serve(render={"tracer": "bvh"}).start()
+        self.assertEqual(node.ctl("scene", "unload", "living_room")[0], 0)
+        node.order("out_of_memory")
+        status, output = node.ctl("scene", "load", "living_room")
+        self.assertEqual(status, 1)
+        self.assertIn("memory", output)
+        node.withdraw("out_of_memory")
+        self.assertEqual(node.ctl("scene", "load", "living_room"), (0, "loaded\n"))
+        rows = node.load({"studio": 1}, seconds=0.5).rows()
+        self.assertGreater(rows[-1]["frames"], 0)
+
+    def test_a_full_disk_costs_the_cache_and_nothing_else(self):
+        node = self.serve()
+        node.order("disk_full")
+        since = time.monotonic()
+        node.start(preload=node.build / "faults/libgnomon_fault_files.so")
+        self.load({"studio": 1})
+        self.flying(1)
+        figures.append(("start with a full disk below the cache, nothing cached", time.monotonic() - since))
+        self.assertRegex(node.log_text(), r"warning .*cache|cache.*(refused|writing)")
+        self.assertEqual([file for file in node.cache.rglob("*") if file.is_file() and file.stat().st_size], [])
+        self.assertEqual(node.stop(), 0)
+        node.withdraw("disk_full")
+        node.start()
+        self.assertTrue(list(node.cache.glob("*.lightbuffer")), "with room again it is written")
+
+    def test_out_of_descriptors(self):
+        """Connections that say nothing take all of them; who is there goes on, and who comes later is served."""
+        node = self.serve(render={"tracer": "bvh"}, server={"handshake_timeout_ms": 60000})
+        node.start()
+        limit = 64
+        self.load({"studio": 2})
+        self.flying(2)
+        resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE, (limit, limit))
+        host, port = node.control.rsplit(":", 1)
+        silent = [socket.create_connection((host, int(port))) for _ in range(limit * 2)]
+        eventually(lambda: "cannot accept a connection" in node.log_text(), "the end of descriptors")
+        # The admin server has none either: frames show in the client's own progress, so look when they are free again.
+        before = time.monotonic()
+        for connection in silent:
+            connection.close()
+        eventually(lambda: node.code("/readyz") == 200, "an admin server with descriptors")
+        self.assertEqual(len(self.sessions()), 2, "nobody was dropped")
+        self.first_frame_after("descriptors exhausted", before)
+        rows = node.load({"arcade": 1}, seconds=0.5).rows()
+        self.assertGreater(rows[-1]["frames"], 0)
+
+    def test_killed_under_32_clients(self):
+        node = self.serve().start()  # builds the cache
+        node.keep_ports()
+        self.load({"studio": 16, "arcade": 16}, size="64x64", rate=5)
+        self.flying(32)
+        for _ in range(3):
+            since = time.monotonic()
+            node.process.kill()
+            node.wait()
+            node.start()
+            ready = time.monotonic() - since
+            self.load({"studio": 32}, size="64x64", rate=5)
+            eventually(lambda: self.frames() > 0, "a frame after kill -9")
+            figures.append(("kill -9 under 32 clients, who connect again", time.monotonic() - since))
+            print(f"kill -9 to ready, cache warm: {ready:.2f} s")
+
+    def test_clients_that_vanish_leave_nothing(self):
+        node = self.serve(render={"tracer": "bvh"}, server={"silence_timeout_ms": 1000}).start()
+        for _ in range(3):
+            load = self.load({"studio": 4}, size="64x64")
+            self.flying(4)
+            load.kill()
+            eventually(lambda: not node.status()["sessions"], "no session of a vanished client")
+        self.assertEqual(node.metric("gnomon_sessions"), 0)
+
+
+def print_figures():
+    worst = {}
+    for fault, seconds in figures:
+        worst.setdefault(fault, []).append(seconds)
+    for fault, all_seconds in sorted(worst.items()):
+        print(f"{fault}: first frame after {max(all_seconds):.2f} s (worst of {len(all_seconds)})")
+
+
+if __name__ == "__main__":
+    program = unittest.main(verbosity=2, exit=False)
+    print_figures()
+    sys.exit(not program.result.wasSuccessful())
