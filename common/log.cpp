@@ -5,6 +5,9 @@
 
 #include <atomic>
 #include <cstdio>
+#include <mutex>
+
+#include "common/repeats.h"
 
 namespace gnomon::log {
 namespace {
@@ -79,8 +82,20 @@ void append_value(std::string& out, const Field& field, Format format) {
   }
 }
 
+// A stranger, or a fault that comes with every frame, does not fill the disk.
+constexpr double kLinesAtOnce = 200, kLinesPerSecond = 20;
+
+std::optional<uint64_t> admit(std::string_view event) {
+  static std::mutex mutex;
+  static Repeats repeats(kLinesAtOnce, kLinesPerSecond);  // guarded by mutex
+  std::lock_guard lock(mutex);
+  return repeats.admit(event, Clock::now());
+}
+
 void write(spdlog::level::level_enum level, std::string_view event, Fields fields) {
   if (!logger().should_log(level)) return;
+  const auto left_out = admit(event);
+  if (!left_out) return;
   const Format format = line_format.load(std::memory_order_relaxed);
   std::string line;
   if (format == Format::json) {
@@ -92,6 +107,7 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
       line += ':';
       append_value(line, field, format);
     }
+    if (*left_out > 0) line += ",\"left_out\":" + std::to_string(*left_out);
     line += '}';
   } else {
     line += event;
@@ -101,6 +117,7 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
       line += '=';
       append_value(line, field, format);
     }
+    if (*left_out > 0) line += " left_out=" + std::to_string(*left_out);
   }
   logger().log(level, spdlog::string_view_t(line.data(), line.size()));
 }

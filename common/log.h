@@ -2,7 +2,7 @@
 //
 //   log::info("session opened", {{"session", id.value}, {"tenant", name}});
 //
-// Any thread. Nothing secret is ever passed as a field.
+// Any thread. Nothing secret is ever passed as a field. Repeated events are rate-limited; `left_out` counts them.
 #pragma once
 
 #include <concepts>

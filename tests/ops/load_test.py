@@ -80,7 +80,8 @@ class UnderLoad(unittest.TestCase):
                 self.load({"studio": AT_A_TIME}, size="32x32", seconds=0.1).rows()
                 eventually(lambda: node.metric("gnomon_sessions") == 0, "all sessions closed")
             grown.append(node.metric("gnomon_process_resident_memory_bytes"))
-        print(f"{SESSIONS} short sessions: {grown[0] / 1e6:.1f} MB after the first half, {grown[1] / 1e6:.1f} MB at the end")
+        print(f"{SESSIONS} short sessions: {grown[0] / 1e6:.1f} MB after the first half, "
+              f"{grown[1] / 1e6:.1f} MB at the end")
         self.assertLess(grown[1] - grown[0], MOST_GROWTH)
 
 

@@ -113,14 +113,16 @@ class Package(unittest.TestCase):
         with open(log, "w") as out:
             daemon = subprocess.Popen(
                 ["chroot", "--userspec=65534:65534", self.root, "gnomond", "--config", "/" + CONFIG, "--set",
-                 "scenes.list=[{name: living_room, file: living_room.glb}]", "--set", "server.control_port=0",
-                 "--set", "server.data_port=0", "--set", "server.state_folder=/var/lib/gnomon", "--set", "admin.port=0"], stdout=out, stderr=subprocess.STDOUT)
+                 "scenes.list=[{name: living_room, file: living_room.glb}]", "--set", "server.control_port=0", "--set",
+                 "server.data_port=0", "--set", "server.state_folder=/var/lib/gnomon", "--set", "admin.port=0"], stdout=out, stderr=subprocess.STDOUT)
         try:
             ready = eventually(lambda: daemon.poll() is not None
-                               or re.search(r"ready control=(\S+) data=\S+ admin=(\S+) pin=(\S+)", log.read_text()), "ready")
+                               or re.search(r"ready control=(\S+) data=\S+ admin=(\S+) pin=(\S+)",
+                                            log.read_text()), "ready")
             self.assertIsNone(daemon.poll(), log.read_text())
-            load = self.chroot("gnomon-load", "--server", ready.group(1), "--pin", ready.group(3), "--scene", "living_room", "--size", "160x90",
-                               "--clients", 2, "--rate", 0, "--seconds", SELF_TEST_S)
+            load = self.chroot("gnomon-load", "--server", ready.group(1), "--pin", ready.group(3), "--scene",
+                               "living_room", "--size", "160x90", "--clients", 2, "--rate", 0, "--seconds",
+                               SELF_TEST_S)
             print(load.stdout[-400:])
             self.assertIn("ready", self.chroot("gnomonctl", "--admin", ready.group(2), "status").stdout)
             self.chroot("gnomonctl", "--admin", ready.group(2), "drain")

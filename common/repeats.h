@@ -1,0 +1,51 @@
+// Keeps a log readable: of each event so many lines at once and so many a second; how many were left out is said.
+//
+// One thread at a time. Told the time.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/clock.h"
+
+namespace gnomon::log {
+
+class Repeats {
+ public:
+  Repeats(double burst, double per_second) : burst_(burst), per_second_(per_second) {}
+
+  // How many lines of this event were left out since the last one; empty: leave this one out too.
+  std::optional<uint64_t> admit(std::string_view event, TimePoint now) {
+    auto found = events_.find(event);
+    if (found == events_.end()) {
+      // Events are literals of the program: their number has a bound.
+      found = events_.emplace(std::string(event), Event{burst_, now, 0}).first;
+    }
+    Event& known = found->second;
+    known.tokens = std::min(burst_, known.tokens + per_second_ * to_seconds(now - known.since));
+    known.since = now;
+    if (known.tokens < 1) {
+      ++known.left_out;
+      return std::nullopt;
+    }
+    known.tokens -= 1;
+    return std::exchange(known.left_out, 0);
+  }
+
+ private:
+  struct Event {
+    double tokens;
+    TimePoint since;
+    uint64_t left_out;
+  };
+
+  double burst_, per_second_;
+  std::map<std::string, Event, std::less<>> events_;
+};
+
+}  // namespace gnomon::log
