@@ -19,7 +19,7 @@ scenes: {list: [{name: living_room, file: living_room.glb}]}
 tenants: [{name: studio, weight: %d}, {name: arcade}]
 """
 FAULTS = """[Service]
-WatchdogSec=3s
+WatchdogSec=6s
 Environment=VK_ADD_LAYER_PATH=/opt/faults VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=/run/gnomon
 """
 LOAD = ("gnomon-load", "--server", "127.0.0.1:7600", "--pin", "/var/lib/gnomon/demo.pin", "--scene", "living_room",
@@ -42,7 +42,7 @@ class Booted(unittest.TestCase):
 
     def serves(self):
         done = self.system.run(*LOAD, "--seconds", 0.5, check=False)
-        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + self.system.journal())
 
     def restarted(self):
         eventually(lambda: int(self.system.property("NRestarts")) > self.restarts, "a restart")
