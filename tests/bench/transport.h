@@ -1,0 +1,25 @@
+// The cases of gnomon-bench transport, one file for each subject: a case measures one thing and gives its rows.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/result.h"
+
+namespace gnomon::bench {
+
+struct TransportOptions {
+  std::chrono::duration<double> seconds{4};  // of each measurement
+  bool quick = false;                        // every path taken once, figures of no worth
+};
+
+struct TransportCase {
+  const char* name;
+  std::function<Result<std::vector<nlohmann::ordered_json>>(const TransportOptions&)> run;
+};
+
+std::vector<TransportCase> seal_cases();  // transport_seal.cpp
+
+}  // namespace gnomon::bench
