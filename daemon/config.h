@@ -10,6 +10,7 @@
 
 #include "common/log.h"
 #include "common/result.h"
+#include "daemon/tokens.h"
 #include "protocol/types.h"
 
 namespace gnomon::daemon {
@@ -38,6 +39,7 @@ struct ServerConfig {
   uint32_t max_half_open = 256;  // connections without a session; a further one replaces the oldest
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
+  uint32_t connections_per_s = 100;  // of an address, in the long run; so many at once as it may have sessions
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 
@@ -107,10 +109,12 @@ struct TenantConfig {
   uint32_t max_gpu_percent = 0;  // of the device's time
   uint16_t max_width = 0;        // of a buffer, pixels
   uint16_t max_height = 0;
-  uint32_t least_rate_percent = 50;     // of what a session was granted, when the device cannot keep up
-  uint32_t least_size_percent = 100;    // then, of each side of its buffer
-  uint32_t least_lights_percent = 100;  // then, of the scene's lights
-  uint32_t max_memory_mb = 0;           // of its sessions' buffers on the device, MiB
+  uint32_t least_rate_percent = 50;          // of what a session was granted, when the device cannot keep up
+  uint32_t least_size_percent = 100;         // then, of each side of its buffer
+  uint32_t least_lights_percent = 100;       // then, of the scene's lights
+  uint32_t max_memory_mb = 0;                // of its sessions' buffers on the device, MiB
+  std::vector<TokenHash> token_sha256 = {};  // of its tokens: any of them is good
+  bool open = false;                         // no token needed: whoever names it is let in
 };
 
 struct LogConfig {

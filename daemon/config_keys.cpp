@@ -34,6 +34,11 @@ std::optional<std::string> parse_text(const YAML::Node& node) {
   return text && !text->empty() ? text : std::nullopt;
 }
 
+std::optional<TokenHash> parse_hash(const YAML::Node& node) {
+  const auto text = any_scalar(node);
+  return text ? parse_token_hash(*text) : std::nullopt;
+}
+
 std::optional<std::filesystem::path> parse_path(const YAML::Node& node) {
   auto text = parse_text(node);
   if (!text) return std::nullopt;
@@ -128,6 +133,7 @@ Keys<ServerConfig> server_keys() {
       integer("max_half_open", &S::max_half_open, 1, 65536),
       integer("max_sessions", &S::max_sessions, 1, 1'000'000),
       integer("max_sessions_per_address", &S::max_sessions_per_address, 1, 1'000'000),
+      integer("connections_per_s", &S::connections_per_s, 1, 1'000'000),
   };
 }
 
@@ -219,6 +225,10 @@ Keys<Config> all_keys() {
       integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
       integer("least_lights_percent", &TenantConfig::least_lights_percent, 1, 100),
       integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
+      scalars("token_sha256", &TenantConfig::token_sha256,
+              "a list of SHA-256 hashes of tokens, 64 hexadecimal digits each; gnomonctl make-token makes some",
+              parse_hash),
+      choice("open", &TenantConfig::open, {{"true", true}, {"false", false}}),
   };
   return {
       section("server", &Config::server, server_keys()),

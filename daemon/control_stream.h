@@ -40,6 +40,10 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
   void close();
   bool is_open() const { return stream_.lowest_layer().is_open(); }
 
+  // The common name and the DNS names of the client's certificate, which one of our authorities has signed; empty: it
+  // showed none. Once a message has come.
+  std::vector<std::string> certificate_names() const;
+
   // Of the data channel, from this connection's TLS session; once a message has come.
   Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher);
 

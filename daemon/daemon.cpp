@@ -1,5 +1,7 @@
 #include "daemon/daemon.h"
 
+#include "daemon/credentials.h"
+
 #include <algorithm>
 
 namespace gnomon::daemon {
@@ -41,6 +43,7 @@ Result<void> Daemon::bring_up() {
   roster_.publish(Roster().with(options_.config.tenants));
   auto tls = open_tls(options_.config.server);
   if (!tls) return tls.error();
+  if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   tls_ = std::move(*tls);
   scenes_ = std::make_unique<SceneHost>(catalog_, inbox_, metrics_);
   auto server = Server::open(
@@ -130,6 +133,7 @@ Result<void> Daemon::reload(const Result<Config>& next) {
 }
 
 Result<void> Daemon::apply(const Config& next) {
+  if (auto reachable = check_tenants(next); !reachable) return reachable;
   const Roster roster = roster_.get()->with(next.tenants);
   if (roster.size() > kMostTenants) {
     return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};

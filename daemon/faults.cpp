@@ -53,13 +53,15 @@ constexpr std::array kTable{
     FaultRow{Fault::tls_version, kRefusal, "tls_version", Level::debug, "connection speaks no TLS 1.3"},
     FaultRow{Fault::tls_certificate, kRefusal, "tls_certificate", Level::warning, "client's certificate refused"},
     FaultRow{Fault::tls_failed, kRefusal, "tls", Level::debug, "connection speaks no TLS"},
+    FaultRow{Fault::connection_rate, kRefusal, "connection_rate", Level::debug,
+             "too many connections from one address"},
 };
 
 constexpr bool in_order() {
   for (size_t i = 0; i < kTable.size(); ++i) {
     if (static_cast<size_t>(kTable[i].fault) != i) return false;
   }
-  return kTable.size() == static_cast<size_t>(Fault::tls_failed) + 1;
+  return kTable.size() == static_cast<size_t>(Fault::connection_rate) + 1;
 }
 static_assert(in_order(), "one row for each fault, in the enum's order");
 

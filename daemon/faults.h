@@ -52,6 +52,7 @@ enum class Fault : uint8_t {
   tls_version,
   tls_certificate,
   tls_failed,
+  connection_rate,
 };
 
 enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal };

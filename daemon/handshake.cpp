@@ -64,18 +64,18 @@ Refused refusal(RefusalCode code, std::string text) {
   return refused;
 }
 
-std::variant<Accepted, Refused> check_hello(const Hello& hello, const Config& config, const Roster& roster,
+std::optional<Refused> check_version(const Hello& hello) {
+  if (protocol::kVersion >= hello.version_min && protocol::kVersion <= hello.version_max) return std::nullopt;
+  return refusal(RefusalCode::version, "this server speaks version " + std::to_string(protocol::kVersion));
+}
+
+std::variant<Accepted, Refused> check_hello(const Hello& hello, TenantId tenant, const Config& config,
                                             const FindScene& find_scene) {
-  if (protocol::kVersion < hello.version_min || protocol::kVersion > hello.version_max) {
-    return refusal(RefusalCode::version, "this server speaks version " + std::to_string(protocol::kVersion));
-  }
-  const auto tenant = roster.find(hello.tenant.empty() ? kDefaultTenant : hello.tenant);
-  if (!tenant) return refusal(RefusalCode::unknown_tenant, "no tenant " + shown(hello.tenant) + " here");
   if (auto refused = check_size(hello, config.render)) return *refused;
   if (auto refused = check_passes(hello, config.render)) return *refused;
   std::string scene = find_scene(hello.scene);
   if (scene.empty()) return refusal(RefusalCode::unknown_scene, "no scene " + shown(hello.scene) + " here");
-  return Accepted{*tenant,
+  return Accepted{tenant,
                   std::move(scene),
                   hello.width,
                   hello.height,

@@ -3,12 +3,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "common/ids.h"
 #include "daemon/config.h"
-#include "daemon/roster.h"
 #include "protocol/messages.h"
 
 namespace gnomon::daemon {
@@ -31,8 +31,12 @@ struct Accepted {
 // The server's name of the scene that a client asks for; empty: there is none.
 using FindScene = std::function<std::string(const std::string& asked)>;
 
-std::variant<Accepted, protocol::Refused> check_hello(const protocol::Hello& hello, const Config& config,
-                                                      const Roster& roster, const FindScene& find_scene);
+// Empty: the client speaks our version, and the rest of its Hello could be read.
+std::optional<protocol::Refused> check_version(const protocol::Hello& hello);
+
+// `tenant`: who the client has turned out to be.
+std::variant<Accepted, protocol::Refused> check_hello(const protocol::Hello& hello, TenantId tenant,
+                                                      const Config& config, const FindScene& find_scene);
 
 protocol::Refused refusal(protocol::RefusalCode code, std::string text);
 

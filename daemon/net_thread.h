@@ -88,6 +88,7 @@ class NetThread {
   bool book(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat& seat,
             const scenes::LoadedScene& scene);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused);
+  void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused, Fault fault);
   void hear_client(SessionId id, Result<protocol::Message> message);
   void close_session(SessionId id, const std::string& why);
   void show_out(const std::shared_ptr<ControlStream>& stream);

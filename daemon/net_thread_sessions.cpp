@@ -1,6 +1,7 @@
 // How a connection becomes a session and how a session ends.
 #include <asio/post.hpp>
 
+#include "daemon/credentials.h"
 #include "daemon/net_thread.h"
 #include "daemon/random_bytes.h"
 #include "daemon/translate.h"
@@ -65,7 +66,10 @@ void NetThread::hear_visitor(const std::shared_ptr<ControlStream>& stream, Resul
 
 void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protocol::Hello& hello) {
   if (shared_.health.draining) return refuse(stream, refusal(RefusalCode::draining, "the server is going away"));
-  auto verdict = check_hello(hello, shared_.config, *shared_.roster.get(),
+  if (const auto refused = check_version(hello)) return refuse(stream, *refused);
+  const auto who = identify(hello, stream->certificate_names(), *shared_.roster.get(), shared_.config.server.mode);
+  if (const auto* rejected = std::get_if<Rejected>(&who)) return refuse(stream, rejected->refused, rejected->fault);
+  auto verdict = check_hello(hello, std::get<TenantId>(who), shared_.config,
                              [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* refused = std::get_if<protocol::Refused>(&verdict)) return refuse(stream, *refused);
   const Accepted& accepted = std::get<Accepted>(verdict);
@@ -156,9 +160,13 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
 }
 
 void NetThread::refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused) {
-  shared_.metrics.report(fault_of(refused.code), {{"reason", protocol::to_string(refused.code)},
-                                                  {"text", refused.text},
-                                                  {"address", stream->peer().to_string()}});
+  refuse(stream, refused, fault_of(refused.code));
+}
+
+void NetThread::refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused,
+                       Fault fault) {
+  shared_.metrics.report(
+      fault, {{"reason", row_of(fault).label}, {"text", refused.text}, {"address", stream->peer().to_string()}});
   lobby_.remove(stream.get());
   stream->send(refused);
   show_out(stream);

@@ -24,6 +24,7 @@ class Roster {
   // An open one.
   std::optional<TenantId> find(std::string_view name) const;
   bool open(TenantId id) const { return entries_[id.value].open; }
+  const TenantConfig& config(TenantId id) const { return entries_[id.value].config; }
   const std::string& name(TenantId id) const { return entries_[id.value].config.name; }
   size_t size() const { return entries_.size(); }
 

@@ -36,8 +36,12 @@ Result<std::unique_ptr<tcp::acceptor>> listen(asio::io_context& io, const Server
 
 }  // namespace
 
+Server::Server(const NetShared& shared)
+    : metrics_(shared.metrics),
+      rate_(shared.config.server.max_sessions_per_address, shared.config.server.connections_per_s) {}
+
 Result<std::unique_ptr<Server>> Server::open(const NetShared& shared) {
-  std::unique_ptr<Server> made(new Server);
+  std::unique_ptr<Server> made(new Server(shared));
   for (uint32_t i = 0; i < shared.config.server.net_threads; ++i) {
     auto thread = NetThread::open(shared, i);
     if (!thread) return thread.error();
@@ -63,7 +67,13 @@ void Server::accept() {
   acceptor_->async_accept(owner.io(), [this, &owner](asio::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
     if (!error) {
-      owner.adopt(std::move(socket));
+      asio::error_code gone;
+      const auto from = socket.remote_endpoint(gone);
+      if (gone || rate_.admit(from.address(), Clock::now())) {
+        owner.adopt(std::move(socket));
+      } else {
+        metrics_.report(Fault::connection_rate);
+      }
       return accept();
     }
     // Out of descriptors, most likely. Those who wait stay in the kernel's queue until some come free.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "daemon/connection_rate.h"
 #include "daemon/net_thread.h"
 
 namespace gnomon::daemon {
@@ -32,9 +33,11 @@ class Server {
   void stop();  // everybody is told, everything is closed
 
  private:
-  Server() = default;
+  explicit Server(const NetShared& shared);
   void accept();
 
+  Metrics& metrics_;
+  ConnectionRate rate_;  // the first net thread's, as what follows it
   std::vector<std::unique_ptr<NetThread>> threads_;
   std::unique_ptr<asio::ip::tcp::acceptor> acceptor_;  // the first net thread's
   std::unique_ptr<asio::steady_timer> retry_;

@@ -64,9 +64,6 @@ Result<void> use_identity(SSL_CTX* context, const TlsConfig& tls) {
   if (SSL_CTX_use_PrivateKey_file(context, tls.key.c_str(), SSL_FILETYPE_PEM) != 1) {
     return library_error("server.tls.key: " + tls.key.string());
   }
-  if (SSL_CTX_check_private_key(context) != 1) {
-    return library_error("server.tls.key: " + tls.key.string() + " is not that of " + tls.certificate.string());
-  }
   if (X509_cmp_current_time(X509_get0_notAfter(SSL_CTX_get0_certificate(context))) < 0) {
     return Error{"server.tls.certificate: " + tls.certificate.string() +
                  " has expired: every client would refuse it; make another with gnomonctl make-certs"};

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/secrets.h"
 #include "daemon/ctl/top.h"
 #include "daemon/ctl/views.h"
 
@@ -18,6 +19,7 @@ struct Arguments {
   std::string scene;
   double interval_s = 1;
   uint32_t count = 0;
+  CertsRequest certs;
 };
 
 using Command = std::function<Result<void>(const Arguments&)>;
@@ -99,6 +101,26 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   add_scene_commands(app, chosen, arguments);
 }
 
+void add_secret_commands(CLI::App& app, Command& chosen, CertsRequest& request) {
+  CLI::App* certs = add(app, chosen, "make-certs", "Make the certificates that gnomond and its clients need",
+                        [](const Arguments& a) -> Result<void> {
+                          const auto made = make_certs(a.certs);
+                          if (!made) return made.error();
+                          print(*made);
+                          return {};
+                        });
+  certs->add_option("--out", request.out, "Folder for them")->required();
+  certs->add_option("--host", request.hosts, "Name or address by which clients reach the server")->required();
+  certs->add_option("--client", request.tenants, "Tenant whose clients get a certificate, in the place of a token");
+  certs->add_option("--days", request.days, "How long they last")->check(CLI::Range(1u, 3650u));
+  certs->add_flag("--renew", request.renew, "Replace those that are there");
+  add(app, chosen, "make-token", "Make a tenant's token, and the hash of it for gnomond's configuration",
+      [](const Arguments&) -> Result<void> {
+        print(token_text());
+        return {};
+      });
+}
+
 int run(int argc, char** argv) {
   Arguments arguments;
   Command chosen;
@@ -108,6 +130,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);
   add_commands(app, chosen, arguments);
+  add_secret_commands(app, chosen, arguments.certs);
   CLI11_PARSE(app, argc, argv);
   const auto done = chosen(arguments);
   if (done) return EXIT_SUCCESS;

@@ -177,7 +177,7 @@ Line line_of(std::string text) {
   const bool item = text.compare(line.indent, 2, "- ") == 0;
   const size_t begin = line.indent + (item ? 2 : 0);
   const size_t colon = text.find(':', begin);
-  if (colon == std::string::npos || text.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", begin) != colon)
+  if (colon == std::string::npos || text.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789", begin) != colon)
     return line;
   line.key = text.substr(begin, colon - begin);
   line.value = text.substr(colon + 1);

@@ -61,6 +61,12 @@ class Served : public testing::Test {
   }
 
   void start() {
+    auto daemon = try_start();
+    ASSERT_TRUE(daemon) << daemon.error().message;
+    daemon_ = std::move(*daemon);
+  }
+
+  Result<std::unique_ptr<Daemon>> try_start() {
     Daemon::Options options;
     options.config = config_;
     options.version = "test";
@@ -68,9 +74,7 @@ class Served : public testing::Test {
     options.make_renderer = [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
       return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(3, kLights, frame_time_));
     };
-    auto daemon = Daemon::start(std::move(options));
-    ASSERT_TRUE(daemon) << daemon.error().message;
-    daemon_ = std::move(*daemon);
+    return Daemon::start(std::move(options));
   }
 
   TestClient client() { return TestClient(daemon_->control_port()); }

@@ -7,6 +7,7 @@
 #include <asio/ip/udp.hpp>
 #include <asio/ssl.hpp>
 #include <asio/write.hpp>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -23,12 +24,15 @@ inline constexpr std::chrono::seconds kPatience{20};
 
 class TestClient {
  public:
-  // Takes any certificate: who is who is tested elsewhere.
-  explicit TestClient(uint16_t control_port) : control_(io_, tls_), data_(io_) {
+  // Takes any certificate. `prepare` may change how it shakes hands.
+  explicit TestClient(uint16_t control_port, const std::function<void(SSL*)>& prepare = {})
+      : control_(io_, tls_), data_(io_) {
     SSL_set_alpn_protos(control_.native_handle(), protocol::kAlpn.data(), protocol::kAlpn.size());
+    if (prepare) prepare(control_.native_handle());
     control_.next_layer().connect({asio::ip::address_v4::loopback(), control_port});
     asio::error_code refused;
     control_.handshake(asio::ssl::stream_base::client, refused);
+    shook_hands_ = !refused;
     data_.open(asio::ip::udp::v4());
     data_.bind({asio::ip::address_v4::loopback(), 0});
   }
@@ -41,6 +45,8 @@ class TestClient {
     hello.height = height;
     return hello;
   }
+
+  bool shook_hands() const { return shook_hands_; }
 
   // False: the server has closed.
   bool send_bytes(const std::vector<uint8_t>& bytes) {
@@ -157,6 +163,7 @@ class TestClient {
     io_.run();
   }
 
+  bool shook_hands_ = false;
   asio::io_context io_;
   asio::ssl::context tls_{asio::ssl::context::tls_client};
   asio::ssl::stream<asio::ip::tcp::socket> control_;
