@@ -46,8 +46,8 @@ int main(int argc, char** argv) {
                       gnomon::bench::make_codec_suite()});
   commands.push_back({"pipeline", "the whole daemon over loopback, beside its kernels run back to back",
                       gnomon::bench::make_pipeline_suite()});
-  commands.push_back({"transport", "what sealing, pacing and the link cost and bring",
-                      gnomon::bench::make_transport_suite()});
+  commands.push_back(
+      {"transport", "what sealing, pacing and the link cost and bring", gnomon::bench::make_transport_suite()});
   for (Command& command : commands) {
     command.app = app.add_subcommand(command.name, command.about);
     command.app->add_option("--json", json_file, "write the results to this file");
