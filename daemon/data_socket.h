@@ -35,13 +35,19 @@ class DataSocket {
 
   static constexpr size_t kBatch = 64;
 
+  // Whether the kernel cuts long buffers into datagrams for us (UDP generic segmentation offload).
+  bool segments() const { return segments_; }
+
  private:
   explicit DataSocket(asio::io_context& io) : socket_(io) {}
   void wait();
   size_t receive_batch();
+  size_t send_batch(std::span<const std::vector<uint8_t>> datagrams, const asio::ip::udp::endpoint& to,
+                    asio::error_code& error);
 
   asio::ip::udp::socket socket_;
   uint16_t port_ = 0;
+  bool segments_ = false;
   OnDatagram on_datagram_;
   std::array<std::array<uint8_t, protocol::kMaxDatagramBytes + 1>, kBatch> buffers_;
 };

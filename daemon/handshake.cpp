@@ -45,6 +45,12 @@ std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& rend
   return std::nullopt;
 }
 
+// Of those that the client decodes. They are numbered by density.
+protocol::CodecId densest_codec(const Hello& hello, const EncodeConfig& encode) {
+  if (hello.codecs.empty()) return encode.codec;
+  return *std::max_element(hello.codecs.begin(), hello.codecs.end());
+}
+
 // The client's wish: whoever has instructions for AES puts it first. ChaCha20 also where it is this machine that has
 // none, as a server seals for many. Every client must be able to use AES-128-GCM.
 protocol::CipherId choose_cipher(const std::vector<protocol::CipherId>& wanted) {
@@ -81,6 +87,7 @@ std::variant<Accepted, Refused> check_hello(const Hello& hello, TenantId tenant,
                   hello.height,
                   hello.rate_hz,
                   hello.codecs.empty() ? config.encode.codec : hello.codecs.front(),
+                  densest_codec(hello, config.encode),
                   choose_cipher(hello.ciphers),
                   hello.features & kFeatures};
 }

@@ -23,6 +23,7 @@ struct Accepted {
   uint16_t height = 0;
   float rate_hz = 0;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
+  protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // where bytes are short
   protocol::CipherId cipher = protocol::CipherId::aes_128_gcm;
   uint64_t features = 0;                       // of the client's those that are known here
   std::shared_ptr<const void> scene_use = {};  // keeps the scene from being unloaded, once it was fetched

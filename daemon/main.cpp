@@ -58,11 +58,18 @@ Result<Config> load_config(const Arguments& arguments) {
   return config;
 }
 
+// As it stands before a port's colon.
+std::string bracketed(const std::string& address) {
+  const bool v6 = address.find(':') != std::string::npos;
+  return v6 ? std::string("[").append(address).append("]") : address;
+}
+
 void print_ready_line(const Daemon& daemon, const Config& config) {
   std::string data;
   for (const uint16_t port : daemon.data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
-  std::printf("gnomond ready control=%s:%u data=%s admin=http://%s:%u pin=%s\n", config.server.listen.c_str(),
-              daemon.control_port(), data.c_str(), config.admin.listen.c_str(), daemon.admin_port(),
+  std::printf("gnomond ready control=%s:%u data=%s admin=http://%s:%u pin=%s\n",
+              bracketed(config.server.listen).c_str(), daemon.control_port(), data.c_str(),
+              bracketed(config.admin.listen).c_str(), daemon.admin_port(),
               protocol::to_string(daemon.pin()).c_str());
   std::fflush(stdout);
 }

@@ -2,6 +2,7 @@
 
 #include <asio/post.hpp>
 #include <future>
+#include <sstream>
 
 #include "daemon/translate.h"
 
@@ -154,10 +155,14 @@ void NetThread::report_stats() {
   for (const auto& [id, session] : sessions_) {
     const protocol::Stats stats = session->take_stats();
     shared_.metrics.link(session->take_link_report());
+    const LinkWindow window = session->take_link_window();
+    if (window.offered > 0) shared_.inbox.push(LinkReviewed{id, window});
     streams_.at(id)->send(stats);
     std::string address;
     if (session->address()) {
-      address = session->address()->address().to_string() + ":" + std::to_string(session->address()->port());
+      std::ostringstream text;
+      text << *session->address();
+      address = text.str();
     }
     const Accepted& accepted = session->accepted();
     all.push_back(

@@ -9,6 +9,7 @@
 #include "common/inbox.h"
 #include "daemon/frame.h"
 #include "daemon/light_change.h"
+#include "daemon/link_steps.h"
 #include "daemon/terms.h"
 #include "scenes/registry.h"
 #include "scheduler/cost_model.h"
@@ -27,6 +28,7 @@ struct SessionOpened {
   uint32_t net_thread = 0;
   double rate_hz = 0;  // granted; 0: no limit
   bool wants_moments = false;
+  protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // where its link is short of bytes
 };
 
 struct SessionClosed {
@@ -65,6 +67,12 @@ struct JobFinished {
   bool device_lost = false;
 };
 
+// How a session's link did lately.
+struct LinkReviewed {
+  SessionId session;
+  LinkWindow window;
+};
+
 // A frame has left; its tenant may have a limit of bytes.
 struct BytesSent {
   TenantId tenant;
@@ -84,7 +92,7 @@ struct StopRendering {};  // no further views; the loop ends when the last lease
 
 using RenderEvent =
     std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, SceneLeaves, JobFinished, LeaseDropped,
-                 BytesSent, LightChanged, BackgroundDone, TermsChanged, StopRendering>;
+                 BytesSent, LightChanged, BackgroundDone, LinkReviewed, TermsChanged, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

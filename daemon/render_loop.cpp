@@ -37,7 +37,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
   meta.scene = session.opened.scene;
   meta.net_thread = session.opened.net_thread;
   meta.frame = view.frame;
-  meta.codec = session.opened.codec;
+  meta.codec = session.link.dense() ? session.opened.dense_codec : session.opened.codec;
   meta.slice_body_bytes = view.slice_body_bytes;
   meta.grid = session.grid();
   meta.traced_lights = session.traced_lights();
@@ -123,7 +123,7 @@ void RenderLoop::on(const SessionOpened& opened, TimePoint) {
   session.granted_width = opened.width;
   session.granted_height = opened.height;
   session.rate = limit_to(opened.rate_hz);
-  session.degradation.set_terms(terms_.tenants[opened.tenant.value].degradation);
+  set_terms(session);
   sessions_.emplace(opened.session, std::move(session));
   scheduler_->add_session(opened.session, opened.tenant);
 }
@@ -216,9 +216,7 @@ void RenderLoop::apply(const Terms& terms, TimePoint now) {
   for (uint32_t i = 0; i < terms.tenants.size(); ++i) {
     scheduler_->set_tenant(TenantId{i}, terms.tenants[i].terms);
   }
-  for (auto& [id, session] : sessions_) {
-    session.degradation.set_terms(terms.tenants[session.opened.tenant.value].degradation);
-  }
+  for (auto& [id, session] : sessions_) set_terms(session);
   if (!other_policy) return;
   for (auto& [id, session] : sessions_) {
     scheduler_->add_session(id, session.opened.tenant);
@@ -320,6 +318,22 @@ void RenderLoop::choose_lights(RenderSession& session, const gpu::CameraView& ca
   tell(session);
 }
 
+void RenderLoop::set_terms(RenderSession& session) {
+  const scheduler::DegradationTerms& terms = terms_.tenants[session.opened.tenant.value].degradation;
+  session.degradation.set_terms(terms);
+  session.link.set_terms(terms, session.opened.dense_codec != session.opened.codec);
+}
+
+void RenderLoop::on(const LinkReviewed& reviewed, TimePoint) {
+  const auto found = sessions_.find(reviewed.session);
+  if (found == sessions_.end()) return;
+  RenderSession& session = found->second;
+  const double before = session.link.size() - (session.link.dense() ? 1 : 0);
+  if (!session.link.observe(reviewed.window)) return;
+  const double after = session.link.size() - (session.link.dense() ? 1 : 0);
+  metrics_.degraded(after < before);
+}
+
 void RenderLoop::tell(const RenderSession& session) {
   protocol::Degraded news;
   news.width = static_cast<uint16_t>(session.opened.width);
@@ -329,7 +343,11 @@ void RenderLoop::tell(const RenderSession& session) {
     if (session.untraced[light]) news.untraced_lights.push_back(light);
   }
   const bool full = session.degradation.point() == scheduler::OperatingPoint{};
-  news.reason = full ? "the device keeps up again" : "the device cannot keep up";
+  if (session.link.size() < 1) {
+    news.reason = "the link cannot carry more";
+  } else {
+    news.reason = full ? "the device keeps up again" : "the device cannot keep up";
+  }
   degraded_({session.opened.session, session.opened.net_thread, news});
 }
 

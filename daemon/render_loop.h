@@ -55,6 +55,7 @@ class RenderLoop {
   void on(const BytesSent& sent, TimePoint now);
   void on(const TermsChanged& changed, TimePoint now);
   void on(const LightChanged& changed, TimePoint now);
+  void on(const LinkReviewed& reviewed, TimePoint now);
   void on(const BackgroundDone&, TimePoint) {}  // start() looks after it
   void on(const StopRendering&, TimePoint now);
 
@@ -68,6 +69,7 @@ class RenderLoop {
   void submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void adopt_size(RenderSession& session);
   void choose_lights(RenderSession& session, const gpu::CameraView& camera);
+  void set_terms(RenderSession& session);
   void tell(const RenderSession& session);
   void begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);

@@ -21,7 +21,7 @@ uint32_t shrunk(uint32_t side, double share) {
 }  // namespace
 
 TileGrid RenderSession::wanted_grid() const {
-  const double size = degradation.point().size;
+  const double size = std::min(degradation.point().size, link.size());
   return {shrunk(granted_width, size), shrunk(granted_height, size), opened.lights};
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "daemon/link_steps.h"
 #include "daemon/render_inbox.h"
 #include "scheduler/cost_model.h"
 #include "scheduler/degradation.h"
@@ -40,6 +41,7 @@ struct RenderSession {
   scheduler::RateLimit rate;  // in force
   scheduler::Degradation degradation;
   gpu::LightSet untraced;
+  LinkSteps link;
   uint32_t granted_width = 0, granted_height = 0;
   uint32_t arrived = 0, answered = 0;  // views since the last review
 

@@ -65,6 +65,7 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
   ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
+  ++window_.offered;
   if (kept_) view.coalesced = kept_->coalesced + 1;
   if (link_.takes_view(now)) return {released(view, now), std::nullopt};
   kept_ = view;
@@ -73,6 +74,7 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
 
 ViewRequest Session::released(ViewRequest view, TimePoint now) {
   kept_.reset();
+  ++window_.taken;
   link_.view_taken(view.frame, now);
   view.slice_body_bytes = link_.slice_body_bytes();
   return view;

@@ -7,11 +7,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "daemon/faults.h"
 #include "daemon/frame.h"
 #include "daemon/handshake.h"
 #include "daemon/link_report.h"
+#include "daemon/link_steps.h"
 #include "daemon/seats.h"
 #include "protocol/seal.h"
 
@@ -42,6 +44,7 @@ class Session {
   // The newest view, if it was kept and the link has room for it now. When to ask again; max: it was not kept.
   std::optional<ViewRequest> take_kept(TimePoint now);
   TimePoint kept_until(TimePoint now) const;
+  LinkWindow take_link_window() { return std::exchange(window_, {}); }  // views since the last call
 
   // A frame on its way through the link; the frames whose sending is over come back, in their order.
   void sending(const FrameMeta& meta, size_t bytes) { under_way_.push_back({meta, bytes}); }
@@ -89,6 +92,7 @@ class Session {
   uint64_t coalesced_ = 0;
   Sums recent_;
   LinkCounters reported_;
+  LinkWindow window_;
 };
 
 }  // namespace gnomon::daemon

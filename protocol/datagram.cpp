@@ -32,7 +32,7 @@ void fields(A& a, Of<A, CameraUpdate>& m) {
 template <class A>
 void fields(A& a, Of<A, SliceHeader>& m) {
   a(m.frame, m.slice, m.slice_count, m.first_tile, m.tile_count, m.first_light, m.light_count);
-  a(m.codec, m.flags, m.reserved, m.server_us, m.gpu_us);
+  a(m.codec, m.flags, m.padding, m.server_us, m.gpu_us);
   if (m.flags & kSliceHasMoment) a(m.moment.scene_time_us, m.moment.lights_version);
   a.check(m.slice < m.slice_count, "slice is not below slice_count");
   a.check(m.tile_count > 0 && m.light_count > 0, "an empty slice");
@@ -65,6 +65,10 @@ std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body) {
   fields(reader, slice.header);
   if (!reader.ok()) return std::nullopt;
   slice.payload = reader.rest();
+  if (slice.header.flags & kSliceIsPadded) {
+    if (slice.header.padding > slice.payload.size()) return std::nullopt;
+    slice.payload = slice.payload.first(slice.payload.size() - slice.header.padding);
+  }
   return slice;
 }
 

@@ -15,7 +15,9 @@
 
 namespace gnomon::protocol {
 
-inline constexpr uint8_t kSliceHasMoment = 1;  // a bit of SliceHeader::flags
+// Bits of SliceHeader::flags.
+inline constexpr uint8_t kSliceHasMoment = 1;
+inline constexpr uint8_t kSliceIsPadded = 2;  // only with kFeatureFeedback
 inline constexpr size_t kHeaderBytes = 20;
 inline constexpr size_t kTagBytes = 16;
 inline constexpr size_t kSliceHeaderBytes = 32;
@@ -71,7 +73,7 @@ struct SliceHeader {
   uint16_t light_count = 0;
   CodecId codec = CodecId::tiles_lz4;
   uint8_t flags = 0;
-  uint16_t reserved = 0;
+  uint16_t padding = 0;    // if flags say so: bytes at the end of the body that are no payload; else 0
   uint32_t server_us = 0;  // from the camera's arrival to this slice's sending
   uint32_t gpu_us = 0;     // of it, on the GPU
   Moment moment;           // on the wire if flags say so; then the payload has kMomentBytes less room

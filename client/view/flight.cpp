@@ -70,6 +70,7 @@ void Flight::on_answer(const Answer& answer) {
   pacer_.answered(answer.response);
   if (answer.mask.complete()) latencies_.add(answer.response);
   to_draw_.push_back({answer.mask.frame.value - 1, answer.camera, answer.mask, answer.lights});
+  covered_ += cover_.cover(to_draw_.back().mask);
 }
 
 Result<void> Flight::draw_next(const Draw& draw) {
@@ -100,7 +101,8 @@ FlightFigures Flight::figures() const {
           .latencies = latencies_,
           .seconds = to_seconds(ended_ - started_),
           .bytes = stream_.connection().data_counters().received_bytes,
-          .draw_seconds = to_seconds(drawing_)};
+          .draw_seconds = to_seconds(drawing_),
+          .covered_words = covered_};
 }
 
 std::string Flight::progress_line(TimePoint now) const {

@@ -9,6 +9,7 @@
 #include "client/mode.h"
 #include "client/pacer.h"
 #include "client/progress.h"
+#include "client/tile_cover.h"
 #include "client/visibility_stream.h"
 
 namespace gnomon::client {
@@ -34,6 +35,7 @@ struct FlightFigures {
   double seconds = 0;
   uint64_t bytes = 0;  // received datagrams'
   double draw_seconds = 0;
+  uint64_t covered_words = 0;  // tiles of one light that did not arrive and were shown as in the picture before
 
   uint64_t frames() const { return counters.complete + counters.incomplete; }
   double vbps() const { return seconds > 0 ? static_cast<double>(counters.complete) / seconds : 0; }
@@ -76,6 +78,8 @@ class Flight {
   TimePoint ended_{};
   Nanoseconds drawing_{};
   Latencies latencies_;
+  TileCover cover_;
+  uint64_t covered_ = 0;  // words
   std::deque<FlownFrame> to_draw_;
   Loop loop_;
   VisibilityStream stream_;

@@ -125,6 +125,8 @@ Report report_of(const Arguments& a, const FlightFigures& f, const std::string& 
                          {"draw_seconds", f.draw_seconds},
                          {"bytes_per_frame", f.bytes_per_frame()},
                          {"lost_slices", f.counters.lost_slices},
+                         {"rebuilt_slices", f.counters.rebuilt_slices},
+                         {"covered_words", f.covered_words},
                          {"wrong_frames", f.counters.wrong_frames}});
   return report;
 }

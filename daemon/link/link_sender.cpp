@@ -12,6 +12,7 @@ using protocol::DatagramKind;
 
 constexpr Nanoseconds kLongestSpread = 4ms;  // of a frame's datagrams, where the rate allows more
 constexpr Nanoseconds kDeliveredOver = 100ms;
+constexpr double kPlenty = 2;  // a rate of so many times what is sent leaves room for padding
 constexpr size_t kSealBytes = protocol::kHeaderBytes + protocol::kTagBytes;
 
 DatagramKind kind_of(Cargo cargo) {
@@ -38,7 +39,9 @@ size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline,
   last_frame_ = now;
   expire(now);
   if (frames_.size() == kFrames) frames_.pop_front();
-  StoredFrame& frame = frames_.emplace_back(slices, deadline);
+  const bool plenty =
+      feedback() && rate() > kPlenty * static_cast<double>(slices.bytes.size()) / to_seconds(interval_);
+  StoredFrame& frame = frames_.emplace_back(slices, deadline, plenty);
   gate_.answered(frame.frame(), frame.bytes(), now);
   if (worth_parity(deadline, now)) frame.protect(std::min(0.4, loss()));
   for (uint16_t i = 0; i < frame.slice_count(); ++i) {
@@ -106,7 +109,7 @@ std::optional<Outgoing> LinkSender::offer(const Item& item, TimePoint now) {
 
 std::optional<Outgoing> LinkSender::next(TimePoint now) {
   offered_.reset();
-  if (const auto tail = log_.take_tail(now)) handle_losses({*tail}, now);
+  if (const auto tail = log_.take_tail(now)) handle_tail(*tail, now);
   if (feedback() && !pacer_.may_send(now)) {
     limited_ = limited_ || (backlog_ > 0 && rate() <= spread_rate_);
     return std::nullopt;
@@ -193,7 +196,6 @@ double LinkSender::delivered() const {
   return static_cast<double>(bytes) / to_seconds(std::max<Nanoseconds>(span, 10ms));
 }
 
-// Goes again what can still arrive in time.
 void LinkSender::handle_losses(const std::vector<SentDatagram>& lost, TimePoint now) {
   for (const SentDatagram& datagram : lost) {
     if (datagram.cargo == Cargo::probe) {
@@ -202,16 +204,23 @@ void LinkSender::handle_losses(const std::vector<SentDatagram>& lost, TimePoint 
     }
     ++counters_.lost;
     mtu_.lost(datagram.bytes, now);
-    StoredFrame* frame = find(datagram.frame);
-    if (!frame) continue;
-    if (datagram.cargo == Cargo::parity) {
-      frame->parity_lost(datagram.number);
-      continue;
-    }
-    const bool in_time = now + rtt() / 2 < frame->useful_until();
-    if (frame->slice_lost(datagram.number) && in_time) {
-      push(again_, {datagram.frame, Cargo::slice, datagram.number, datagram.bytes});
-    }
+    send_again(datagram, now);
+  }
+}
+
+// It may have arrived for all we know: it counts as lost nowhere.
+void LinkSender::handle_tail(const SentDatagram& tail, TimePoint now) {
+  if (tail.cargo == Cargo::probe) return mtu_.probe_lost(now);
+  send_again(tail, now);
+}
+
+void LinkSender::send_again(const SentDatagram& datagram, TimePoint now) {
+  StoredFrame* frame = find(datagram.frame);
+  if (!frame) return;
+  if (datagram.cargo == Cargo::parity) return frame->parity_lost(datagram.number);
+  const bool in_time = now + rtt() / 2 < frame->useful_until();
+  if (frame->slice_lost(datagram.number) && in_time) {
+    push(again_, {datagram.frame, Cargo::slice, datagram.number, datagram.bytes});
   }
 }
 

@@ -104,6 +104,8 @@ class LinkSender {
   StoredFrame* find(FrameId frame);
   std::optional<Outgoing> offer(const Item& item, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
+  void handle_tail(const SentDatagram& tail, TimePoint now);
+  void send_again(const SentDatagram& datagram, TimePoint now);  // if it can still arrive in time
   void handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now);
   double delivered() const;
   double pace() const;

@@ -50,6 +50,7 @@ PathNews SentLog::take(const protocol::Feedback& feedback, TimePoint now) {
     const Nanoseconds waited = std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
     news.rtt = std::max<Nanoseconds>(1us, now - datagram.at - waited);
   }
+  if (!news.arrived.empty()) tails_ = 0;
   if (news.rtt.count() > 0) measure(news.rtt);
   find_losses(now, news.lost);
   settle();
@@ -81,6 +82,7 @@ void SentLog::find_losses(TimePoint now, std::vector<SentDatagram>& lost) {
 std::optional<SentDatagram> SentLog::take_tail(TimePoint now) {
   if (now < tail_due()) return std::nullopt;
   last_tail_ = now;
+  ++tails_;
   for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
     if (entry->state != State::flying) continue;
     entry->state = State::lost;
@@ -100,7 +102,9 @@ TimePoint SentLog::tail_due() const {
 Nanoseconds SentLog::rtt_or_guess() const { return smoothed_.count() > 0 ? smoothed_ : kFirstRtt; }
 
 Nanoseconds SentLog::tail_patience() const {
-  return rtt_or_guess() + std::max(4 * variance_, rtt_or_guess() / 8) + kFeedbackInterval;
+  // Twice as long each time: a client that is busy elsewhere is no reason to send to it.
+  return (rtt_or_guess() + std::max(4 * variance_, rtt_or_guess() / 8) + kFeedbackInterval) *
+         (1 << std::min(tails_, 6u));
 }
 
 // RFC 6298.

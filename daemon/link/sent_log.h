@@ -74,6 +74,7 @@ class SentLog {
   TimePoint newest_sent_{};
   uint64_t unsettled_ = 1;  // all before are arrived or lost
   TimePoint last_tail_{};
+  uint32_t tails_ = 0;  // since something arrived
   Nanoseconds smoothed_{}, variance_{};
 };
 

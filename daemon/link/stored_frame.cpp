@@ -8,15 +8,30 @@ namespace gnomon::daemon {
 namespace {
 
 constexpr Nanoseconds kClientPatience = std::chrono::milliseconds(200);
+constexpr size_t kMostPadding = 8;  // a part of so many of the payload
+
+size_t longest_payload(const protocol::EncodedFrame& slices) {
+  size_t longest = 0;
+  for (size_t i = 0; i < slices.slices.size(); ++i) longest = std::max(longest, slices.payload(i).size());
+  return longest;
+}
 
 }  // namespace
 
-StoredFrame::StoredFrame(const protocol::EncodedFrame& slices, TimePoint deadline)
+StoredFrame::StoredFrame(const protocol::EncodedFrame& slices, TimePoint deadline, bool pad)
     : frame_(slices.slices.front().frame), deadline_(deadline), state_(slices.slices.size()) {
   bytes_.reserve(slices.bytes.size() +
                  slices.slices.size() * (protocol::kSliceHeaderBytes + protocol::kMomentBytes));
+  const size_t longest = longest_payload(slices);
   for (size_t i = 0; i < slices.slices.size(); ++i) {
-    protocol::append_frame_slice(bytes_, slices.slices[i], slices.payload(i));
+    protocol::SliceHeader header = slices.slices[i];
+    const size_t short_of = longest - slices.payload(i).size();
+    if (pad && short_of > 0 && short_of <= longest / kMostPadding) {
+      header.flags |= protocol::kSliceIsPadded;
+      header.padding = static_cast<uint16_t>(short_of);
+    }
+    protocol::append_frame_slice(bytes_, header, slices.payload(i));
+    bytes_.resize(bytes_.size() + header.padding);
     offsets_.push_back(bytes_.size());
   }
 }

@@ -12,8 +12,9 @@ namespace gnomon::daemon {
 
 class StoredFrame {
  public:
-  // The slices' headers are complete.
-  StoredFrame(const protocol::EncodedFrame& slices, TimePoint deadline);
+  // The slices' headers are complete. `pad`: slices that are nearly as long as the longest become as long, so that the
+  // kernel can cut them from one buffer.
+  StoredFrame(const protocol::EncodedFrame& slices, TimePoint deadline, bool pad = false);
 
   FrameId frame() const { return frame_; }
   // The client's deadline; where it has said none, as long as it will wait for more after the last datagram.

@@ -94,6 +94,24 @@ TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   }
 }
 
+TEST(Metrics, LinksAreSummedUp) {
+  Metrics metrics({"default"}, {}, "test");
+  LinkReport report;
+  report.counted = {.sent = 100, .arrived = 90, .lost = 10, .retransmitted = 8, .parity = 5, .recovered = 2};
+  report.rate = 1.5e6;
+  report.rtt = 30ms;
+  report.queue = 3ms;
+  metrics.link(report);
+  metrics.link({.counted = {.sent = 1}});  // nothing known of the path: no histogram is touched
+  const std::string text = metrics.text();
+  for (const char* line : {"gnomon_datagrams_sent_total 101", "gnomon_datagrams_lost_total 10",
+                           "gnomon_datagrams_retransmitted_total 8", "gnomon_datagrams_parity_total 5",
+                           "gnomon_slices_recovered_total 2", "gnomon_link_rate_bytes_per_second_sum 1500000",
+                           "gnomon_link_rtt_seconds_count 1", "gnomon_link_queue_seconds_bucket{le=\"0.005\"} 1"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  }
+}
+
 TEST(Metrics, AScenesLightBuffersAreDescribed) {
   Metrics metrics({"default"}, {"room"}, "test");
   gpu::SceneFootprint on_device;

@@ -1,5 +1,8 @@
 // Sessions over bad links: the real daemon, the real client library, netsim between them.
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -45,6 +48,25 @@ TEST(Link, LostSlicesComeAgain) {
   EXPECT_GT(daemon.metric("gnomon_datagrams_retransmitted_total") + daemon.metric("gnomon_slices_recovered_total"),
             0);
   EXPECT_EQ(counters.wrong_frames, 0u);
+}
+
+TEST(Link, GoesByIPv6Too) {
+  const int probe = socket(AF_INET6, SOCK_DGRAM, 0);
+  sockaddr_in6 local{};
+  local.sin6_family = AF_INET6;
+  local.sin6_addr = in6addr_loopback;
+  const bool has_ipv6 = probe >= 0 && bind(probe, reinterpret_cast<sockaddr*>(&local), sizeof local) == 0;
+  if (probe >= 0) close(probe);
+  if (!has_ipv6) GTEST_SKIP() << "this machine has no IPv6: nothing listens on ::1";
+  std::string config = kConfig;
+  config.replace(config.find("127.0.0.1"), 9, "'::1'");
+  Daemon daemon(config);
+  ASSERT_EQ(daemon.address().host, "::1");
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(std::make_unique<Flier>(loop, daemon, "studio", living_room_path()));
+  ASSERT_TRUE(all_progress(loop, fliers, 10));
+  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
 }
 
 TEST(Link, ANarrowOneIsFollowedNotFilled) {

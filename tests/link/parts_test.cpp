@@ -208,6 +208,19 @@ TEST(SliceRecovery, WorksWhenParityOvertakesSlices) {
   EXPECT_EQ(rebuilt, 1u);
 }
 
+TEST(StoredFrame, PaddingMakesSlicesOfOneLength) {
+  protocol::EncodedFrame slices = frame_of(1, 5);
+  slices.offsets = {0, 100, 195, 290, 390, 420};  // 100, 95, 95, 100 and 30 bytes
+  const StoredFrame frame(slices, kStart, true), plain(slices, kStart);
+  for (uint16_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(frame.body(i).size(), i == 4 ? plain.body(i).size() : frame.body(0).size()) << i;
+    const auto slice = protocol::decode_frame_slice(frame.body(i));
+    ASSERT_TRUE(slice);
+    EXPECT_TRUE(std::equal(slice->payload.begin(), slice->payload.end(), slices.payload(i).begin(),
+                           slices.payload(i).end()));
+  }
+}
+
 TEST(StoredFrame, WhatParityCoversDoesNotGoAgain) {
   StoredFrame frame(frame_of(1, 32), kStart);
   EXPECT_TRUE(frame.slice_lost(3)) << "without parity";

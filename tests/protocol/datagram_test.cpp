@@ -70,6 +70,23 @@ TEST(Datagram, OtherVersionsAndKindsAreRefused) {
   }
 }
 
+TEST(Datagram, PaddingIsNoPayload) {
+  SliceHeader header;
+  header.slice_count = header.light_count = 1;
+  header.tile_count = 1;
+  header.flags = kSliceIsPadded;
+  header.padding = 3;
+  const Bytes payload{1, 2, 0, 0, 0};
+  const auto slice = decode_frame_slice(bytes_of(header, payload));
+  ASSERT_TRUE(slice);
+  EXPECT_EQ(Bytes(slice->payload.begin(), slice->payload.end()), (Bytes{1, 2}));
+  header.padding = 6;
+  EXPECT_FALSE(decode_frame_slice(bytes_of(header, payload)));
+  header.flags = 0;
+  EXPECT_EQ(decode_frame_slice(bytes_of(header, payload))->payload.size(), 5u)
+      << "without the flag it says nothing";
+}
+
 TEST(Datagram, CameraUpdatesComeBackAsTheyWere) {
   Random random(2);
   for (int i = 0; i < 500; ++i) {
@@ -174,7 +191,8 @@ TEST(Datagram, RandomBytesGiveAValueOrNothing) {
     decode_header(bytes);
     if (const auto slice = decode_frame_slice(bytes)) {
       const size_t moment = slice->header.flags & kSliceHasMoment ? kMomentBytes : 0;
-      EXPECT_EQ(slice->payload.size(), bytes.size() - kSliceHeaderBytes - moment);
+      const size_t padding = slice->header.flags & kSliceIsPadded ? slice->header.padding : 0;
+      EXPECT_EQ(slice->payload.size(), bytes.size() - kSliceHeaderBytes - moment - padding);
     }
     if (const auto update = decode_camera_update(bytes)) {
       EXPECT_LE(update->ack_count, kMaxAcks);

@@ -1,0 +1,44 @@
+// What a session gives up, beside frames, when its link cannot carry them: first the codec gets denser, then the
+// picture smaller, as far as its tenant allows. Frames have become fewer before (daemon/link/view_gate.h), down to the
+// tenant's least rate. Pure.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "scheduler/degradation.h"
+
+namespace gnomon::daemon {
+
+// What happened to a session's views at its link in about a second.
+struct LinkWindow {
+  uint32_t offered = 0;  // views that came
+  uint32_t taken = 0;    // of them, those that the link had room for
+};
+
+class LinkSteps {
+ public:
+  // Other limits from the next step on.
+  void set_terms(const scheduler::DegradationTerms& tenant, bool has_denser_codec) {
+    least_rate_ = tenant.least_rate;
+    // The ladder's first step, which elsewhere is one of the rate, is the codec's here.
+    ladder_.set_terms({.least_rate = has_denser_codec ? kOneStep : 1, .least_size = tenant.least_size});
+  }
+
+  // True: a step was taken, up or down.
+  bool observe(const LinkWindow& window) {
+    const auto wanted = static_cast<uint32_t>(std::floor(window.offered * least_rate_));
+    return ladder_.observe({wanted, std::min(window.taken, wanted)});
+  }
+
+  bool dense() const { return ladder_.point().rate < 1; }
+  double size() const { return ladder_.point().size; }
+
+ private:
+  static constexpr double kOneStep = 0.7;
+
+  double least_rate_ = 0.5;
+  scheduler::Degradation ladder_;
+};
+
+}  // namespace gnomon::daemon
