@@ -84,6 +84,17 @@ void expect_packet(const Bytes& made, const std::string& name) {
   EXPECT_EQ(hex(made), hex(packet(name))) << "WIRE.md's packet " << name;
 }
 
+// Both ways: what is written, and what is read.
+template <class M>
+void expect_message(const M& message, const std::string& name) {
+  expect_packet(encode(message), name);
+  MessageReader reader;
+  reader.feed(packet(name));
+  const auto read = reader.next();
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  EXPECT_EQ(**read, Message{message});
+}
+
 TEST(WireDocument, HelloIsAsWorkedOut) {
   Hello hello;
   hello.client = "probe 1";
@@ -95,12 +106,35 @@ TEST(WireDocument, HelloIsAsWorkedOut) {
   hello.border_y = 36;
   hello.rate_hz = 60;
   hello.codecs = {CodecId::tiles_lz4};
-  expect_packet(encode(hello), "hello");
-  MessageReader reader;
-  reader.feed(packet("hello"));
-  const auto read = reader.next();
-  ASSERT_TRUE(read.has_value()) << read.error().message;
-  EXPECT_EQ(**read, Message{hello});
+  expect_message(hello, "hello");
+}
+
+TEST(WireDocument, WelcomeIsAsWorkedOut) {
+  Welcome welcome;
+  welcome.features = kFeatureMoments;
+  welcome.session = kSession;
+  welcome.data_port = 7600;
+  welcome.width = 1280;
+  welcome.height = 640;
+  welcome.rate_hz = 30;
+  welcome.passes = {"shadows"};
+  welcome.tracer = "bvh";
+  welcome.silence_timeout_ms = 5000;
+  SceneManifest& scene = welcome.scene;
+  scene.name = "temple";
+  std::iota(scene.content_hash.begin(), scene.content_hash.end(), uint8_t{0});
+  scene.triangles = 1000;
+  scene.bounds_min = {-1, 0, -1};
+  scene.bounds_max = {1, 2, 1};
+  scene.default_camera = {{1, 1.5f, -2}, {0, 0.6f, 0, 0.8f}, 1, 1, 0.5f, 0.5f, 0.0625f};
+  scene.lights = {{LightKind::spot, {0, 2, 0}, {0, -1, 0}, {1, 1, 0.5f}, 40, 8, 0.75f, 0.5f}};
+  welcome.lights_version = 3;
+  welcome.motions = {{"fan", 0, {0, 1, 0}, 2'000'000}};
+  expect_message(welcome, "welcome");
+}
+
+TEST(WireDocument, RefusedIsAsWorkedOut) {
+  expect_message(Refused{RefusalCode::over_capacity, "full", 640, 320, 15}, "refused");
 }
 
 Bytes camera_update_body() {

@@ -1,0 +1,289 @@
+"""Control messages: those of a client are written, those of a server are read."""
+import struct
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from fields import Reader, list_of, require, text, u8, unit_length
+
+VERSION = 2
+LONGEST = 1_048_572
+MOST_PIXELS_A_SIDE = 7680
+
+MOMENTS, FEEDBACK, PARITY = 1, 2, 4  # feature bits
+
+
+class Type(IntEnum):
+    HELLO = 1
+    WELCOME = 2
+    REFUSED = 3
+    SCENE_CHANGED = 4
+    LIGHTS_CHANGED = 5
+    DEGRADED = 6
+    DRAINING = 7
+    STATS = 8
+    BYE = 9
+
+
+class Refusal(IntEnum):
+    MALFORMED = 1
+    VERSION = 2
+    UNKNOWN_TENANT = 3
+    BAD_TOKEN = 4
+    UNKNOWN_SCENE = 5
+    SCENE_UNAVAILABLE = 6
+    BAD_SIZE = 7
+    TOO_MANY_SESSIONS = 8
+    OVER_CAPACITY = 9
+    UNKNOWN_PASS = 10
+    DRAINING = 11
+    INTERNAL = 12
+
+    @classmethod
+    def _missing_(cls, _):
+        return cls.INTERNAL  # a later version's code
+
+
+def framed(type_, body):
+    return struct.pack("<IH", len(body) + 2, type_) + body
+
+
+@dataclass
+class Hello:
+    scene: str
+    width: int
+    height: int
+    border_x: int = 0
+    border_y: int = 0
+    rate_hz: float = 0
+    codecs: tuple = (1,)
+    ciphers: tuple = (1,)
+    features: int = 0
+    client: str = "gnomon wire client (python)"
+    tenant: str = ""
+    token: str = ""
+    passes: tuple = ()
+    version_min: int = VERSION
+    version_max: int = VERSION
+
+    def message(self):
+        body = struct.pack("<HHQ", self.version_min, self.version_max, self.features)
+        body += text(self.client) + text(self.tenant) + text(self.token)
+        body += list_of(self.ciphers, u8) + text(self.scene)
+        body += struct.pack("<HHHHf", self.width, self.height, self.border_x, self.border_y, self.rate_hz)
+        body += list_of(self.codecs, u8) + list_of(self.passes, text)
+        return framed(Type.HELLO, body)
+
+
+@dataclass
+class Camera:
+    """A pinhole: where it stands, how it is turned (camera to world), and tangents of its frustum's half-angles."""
+
+    position: tuple
+    orientation: tuple
+    tan_left: float
+    tan_right: float
+    tan_up: float
+    tan_down: float
+    near_plane: float
+
+    @staticmethod
+    def read(reader):
+        camera = Camera(reader.vec3(), unit_length(reader.quat(), "an orientation"), *(reader.f32() for _ in range(5)))
+        require(camera.tan_left + camera.tan_right > 0, "a frustum without width")
+        require(camera.tan_up + camera.tan_down > 0, "a frustum without height")
+        require(camera.near_plane > 0, "a near plane that is not in front")
+        return camera
+
+    def bytes(self):
+        return struct.pack("<12f", *self.position, *self.orientation, self.tan_left, self.tan_right, self.tan_up,
+                           self.tan_down, self.near_plane)
+
+
+@dataclass
+class Light:
+    kind: int
+    position: tuple
+    direction: tuple
+    color: tuple
+    intensity: float
+    range: float
+    inner_cone_cos: float
+    outer_cone_cos: float
+
+    @staticmethod
+    def read(reader):
+        kind = reader.u8()
+        require(kind <= 2, f"a light of kind {kind}")
+        light = Light(kind, reader.vec3(), reader.vec3(), reader.vec3(), reader.not_negative(), reader.not_negative(),
+                      reader.f32(), reader.f32())
+        if kind:
+            unit_length(light.direction, "a light's direction")
+        require(abs(light.inner_cone_cos) <= 1 and abs(light.outer_cone_cos) <= 1, "a cone's cosine")
+        return light
+
+
+@dataclass
+class Motion:
+    node: str
+    kind: int
+    vector: tuple
+    period_us: int
+
+    @staticmethod
+    def read(reader):
+        motion = Motion(reader.text(256), reader.u8(), reader.vec3(), reader.u32())
+        require(motion.kind <= 1, f"a motion of kind {motion.kind}")
+        require(motion.period_us, "a motion without a period")
+        return motion
+
+
+@dataclass
+class Manifest:
+    name: str
+    content_hash: bytes
+    triangles: int
+    bounds_min: tuple
+    bounds_max: tuple
+    default_camera: Camera
+    lights: list
+
+    @staticmethod
+    def read(reader):
+        return Manifest(reader.text(1024), reader.bytes(16), reader.u64(), reader.vec3(), reader.vec3(),
+                        Camera.read(reader), reader.list(256, lambda: Light.read(reader)))
+
+
+def read_size(reader):
+    width, height = reader.u16(), reader.u16()
+    require(1 <= width <= MOST_PIXELS_A_SIDE and 1 <= height <= MOST_PIXELS_A_SIDE, f"a size of {width}x{height}")
+    return width, height
+
+
+@dataclass
+class Welcome:
+    version: int
+    features: int
+    session: int
+    data_port: int
+    cipher: int
+    size: tuple
+    rate_hz: float
+    codec: int
+    passes: list
+    tracer: str
+    silence_timeout_ms: int
+    scene: Manifest
+    lights_version: int = 0
+    motions: list = field(default_factory=list)
+
+    @staticmethod
+    def read(reader):
+        welcome = Welcome(reader.u16(), reader.u64(), reader.u64(), reader.u16(), reader.u8(), read_size(reader),
+                          reader.not_negative(), reader.u8(), reader.list(32, lambda: reader.text(256)),
+                          reader.text(256), reader.u32(), Manifest.read(reader))
+        require(welcome.data_port, "no data port")
+        if welcome.features & MOMENTS:
+            welcome.lights_version = reader.u32()
+            welcome.motions = reader.list(256, lambda: Motion.read(reader))
+        return welcome
+
+
+@dataclass
+class Refused:
+    code: Refusal
+    text: str
+    fit_width: int
+    fit_height: int
+    fit_rate_hz: float
+
+    @staticmethod
+    def read(reader):
+        return Refused(Refusal(reader.u16()), reader.text(1024), reader.u16(), reader.u16(), reader.not_negative())
+
+
+@dataclass
+class SceneChanged:
+    scene: Manifest
+
+    @staticmethod
+    def read(reader):
+        return SceneChanged(Manifest.read(reader))
+
+
+@dataclass
+class LightsChanged:
+    lights: list
+    version: int
+
+    @staticmethod
+    def read(reader):
+        return LightsChanged(reader.list(256, lambda: Light.read(reader)), reader.u32())
+
+
+@dataclass
+class Degraded:
+    size: tuple
+    rate_hz: float
+    reason: str
+    untraced: list
+
+    @staticmethod
+    def read(reader):
+        return Degraded(read_size(reader), reader.not_negative(), reader.text(1024), reader.list(256, reader.u16))
+
+
+@dataclass
+class Draining:
+    deadline_ms: int
+
+    @staticmethod
+    def read(reader):
+        return Draining(reader.u32())
+
+
+@dataclass
+class Stats:
+    frames: int
+    coalesced: int
+    queue_us: int
+    gpu_us: int
+    total_us: int
+
+    @staticmethod
+    def read(reader):
+        return Stats(reader.u64(), reader.u64(), reader.u32(), reader.u32(), reader.u32())
+
+
+@dataclass
+class Bye:
+    reason: str = ""
+
+    @staticmethod
+    def read(reader):
+        return Bye(reader.text(1024))
+
+    def message(self):
+        return framed(Type.BYE, text(self.reason))
+
+
+FROM_SERVER = {Type.WELCOME: Welcome, Type.REFUSED: Refused, Type.SCENE_CHANGED: SceneChanged,
+               Type.LIGHTS_CHANGED: LightsChanged, Type.DEGRADED: Degraded, Type.DRAINING: Draining,
+               Type.STATS: Stats, Type.BYE: Bye}
+
+
+def take_message(buffer):
+    """The first message of `buffer`, a bytearray, which loses it: a value, or the number of a type to skip. None: more
+    bytes are needed."""
+    if len(buffer) < 4:
+        return None
+    length = struct.unpack_from("<I", buffer)[0]
+    require(2 <= length <= LONGEST, f"a message of {length} bytes")
+    if len(buffer) < 4 + length:
+        return None
+    reader = Reader(buffer[4:4 + length])
+    del buffer[:4 + length]
+    type_ = reader.u16()
+    if type_ in FROM_SERVER:
+        return FROM_SERVER[type_].read(reader)
+    require(type_ != Type.HELLO, "a Hello from a server")
+    return type_

@@ -1,0 +1,260 @@
+"""A session of a client, after protocol/WIRE.md alone: cameras go out, frames come back."""
+import select
+import socket
+import struct
+import time
+from collections import Counter, OrderedDict
+
+import messages
+import seal
+from arrivals import Arrivals
+from control import Closed, Control
+from datagrams import MOST_ACKNOWLEDGEMENTS, FrameParity, FrameSlice, Kind, camera_update, feedback
+from fields import Malformed
+from frame import Frame
+
+SO_TIMESTAMPNS = 35  # of Linux; Python has no name for it
+FRAMES_KEPT = 32
+LONGEST_PROBED = 8952
+SETTLED_S = 1  # what has not come by then does not come
+
+
+class RefusedBy(Exception):
+    def __init__(self, refused):
+        super().__init__(f"refused, {refused.code.name.lower()}: {refused.text}")
+        self.refused = refused
+
+
+def now_us():
+    return time.monotonic_ns() // 1000
+
+
+class Session:
+    def __init__(self, host, port, pin, hello, certificate=None, key=None, patience_s=60):
+        self.control = Control(host, port, pin, certificate, key)
+        self.hello = hello
+        self.udp = None
+        self.counts = Counter()
+        self.news = []  # messages after Welcome
+        try:
+            self.control.send(hello.message())
+            self.welcome = self._answer(patience_s)
+            self._open_data_channel()
+        except BaseException:
+            self.control.close()
+            raise
+        self.size, self.lights, self.rate_hz = self.welcome.size, len(self.welcome.scene.lights), self.welcome.rate_hz
+        self.arrivals = Arrivals()
+        self.frames = OrderedDict()
+        self.number = 0
+        self.last_update = None
+        self.last_sent = self.last_asked = 0.0
+
+    # ---- opening
+
+    def _answer(self, patience_s):
+        deadline = time.monotonic() + patience_s
+        while time.monotonic() < deadline:
+            select.select([self.control.socket], [], [], deadline - time.monotonic())
+            for message in self.control.messages():
+                if isinstance(message, messages.Refused):
+                    raise RefusedBy(message)
+                if isinstance(message, messages.Welcome):
+                    return message
+                if not isinstance(message, int):
+                    raise Malformed(f"{message} before Welcome")
+        raise Closed("no answer to Hello")
+
+    def _open_data_channel(self):
+        welcome = self.welcome
+        context = seal.exporter_context(welcome.session, welcome.cipher)
+        secrets = [self.control.exported(label, context) for label in (seal.CLIENT_LABEL, seal.SERVER_LABEL)]
+        self.feedback = bool(welcome.features & messages.FEEDBACK)
+        kinds = {Kind.FRAME_SLICE}
+        kinds |= {Kind.PROBE} if self.feedback else set()
+        kinds |= {Kind.FRAME_PARITY} if welcome.features & messages.PARITY else set()
+        self.sealer = seal.Sealer(seal.Keys(secrets[0], welcome.cipher), welcome.session)
+        self.opener = seal.Opener(seal.Keys(secrets[1], welcome.cipher), welcome.session, kinds,
+                                  LONGEST_PROBED if self.feedback else 1200)
+        self.open_socket()
+
+    def open_socket(self):
+        """Anew where the client's address has changed: the session goes on."""
+        peer = self.control.socket.getpeername()
+        self.udp = socket.socket(self.control.socket.family, socket.SOCK_DGRAM)
+        self.udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        self.udp.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
+        self.udp.setblocking(False)
+        self.udp.connect((peer[0], self.welcome.data_port, *peer[2:]))
+
+    # ---- asking
+
+    def ask(self, camera, deadline_us=0):
+        """Sends a camera; the frame that its slices will fill. The server answers the newest alone if it is busy."""
+        if self.rate_hz:
+            self.listen(self.last_asked + 1 / self.rate_hz - time.monotonic())
+        self.number = (self.number + 1) % (1 << 32)
+        frame = self.frames[self.number] = Frame(self.number, self.size, self.lights)
+        while len(self.frames) > FRAMES_KEPT:
+            self.frames.popitem(last=False)
+        self.last_update = self.number, camera, now_us(), deadline_us
+        self.last_asked = time.monotonic()
+        self._send_update()
+        return frame
+
+    def picture(self, camera, patience_s=60):
+        """A whole frame. An update without any answer is sent again, as it may be lost; a frame that stays without some
+        slices, or was dropped, is asked for anew."""
+        deadline = time.monotonic() + patience_s
+        while time.monotonic() < deadline:
+            frame = self.ask(camera)
+            while self.frames.get(frame.number) is frame and time.monotonic() < deadline:
+                had = len(frame.slices)
+                self.settle(frame, SETTLED_S)
+                if frame.complete():
+                    return frame
+                if frame.slices and len(frame.slices) == had:
+                    break
+                if not frame.slices:
+                    self._send_update()
+            self.counts["incomplete"] += 1
+        raise Closed(f"no whole frame within {patience_s} s")
+
+    def listen(self, time_s):
+        """Takes what comes for so long."""
+        until = time.monotonic() + time_s
+        while time.monotonic() < until:
+            self.poll(until - time.monotonic())
+
+    def settle(self, frame, patience_s):
+        """Takes what comes until the frame is whole or the time is over."""
+        until = time.monotonic() + patience_s
+        while not frame.complete() and time.monotonic() < until:
+            self.poll(until - time.monotonic())
+
+    def _send_update(self):
+        acknowledgements = [] if self.feedback else self._acknowledgements()
+        self._send(Kind.CAMERA_UPDATE, camera_update(*self.last_update, acknowledgements))
+
+    def _acknowledgements(self):
+        """Of the newest frames; said again with every update while there is room."""
+        all_ = []
+        for frame in reversed(self.frames.values()):
+            for first in sorted({s // 64 * 64 for s in frame.slices}):
+                bits = sum(1 << s - first for s in frame.slices if first <= s < first + 64)
+                all_.append((frame.number, first, bits))
+        return all_[:MOST_ACKNOWLEDGEMENTS]
+
+    def _send(self, kind, body):
+        self.send_datagram(self.sealer.seal(kind, body))
+
+    def send_datagram(self, datagram):
+        self.last_datagram, self.last_sent = datagram, time.monotonic()
+        try:
+            self.udp.send(datagram)
+        except (BlockingIOError, ConnectionRefusedError):
+            self.counts["not_sent"] += 1  # lost, like others
+
+    # ---- receiving
+
+    def poll(self, timeout_s):
+        """Takes what comes within the time, until something has; sends what is due."""
+        wait = min(timeout_s, self.welcome.silence_timeout_ms / 1000 / 4)
+        if self.feedback and self.arrivals.since_last:
+            wait = min(wait, 0.002)
+        select.select([self.udp, self.control.socket], [], [], max(0, wait))
+        self._take_datagrams()
+        for message in self.control.messages():
+            self._heed(message)
+        self._say_what_is_due()
+
+    def _take_datagrams(self):
+        while True:
+            try:
+                datagram, ancillary, _, _ = self.udp.recvmsg(1 << 14, 64)
+            except BlockingIOError:
+                return
+            except ConnectionRefusedError:
+                continue
+            opened = self.opener.open(datagram)
+            if opened is None:
+                self.counts["dropped"] += 1
+                continue
+            kind, sequence, body = opened
+            self.arrivals.note(sequence, self._arrival_us(ancillary))
+            try:
+                self._take(kind, body)
+            except Malformed as error:
+                self.counts["malformed"] += 1
+                self.last_malformed = error
+
+    @staticmethod
+    def _arrival_us(ancillary):
+        """By the clock of now_us(); the kernel's stamp is by the wall clock."""
+        for level, type_, data in ancillary:
+            if (level, type_) == (socket.SOL_SOCKET, SO_TIMESTAMPNS):
+                seconds, nanoseconds = struct.unpack("@qq", data)
+                return now_us() - max(0, time.time_ns() - (seconds * 10**9 + nanoseconds)) // 1000
+        return now_us()
+
+    def _take(self, kind, body):
+        self.counts[Kind(kind).name.lower()] += 1
+        if kind == Kind.PROBE:
+            return
+        part = (FrameSlice if kind == Kind.FRAME_SLICE else FrameParity).read(body)
+        frame = self.frames.get(part.frame)
+        if frame is None:
+            self.counts["late"] += 1
+            return
+        if kind == Kind.FRAME_SLICE:
+            self.counts["repeated"] += not frame.add_slice(body)
+        else:
+            frame.add_parity(part)
+        self.counts["recovered"] += frame.rebuild()
+
+    def _heed(self, message):
+        if isinstance(message, int):
+            return
+        if isinstance(message, (messages.Welcome, messages.Refused)):
+            raise Malformed("a second answer to Hello")
+        self.news.append(message)
+        if isinstance(message, messages.Bye):
+            raise Closed(f"the server says Bye: {message.reason}")
+        if isinstance(message, messages.SceneChanged):
+            if len(message.scene.lights) != self.lights:
+                self.frames.clear()
+            self.welcome.scene, self.lights = message.scene, len(message.scene.lights)
+        if isinstance(message, messages.LightsChanged):
+            if len(message.lights) != self.lights:
+                raise Malformed("LightsChanged of another number of lights")
+            self.welcome.scene.lights = message.lights
+        if isinstance(message, messages.Degraded):
+            if message.size != self.size:
+                self.frames.clear()
+            self.size, self.rate_hz = message.size, message.rate_hz
+
+    def _say_what_is_due(self):
+        now = now_us()
+        if self.feedback and self.arrivals.due(now):
+            first, ages = self.arrivals.report(now)
+            self._send(Kind.FEEDBACK, feedback(now, first, self.counts["recovered"], self.counts["incomplete"], ages))
+        if self.last_update and time.monotonic() - self.last_sent > self.welcome.silence_timeout_ms / 1000 / 4:
+            self._send_update()
+
+    def close(self, reason="done"):
+        try:
+            self.control.send(messages.Bye(reason).message())
+        except Closed:
+            pass
+        self.abandon()
+
+    def abandon(self):
+        """Without a Bye."""
+        self.control.close()
+        self.udp.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, type_, *_):
+        self.close("failed" if type_ else "done")
