@@ -4,24 +4,30 @@ gnomon-client, by every codec and cipher, over a bad link too; what strangers se
 
     session_test.py BUILD
 """
+import hashlib
+import json
 import pathlib
 import re
+import signal
 import socket
+import ssl
 import subprocess
 import sys
 import unittest
+import urllib.request
+from dataclasses import replace
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "ops"))
 from node import Node, eventually, skip
 
 try:
     import png
-    from messages import FEEDBACK, MOMENTS, PARITY, Hello, Refusal
+    from messages import FEEDBACK, MOMENTS, PARITY, Bye, Draining, Hello, LightsChanged, Refusal, Stats
     from session import RefusedBy, Session
-except ImportError as error:
+except ModuleNotFoundError as error:
     skip(f"Debian's python3-{error.name.lower()} is missing")
 
-from control import NotTheServer
+from control import Closed, NotTheServer
 from datagrams import Kind, camera_update
 from mask_codecs import DECODERS, LIT, TILES
 from seal import AES_128_GCM, CHACHA20_POLY1305
@@ -194,6 +200,36 @@ class Sessions(unittest.TestCase):
         with self.assertRaises(NotTheServer):
             Session(host, int(port), "sha256:" + "0" * 64, Hello("living_room", *SIZE))
 
+    # ---- news
+
+    def news(self, session, kind):
+        """The first message of that kind."""
+        def come():
+            session.poll(0.5)
+            return next((message for message in session.news if isinstance(message, kind)), None)
+        return eventually(come, kind.__name__)
+
+    def test_lights_that_change(self):
+        session = self.session(features=MOMENTS)
+        before = session.welcome.lights_version
+        lights = session.welcome.scene.lights
+        dimmer = urllib.request.Request(self.node.admin + "/scenes/living_room/lights/0",
+                                        json.dumps({"intensity": lights[0].intensity / 2}).encode(),
+                                        {"Content-Type": "application/json"})
+        urllib.request.urlopen(dimmer, timeout=10).close()
+        changed = self.news(session, LightsChanged)
+        self.assertGreater(changed.version, before)
+        self.assertEqual(changed.lights, [replace(lights[0], intensity=lights[0].intensity / 2), *lights[1:]])
+        camera = session.welcome.scene.default_camera
+        eventually(lambda: session.picture(camera).moment[1] == changed.version, "frames of the new lights")
+
+    def test_being_shown_out(self):
+        session = self.session()
+        self.assertEqual(self.node.ctl("kick", str(session.welcome.session))[0], 0)
+        with self.assertRaises(Closed) as raised:
+            session.listen(60)
+        self.assertIn("Bye", str(raised.exception))
+
     # ---- what strangers send
 
     def rejected(self, **labels):
@@ -243,6 +279,46 @@ class Sessions(unittest.TestCase):
         session.open_socket()
         there = session.picture(camera)
         self.assertEqual(there.words, here.words)
+
+
+class Certificates(unittest.TestCase):
+    """Of a server in production, whose tenants have certificates in the place of tokens."""
+
+    def test_names_decide(self):
+        node = Node(BUILD, render={"tracer": "bvh"})
+        self.addCleanup(node.__exit__)
+        subprocess.run([node.bin / "gnomonctl", "make-certs", "--out", node.folder / "tls", "--host", "127.0.0.1", "--client",
+                        "studio", "--client", "ghost"], check=True, stdout=subprocess.DEVNULL)
+        of = {name: node.folder / "tls" / name for name in ("server.pem", "server-key.pem", "ca.pem")}
+        node.config["server"].update(mode="production", tls={
+            "certificate": str(of["server.pem"]), "key": str(of["server-key.pem"]), "client_ca": str(of["ca.pem"])})
+        node.start()
+        der = ssl.PEM_cert_to_DER_cert(re.match("-.*?-----END CERTIFICATE-----\n", of["server.pem"].read_text(), re.S)[0])
+        host, port = node.control.rsplit(":", 1)
+
+        def session(tenant, names):
+            files = [node.folder / "tls" / f"{names}{end}.pem" for end in ("", "-key")] if names else []
+            made = Session(host, int(port), "sha256:" + hashlib.sha256(der).hexdigest(),
+                           Hello("living_room", *SIZE, tenant=tenant), *files)
+            self.addCleanup(made.abandon)
+            return made
+
+        def refusal(tenant, names):
+            with self.assertRaises(RefusedBy) as raised:
+                session(tenant, names)
+            return raised.exception.refused.code
+
+        self.assertEqual(refusal("studio", None), Refusal.BAD_TOKEN)
+        self.assertEqual(refusal("ghost", "ghost"), Refusal.UNKNOWN_TENANT)
+        self.assertEqual(refusal("arcade", "studio"), Refusal.BAD_TOKEN)
+        guest = session("studio", "studio")
+        self.assertTrue(guest.picture(guest.welcome.scene.default_camera).complete())
+        # A server that drains says so first, and Bye at the end.
+        node.signal(signal.SIGTERM)
+        with self.assertRaises(Closed):
+            guest.listen(60)
+        self.assertEqual([type(message) for message in guest.news if not isinstance(message, Stats)], [Draining, Bye])
+        self.assertEqual(node.wait(), 0)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 try:
     import cryptography, lz4, OpenSSL  # noqa: E401, F401
-except ImportError as error:
+except ModuleNotFoundError as error:
     print(f"skipped: Debian's python3-{error.name.lower()} is missing")
     sys.exit(77)
 
