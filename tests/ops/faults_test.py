@@ -125,7 +125,7 @@ class Faults(unittest.TestCase):
         node.keep_ports()
         self.load({"studio": 16, "arcade": 16}, size="64x64", rate=5)
         self.flying(32)
-        for _ in range(3):
+        for _ in range(2):
             since = time.monotonic()
             node.process.kill()
             node.wait()
