@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <sstream>
+#include <thread>
 
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
@@ -35,15 +36,54 @@ double cpu_seconds(int who) {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Of the daemon, in this process with the clients on the calling thread.
-double daemon_cpu_seconds() { return cpu_seconds(RUSAGE_SELF) - cpu_seconds(RUSAGE_THREAD); }
-
 double device_busy_seconds(const daemon::Metrics& metrics) {
   std::istringstream lines(metrics.text());
   const std::string name("gnomon_device_busy_seconds_total ");
   for (std::string line; std::getline(lines, line);)
     if (line.starts_with(name)) return std::stod(line.substr(name.size()));
   return 0;
+}
+
+// What the clients of one measurement saw, on as many threads as they need so that they hold nobody up.
+struct Flight {
+  double vbps = 0, seconds = 0, clients_cpu_seconds = 0;
+  uint64_t frames = 0, bytes = 0;
+  client::Latencies server, response;
+};
+
+Result<Flight> fly(const client::LoadOptions& options, size_t clients, size_t threads) {
+  threads = std::min(threads, clients);
+  std::vector<std::unique_ptr<client::LoadRun>> runs;
+  std::vector<std::thread> pilots;
+  std::vector<Result<void>> done(threads, Result<void>());
+  std::vector<double> cpu(threads);
+  for (size_t t = 0; t < threads; ++t) {
+    const size_t mine = clients / threads + (t < clients % threads ? 1 : 0);
+    runs.push_back(std::make_unique<client::LoadRun>(options, std::vector<client::LoadGroup>{{"", "", mine}}));
+    pilots.emplace_back([&, t] {
+      std::FILE* nowhere = std::fopen("/dev/null", "w");
+      {
+        client::Progress progress(nowhere);
+        done[t] = runs[t]->run(progress);
+      }
+      std::fclose(nowhere);
+      cpu[t] = cpu_seconds(RUSAGE_THREAD);
+    });
+  }
+  for (std::thread& pilot : pilots) pilot.join();
+  Flight flight;
+  for (size_t t = 0; t < threads; ++t) {
+    if (!done[t]) return done[t].error();
+    const client::LoadRow total = client::load_rows(*runs[t]).back();
+    flight.vbps += total.vbps;
+    flight.frames += total.frames;
+    flight.bytes += total.bytes;
+    flight.response.add(total.latencies);
+    flight.seconds = std::max(flight.seconds, runs[t]->flight_seconds());
+    flight.clients_cpu_seconds += cpu[t];
+    for (const auto& participant : runs[t]->participants()) flight.server.add(participant.client->server_times());
+  }
+  return flight;
 }
 
 // Frames of `clients` cameras in turn, each somewhere else on the path, as the load's clients are.
@@ -110,6 +150,7 @@ class PipelineSuite : public Suite {
     command.add_option("--device", device_, "index, type or part of the name");
     command.add_option("--slice-us", slice_us_, "scheduler.slice_us of the daemon")->capture_default_str();
     command.add_option("--encode-threads", encode_threads_, "encode.threads of the daemon")->capture_default_str();
+    command.add_option("--load-threads", load_threads_, "of the clients")->capture_default_str();
     command.add_option("--net-threads", net_threads_, "server.net_threads of the daemon")->capture_default_str();
   }
 
@@ -191,36 +232,33 @@ class PipelineSuite : public Suite {
     say("scene " + name + " " + size_text + ", " + std::to_string(clients) + " clients");
     const auto before = bare.run(*size, clients, seconds_ / 2);
     if (!before) return before.error();
-    client::Progress progress;
-    client::LoadRun warm(load(file, daemon, *size, 0.25 * seconds_), {{"", "", clients}});  // costs are learned
-    if (auto done = warm.run(progress); !done) return done;
-    client::LoadRun flight(load(file, daemon, *size, seconds_), {{"", "", clients}});
-    const double busy = device_busy_seconds(daemon.metrics()), cpu = daemon_cpu_seconds();
-    if (auto done = flight.run(progress); !done) return done;
-    const double busy_after = device_busy_seconds(daemon.metrics()), cpu_after = daemon_cpu_seconds();
-    progress.clear();
+    const auto warm = fly(load(file, daemon, *size, 0.25 * seconds_), clients, load_threads_);  // costs are learned
+    if (!warm) return warm.error();
+    const double busy = device_busy_seconds(daemon.metrics()), cpu = cpu_seconds(RUSAGE_SELF);
+    const auto flight = fly(load(file, daemon, *size, seconds_), clients, load_threads_);
+    if (!flight) return flight.error();
+    const double busy_s = device_busy_seconds(daemon.metrics()) - busy;
+    const double cpu_s = cpu_seconds(RUSAGE_SELF) - cpu - flight->clients_cpu_seconds;
     const auto after = bare.run(*size, clients, seconds_ / 2);
     if (!after) return after.error();
 
-    client::Latencies server;
-    for (const auto& participant : flight.participants()) server.add(participant.client->server_times());
-    const client::LoadRow total = client::load_rows(flight).back();
     const double bare_vbps = (*before + *after) / 2;
     const double bits = static_cast<double>(size->width) * size->height * static_cast<double>(lights);
+    const double frames = std::max<double>(1, static_cast<double>(flight->frames));
     report_.rows.push_back({{"scene", name},
                             {"size", size_text},
                             {"clients", clients},
                             {"rate_hz", rate_hz_},
-                            {"vbps", total.vbps},
-                            {"gvis_per_s", total.vbps * bits / 1e9},
-                            {"p50_ms", to_milliseconds(server.percentile(0.5))},
-                            {"p99_ms", to_milliseconds(server.percentile(0.99))},
-                            {"response_p50_ms", to_milliseconds(total.latencies.percentile(0.5))},
-                            {"gpu_busy_share", (busy_after - busy) / flight.flight_seconds()},
-                            {"cpu_ms_per_frame", 1e3 * (cpu_after - cpu) / std::max<double>(1, total.frames)},
-                            {"bytes_per_frame", total.bytes_per_frame()},
+                            {"vbps", flight->vbps},
+                            {"gvis_per_s", flight->vbps * bits / 1e9},
+                            {"p50_ms", to_milliseconds(flight->server.percentile(0.5))},
+                            {"p99_ms", to_milliseconds(flight->server.percentile(0.99))},
+                            {"response_p50_ms", to_milliseconds(flight->response.percentile(0.5))},
+                            {"gpu_busy_share", busy_s / flight->seconds},
+                            {"cpu_ms_per_frame", 1e3 * cpu_s / frames},
+                            {"bytes_per_frame", static_cast<double>(flight->bytes) / frames},
                             {"bare_vbps", bare_vbps},
-                            {"ratio_to_bare_kernels", total.vbps / bare_vbps}});
+                            {"ratio_to_bare_kernels", flight->vbps / bare_vbps}});
     return {};
   }
 
@@ -231,6 +269,7 @@ class PipelineSuite : public Suite {
   std::string device_;
   int64_t slice_us_ = 4000;
   uint32_t encode_threads_ = 1, net_threads_ = 1;
+  size_t load_threads_ = 1;
   ScratchFolder scratch_;
   Report report_;
 };
