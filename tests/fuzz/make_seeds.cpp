@@ -1,0 +1,108 @@
+// Writes the seed corpus: what a right peer would send. Run it after the protocol has changed and commit the result.
+//
+//   fuzz_make_seeds tests/fuzz/corpus
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "common/packed_mask.h"
+#include "protocol/codec.h"
+#include "protocol/feedback.h"
+#include "protocol/parity.h"
+#include "tests/protocol/random_messages.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace gnomon;
+using Bytes = std::vector<uint8_t>;
+
+void write(const fs::path& folder, const std::string& name, const Bytes& bytes) {
+  fs::create_directories(folder);
+  std::ofstream(folder / name, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void put_number(Bytes& out, uint32_t value) {
+  out.push_back(static_cast<uint8_t>(value >> 8));
+  out.push_back(static_cast<uint8_t>(value));
+}
+
+void control(const fs::path& folder, tests::Random& random) {
+  for (size_t type = 0; type < tests::kMessageTypes; ++type) {
+    Bytes bytes;
+    put_number(bytes, 99);
+    const Bytes message = protocol::encode(tests::random_message(type, random));
+    bytes.insert(bytes.end(), message.begin(), message.end());
+    write(folder, "message-" + std::to_string(type), bytes);
+  }
+}
+
+void datagrams(const fs::path& folder, tests::Random& random) {
+  Bytes update, feedback, parity, header(protocol::kHeaderBytes + 60);
+  protocol::append_camera_update(update, tests::random_update(random));
+  protocol::Feedback arrivals;
+  arrivals.count = 40;
+  for (size_t i = 0; i < arrivals.count; ++i) arrivals.ages[i] = static_cast<uint16_t>(random());
+  protocol::append_feedback(feedback, arrivals);
+  protocol::append_parity(parity, {FrameId{7}, 20, 2, 1, 0, 0}, Bytes(90, 0x55));
+  protocol::write_header(std::span(header).first<protocol::kHeaderBytes>(),
+                         {protocol::DatagramKind::camera_update, 0, SessionId{77}, 1});
+  write(folder, "camera_update", update);
+  write(folder, "feedback", feedback);
+  write(folder, "parity", parity);
+  write(folder, "sealed", header);
+}
+
+// Straight borders and some noise.
+std::vector<uint64_t> mask_of(const TileGrid& grid, tests::Random& random) {
+  std::vector<uint64_t> words(grid.word_count());
+  for (size_t i = 0; i < words.size(); ++i) {
+    words[i] = i % 5 == 0 ? 0x0f0f1f1f3f3f7f7f : i % 7 == 0 ? random() : i % 2 ? ~uint64_t{0} : 0;
+  }
+  return words;
+}
+
+void slices(const fs::path& folder, tests::Random& random) {
+  const TileGrid grid{120, 64, 2};
+  const auto words = mask_of(grid, random);
+  protocol::FrameEncoder encoder;
+  for (const auto codec : {protocol::CodecId::raw32_lz4, protocol::CodecId::tiles_lz4}) {
+    protocol::EncodedFrame frame;
+    if (!encoder.encode(TileMaskView{grid, words}, codec, protocol::kMinPayloadBytes, frame)) continue;
+    for (size_t i = 0; i < std::min<size_t>(3, frame.slices.size()); ++i) {
+      const protocol::SliceHeader& header = frame.slices[i];
+      Bytes bytes;
+      for (const uint32_t number :
+           {grid.width - 1, grid.height - 1, grid.lights - 1, uint32_t(header.codec), header.first_tile,
+            header.tile_count, uint32_t{header.first_light}, uint32_t{header.light_count}}) {
+        put_number(bytes, number);
+      }
+      const auto payload = frame.payload(i);
+      bytes.insert(bytes.end(), payload.begin(), payload.end());
+      write(folder, "codec" + std::to_string(static_cast<int>(codec)) + "-" + std::to_string(i), bytes);
+    }
+  }
+}
+
+void masks(const fs::path& folder, tests::Random& random) {
+  for (int i = 0; i < 4; ++i) {
+    Bytes bytes(200 + random() % 600);
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
+    write(folder, "mask-" + std::to_string(i), bytes);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  const fs::path folder = argv[1];
+  tests::Random random(12);
+  control(folder / "control", random);
+  datagrams(folder / "datagrams", random);
+  slices(folder / "slices", random);
+  masks(folder / "codecs", random);
+  masks(folder / "parity", random);
+  return 0;
+}
