@@ -28,7 +28,7 @@ TEST(Tokens, HashIsSha256AndSurvivesItsText) {
   EXPECT_EQ(to_hex(hash), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(parse_token_hash(to_hex(hash)), hash);
   for (const std::string& wrong : {std::string(), std::string(63, 'a'), std::string(65, 'a'), std::string(64, 'g'),
-                                  std::string(62, 'a') + "+1"}) {
+                                   std::string(62, 'a') + "+1"}) {
     EXPECT_FALSE(parse_token_hash(wrong)) << wrong;
   }
 }
