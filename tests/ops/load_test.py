@@ -10,7 +10,7 @@ import unittest
 from node import Node, eventually
 
 BUILD = sys.argv.pop(1)
-SESSIONS = int(sys.argv.pop(2)) if sys.argv[1:2] == ["--sessions"] and sys.argv.pop(1) else 1000
+SESSIONS = int(sys.argv.pop(1)) if sys.argv[1:2] == ["--sessions"] and sys.argv.pop(1) else 1000
 RELOADS = 200
 AT_A_TIME = 100
 MOST_GROWTH = 5e6  # bytes, from the first half of the short sessions to the second
