@@ -19,10 +19,10 @@ class ViewGate {
     return load(backlog) / rate <= to_seconds(ready_in_ + kSlack);
   }
 
-  // When it would open if nothing happens.
+  // When to look again: when the link will have caught up, at the earliest.
   TimePoint opens_at(size_t backlog, double rate, TimePoint now) const {
     const double excess = load(backlog) / rate - to_seconds(ready_in_ + kSlack);
-    return now + Nanoseconds(static_cast<int64_t>(std::max(0.0, excess) * 1e9));
+    return now + Nanoseconds(static_cast<int64_t>(std::max(kLeastWait, excess) * 1e9));
   }
 
   void asked(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
@@ -39,6 +39,8 @@ class ViewGate {
  private:
   static constexpr Nanoseconds kSlack = std::chrono::milliseconds(5);
   static constexpr Nanoseconds kForgotten = std::chrono::milliseconds(500);
+
+  static constexpr double kLeastWait = 1e-3;  // seconds; what is waited for may be the renderer
 
   struct Asked {
     FrameId frame;
