@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "protocol/context/context_slices.h"
 #include "protocol/slice_layout.h"
 
 namespace gnomon::protocol {
@@ -45,6 +46,8 @@ struct FrameEncoder::Workspace {
   std::vector<uint8_t> plain;
   std::vector<uint8_t> trial;  // the payload tried last
   std::vector<uint8_t> best;   // the longest so far that fits
+  context::FrameTiles framed;  // of tiles_context
+  context::UnitEncoder units;
 
   bool pack(const SliceRange& range) {
     return codec == CodecId::raw32_lz4 ? pack_raw32(frame, range, plain)
@@ -113,7 +116,16 @@ struct FrameEncoder::Workspace {
     return fits;
   }
 
+  bool cut_context(EncodedFrame& out) {
+    for (const SliceRange& unit : context::plan_units(framed, limit)) {
+      units.encode(framed, unit, limit, out);
+      if (out.slices.size() > kMaxSlices) return false;
+    }
+    return true;
+  }
+
   bool cut_frame(EncodedFrame& out) {
+    if (codec == CodecId::tiles_context) return cut_context(out);
     const uint32_t tiles = frame.grid.tile_count();
     const uint32_t lights = frame.grid.lights;
     const uint32_t step = lights_that_fit(codec, limit - 1);
@@ -131,7 +143,6 @@ struct FrameEncoder::Workspace {
 
   void append(const SliceRange& range, EncodedFrame& out) const {
     SliceHeader header;
-    header.slice = static_cast<uint16_t>(out.slices.size());
     header.first_tile = range.first_tile;
     header.tile_count = range.tile_count;
     header.first_light = static_cast<uint16_t>(range.first_light);
@@ -150,6 +161,15 @@ void clear(EncodedFrame& frame) {
   frame.bytes.clear();
   frame.offsets.assign(1, 0);
 }
+
+void number_slices(EncodedFrame& frame) {
+  for (size_t i = 0; i < frame.slices.size(); ++i) {
+    frame.slices[i].slice = static_cast<uint16_t>(i);
+    frame.slices[i].slice_count = static_cast<uint16_t>(frame.slices.size());
+  }
+}
+
+Error too_many_slices() { return Error{"the frame takes more than " + std::to_string(kMaxSlices) + " slices"}; }
 
 bool is_inside(const SliceRange& range, const TileGrid& grid) {
   return range.tile_count > 0 && range.first_tile < grid.tile_count() &&
@@ -182,15 +202,20 @@ Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size
   assert(frame.words.size() == frame.grid.word_count());
   workspace_->frame = frame;
   if (codec == CodecId::tiles_lz4) workspace_->coded.code(frame.words);
+  if (codec == CodecId::tiles_context) workspace_->framed.take(frame);
+  workspace_->framed.reference = nullptr;
   return cut(codec, max_payload_bytes, out);
 }
 
 Result<void> FrameEncoder::encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes,
-                                  EncodedFrame& out) {
+                                  EncodedFrame& out, const MaskReference* reference) {
   Workspace& work = *workspace_;
   work.frame = {frame.grid, {}};
   if (codec == CodecId::tiles_lz4) {
     work.coded.code(frame);
+  } else if (codec == CodecId::tiles_context) {
+    work.framed.take(frame);
+    work.framed.reference = reference;
   } else {
     work.words.resize(frame.grid.word_count());
     unpack(frame, work.words);
@@ -211,17 +236,66 @@ Result<void> FrameEncoder::cut(CodecId codec, size_t max_payload_bytes, EncodedF
   work.frame = {};
   if (!all_cut) {
     clear(out);
-    return Error{"the frame takes more than " + std::to_string(kMaxSlices) + " slices"};
+    return too_many_slices();
   }
-  for (SliceHeader& header : out.slices) header.slice_count = static_cast<uint16_t>(out.slices.size());
+  number_slices(out);
   return {};
 }
 
+struct SplitFrame::Parts {
+  context::FrameTiles tiles;
+  size_t limit = 0;
+  MaskReferencePtr reference;
+  std::vector<SliceRange> units;
+  std::vector<EncodedFrame> encoded;  // for each unit
+};
+
+SplitFrame::SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference)
+    : parts_(std::make_unique<Parts>()) {
+  assert(max_payload_bytes >= kMinPayloadBytes);
+  parts_->limit = max_payload_bytes;
+  parts_->tiles.take(frame);
+  parts_->tiles.reference = reference.get();
+  parts_->reference = std::move(reference);
+  parts_->units = context::plan_units(parts_->tiles, max_payload_bytes);
+  parts_->encoded.resize(parts_->units.size());
+}
+
+SplitFrame::~SplitFrame() = default;
+
+size_t SplitFrame::unit_count() const { return parts_->units.size(); }
+
+void SplitFrame::encode(size_t unit) {
+  static thread_local context::UnitEncoder encoder;
+  clear(parts_->encoded[unit]);
+  encoder.encode(parts_->tiles, parts_->units[unit], parts_->limit, parts_->encoded[unit]);
+}
+
+Result<void> SplitFrame::join(EncodedFrame& out) {
+  clear(out);
+  out.codec = CodecId::tiles_context;
+  for (const EncodedFrame& part : parts_->encoded) {
+    if (out.slices.size() + part.slices.size() > kMaxSlices) {
+      clear(out);
+      return too_many_slices();
+    }
+    const size_t first = out.bytes.size();
+    out.slices.insert(out.slices.end(), part.slices.begin(), part.slices.end());
+    out.bytes.insert(out.bytes.end(), part.bytes.begin(), part.bytes.end());
+    for (size_t i = 1; i < part.offsets.size(); ++i) out.offsets.push_back(first + part.offsets[i]);
+  }
+  number_slices(out);
+  return {};
+}
+
+TileMaskView SplitFrame::decoded() const { return {parts_->tiles.grid, parts_->tiles.words}; }
+
 Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
-                          std::span<uint64_t> words) {
+                          std::span<uint64_t> words, const ReferenceShelf* references) {
   assert(words.size() == grid.word_count());
   const SliceRange range{header.first_tile, header.tile_count, header.first_light, header.light_count};
   if (!is_inside(range, grid)) return Error{"a slice's tiles or lights are not of this frame"};
+  if (header.codec == CodecId::tiles_context) return context::decode(range, payload, grid, references, words);
   PlainBuffer buffer;  // not initialised: only what has been unpacked is read
   const auto plain = plain_bytes(payload, buffer);
   if (plain.empty()) return Error{"a slice's payload is of unknown form or damaged"};

@@ -10,6 +10,7 @@
 #include "common/result.h"
 #include "common/tile_mask.h"
 #include "protocol/datagram.h"
+#include "protocol/mask_reference.h"
 
 namespace gnomon::protocol {
 
@@ -38,8 +39,10 @@ class FrameEncoder {
   // An error, and `out` empty, when the frame would take more than the 65,535 slices that a header can number.
   // A frame without lights has no slices at all.
   Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
-  // The same of the frame unpacked, in less time.
-  Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
+  // The same of the frame unpacked, in less time; of tiles_context in fewer bytes, as free tiles become what is likely.
+  // `reference`, of the same grid, is for tiles_context alone: a frame that the decoder has.
+  Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out,
+                      const MaskReference* reference = nullptr);
 
  private:
   struct Workspace;
@@ -48,9 +51,31 @@ class FrameEncoder {
   std::unique_ptr<Workspace> workspace_;
 };
 
+// A frame of tiles_context that several threads encode: unit by unit, each by one of them, then it is joined. The slices
+// are the same however many threads take part, and the same as FrameEncoder's.
+class SplitFrame {
+ public:
+  // Copies what it needs of `frame`. `reference`: of the same grid, or null.
+  SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference);
+  ~SplitFrame();
+
+  size_t unit_count() const;
+  // Any thread; each unit once.
+  void encode(size_t unit);
+  // After all units. As FrameEncoder::encode.
+  Result<void> join(EncodedFrame& out);
+  // After all units: the mask that a decoder will have.
+  TileMaskView decoded() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
 // Writes a slice's tiles into `words` (grid.word_count() of them, laid out as common/tile_mask.h says).
 // Any bytes give tiles or an error; after an error the slice's own tiles are unspecified and all others untouched.
+// A slice that refers to a frame that is not among `references`, or not the same there, is an error.
 Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
-                          std::span<uint64_t> words);
+                          std::span<uint64_t> words, const ReferenceShelf* references = nullptr);
 
 }  // namespace gnomon::protocol

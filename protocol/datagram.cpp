@@ -27,6 +27,11 @@ void fields(A& a, Of<A, CameraUpdate>& m) {
   a(m.client_time_us, m.display_deadline_us, m.ack_count);
   a.check(m.ack_count <= kMaxAcks, "too many acknowledgements");
   for (size_t i = 0; i < std::min<size_t>(m.ack_count, kMaxAcks); ++i) fields(a, m.acks[i]);
+  if constexpr (A::kReading) {
+    if (a.rest().size() >= sizeof m.have.value) a(m.have);
+  } else if (m.have.value != 0) {
+    a(m.have);
+  }
 }
 
 template <class A>

@@ -58,6 +58,7 @@ struct CameraUpdate {
   uint32_t display_deadline_us = 0;  // after client_time_us; 0: none
   uint8_t ack_count = 0;
   std::array<SliceAck, kMaxAcks> acks{};
+  FrameId have;  // with kFeatureReferences: the newest frame that the client keeps for slices to refer to; 0: none
   friend bool operator==(const CameraUpdate&, const CameraUpdate&) = default;
 };
 

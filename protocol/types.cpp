@@ -28,6 +28,24 @@ bool is_cosine(float v) { return v >= -1.0f && v <= 1.0f; }
 
 }  // namespace
 
+const char* to_string(CodecId codec) {
+  switch (codec) {
+    case CodecId::raw32_lz4: return "raw32_lz4";
+    case CodecId::tiles_lz4: return "tiles_lz4";
+    case CodecId::tiles_context: return "tiles_context";
+  }
+  return "unknown";
+}
+
+Result<CodecId> parse_codec(std::string_view name) {
+  std::string known;
+  for (const CodecId codec : kCodecs) {
+    if (name == to_string(codec)) return codec;
+    known.append(known.empty() ? "" : ", ").append(to_string(codec));
+  }
+  return Error{std::string("no codec '").append(name).append("'; there are: ").append(known)};
+}
+
 bool is_valid(const CameraView& camera) {
   const float width = camera.tan_left + camera.tan_right;
   const float height = camera.tan_up + camera.tan_down;

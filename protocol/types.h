@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/ids.h"
+#include "common/result.h"
 
 namespace gnomon::protocol {
 
@@ -19,9 +21,10 @@ inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
 // Feature bits of Hello and Welcome.
-inline constexpr uint64_t kFeatureMoments = 1;   // slices say what moment of a changing scene they show
-inline constexpr uint64_t kFeatureFeedback = 2;  // the client reports arrivals and takes probes of the path
-inline constexpr uint64_t kFeatureParity = 4;    // the client rebuilds lost slices from parity
+inline constexpr uint64_t kFeatureMoments = 1;     // slices say what moment of a changing scene they show
+inline constexpr uint64_t kFeatureFeedback = 2;    // the client reports arrivals and takes probes of the path
+inline constexpr uint64_t kFeatureParity = 4;      // the client rebuilds lost slices from parity
+inline constexpr uint64_t kFeatureReferences = 8;  // the client decodes tiles_context and keeps frames for it
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
@@ -30,7 +33,10 @@ using Bytes16 = std::array<uint8_t, 16>;
 // Of the data channel's seal.
 enum class CipherId : uint8_t { aes_128_gcm = 1, chacha20_poly1305 = 2 };
 
-enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1 };
+enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1, tiles_context = 2 };
+inline constexpr std::array<CodecId, 3> kCodecs{CodecId::raw32_lz4, CodecId::tiles_lz4, CodecId::tiles_context};
+const char* to_string(CodecId codec);  // its name in WIRE.md
+Result<CodecId> parse_codec(std::string_view name);
 
 // Where a camera stands and what it sees: glTF axes (looks along its own -Z, Y up), metres. The frustum is given by
 // the tangents of its four half-angles, all positive for an ordinary one, so that headsets' skewed ones fit too.

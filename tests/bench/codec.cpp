@@ -2,6 +2,7 @@
 // compression and JBIG1, on one core.
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "common/clock.h"
 #include "protocol/codec.h"
@@ -22,30 +23,41 @@ constexpr size_t kDatagramOverhead = protocol::kMaxDatagramBytes - protocol::kMa
 
 class OwnCodec : public FrameCodec {
  public:
-  OwnCodec(protocol::CodecId codec, std::string name) : codec_(codec), name_(std::move(name)) {}
+  // `before`: the index of PathSpot::before that slices refer to.
+  OwnCodec(protocol::CodecId codec, std::string name, std::optional<size_t> before = {})
+      : codec_(codec), name_(std::move(name)), before_(before) {}
   std::string name() const override { return name_; }
   void prepare(const TileGrid& grid, const PathSpot& spot) override {
     grid_ = grid;
     spot_ = &spot;
     words_.resize(grid.word_count());
+    references_.clear();
+    if (!before_) return;
+    const std::vector<uint64_t> words = unpacked(spot.before[*before_].packed.view());
+    references_.add(std::make_shared<protocol::MaskReference>(kBefore, TileMaskView{grid, words}));
   }
   CodedSize encode() override {
-    const auto done = encoder_.encode(spot_->now.packed.view(), codec_, protocol::kMaxSlicePayloadBytes, frame_);
+    const auto done = encoder_.encode(spot_->now.packed.view(), codec_, protocol::kMaxSlicePayloadBytes, frame_,
+                                      references_.find(kBefore));
     if (!done) return {};
     return {frame_.bytes.size(), frame_.slices.size()};
   }
   bool decode() override {
     for (size_t i = 0; i < frame_.slices.size(); ++i)
-      if (!protocol::decode_slice(frame_.slices[i], frame_.payload(i), grid_, words_)) return false;
+      if (!protocol::decode_slice(frame_.slices[i], frame_.payload(i), grid_, words_, &references_)) return false;
     return true;
   }
   std::span<const uint64_t> words() override { return words_; }
 
  private:
+  static constexpr FrameId kBefore{1};
+
   protocol::CodecId codec_;
   std::string name_;
+  std::optional<size_t> before_;
   TileGrid grid_;
   const PathSpot* spot_ = nullptr;
+  protocol::ReferenceShelf references_;
   protocol::FrameEncoder encoder_;
   protocol::EncodedFrame frame_;
   std::vector<uint64_t> words_;
@@ -120,10 +132,16 @@ class CodecSuite : public Suite {
     return usual;
   }
 
-  static std::vector<std::unique_ptr<FrameCodec>> codecs() {
+  std::vector<std::unique_ptr<FrameCodec>> codecs() const {
     std::vector<std::unique_ptr<FrameCodec>> all;
     all.push_back(std::make_unique<OwnCodec>(protocol::CodecId::raw32_lz4, "raw32_lz4"));
     all.push_back(std::make_unique<OwnCodec>(protocol::CodecId::tiles_lz4, "tiles_lz4"));
+    all.push_back(std::make_unique<OwnCodec>(protocol::CodecId::tiles_context, "tiles_context"));
+    for (size_t i = 0; i < plan_.ages_ms.size(); ++i) {
+      std::string name("tiles_context, reference ");
+      name.append(std::to_string(plan_.ages_ms[i])).append(" ms before");
+      all.push_back(std::make_unique<OwnCodec>(protocol::CodecId::tiles_context, std::move(name), i));
+    }
     all.push_back(make_zstd_words());
     all.push_back(make_jbig1());
     return all;
@@ -182,7 +200,7 @@ class CodecSuite : public Suite {
 
   std::vector<std::string> scenes_;
   std::string size_text_ = "1920x1080", plot_;
-  PathPlan plan_{.spots = 8, .size = {}, .ages_ms = {33, 100}, .device = {}, .folder = {}};
+  PathPlan plan_{.spots = 12, .size = {}, .ages_ms = {33, 100}, .device = {}, .folder = {}};
   std::vector<CodecPoint> points_;
   Report report_;
 };

@@ -14,7 +14,7 @@ std::string block(size_t number, const std::string& scene, const std::vector<Cod
   for (const CodecPoint& point : points) {
     if (point.scene != scene) continue;
     char line[160];
-    std::snprintf(line, sizeof line, "%.1f %.4f %.4f %s\n", point.bytes, point.encode_ms, point.decode_ms,
+    std::snprintf(line, sizeof line, "%.1f %.4f %.4f \"%s\"\n", point.bytes, point.encode_ms, point.decode_ms,
                   point.codec.c_str());
     text += line;
   }

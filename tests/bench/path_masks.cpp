@@ -12,8 +12,8 @@ namespace {
 
 // Everything that decides what a kept file holds.
 std::string key_of(const std::string& scene, const PathPlan& plan) {
-  std::string key = scene + "-" + std::to_string(plan.size.width) + "x" + std::to_string(plan.size.height) + "-" +
-                    std::to_string(plan.spots);
+  std::string key = std::filesystem::path(scene).stem().string() + "-" + std::to_string(plan.size.width) + "x" +
+                    std::to_string(plan.size.height) + "-" + std::to_string(plan.spots);
   for (const uint32_t age : plan.ages_ms) key.append("-").append(std::to_string(age));
   return key;
 }

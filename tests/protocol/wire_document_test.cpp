@@ -235,6 +235,25 @@ TEST(WireDocument, PayloadsWithLz4AreAsWorkedOut) {
   expect_payload("raw32_payload", CodecId::raw32_lz4, {8, 8, 1});
 }
 
+TEST(WireDocument, PayloadsOfTilesContextAreAsWorkedOut) {
+  const TileGrid grid{16, 8, 2};
+  const std::vector<uint64_t> words = {0x00000103070f1f3f, ~uint64_t{0}, 0, 0x0000183c3c180000};
+  const std::vector<uint64_t> cares(words.size(), ~uint64_t{0});
+  const PackedMask mask({grid, words}, cares);
+  ReferenceShelf shelf;
+  shelf.add(std::make_shared<MaskReference>(FrameId{6}, TileMaskView{grid, words}));
+  for (const MaskReference* reference : {static_cast<const MaskReference*>(nullptr), shelf.find(FrameId{6})}) {
+    FrameEncoder encoder;
+    EncodedFrame frame;
+    ASSERT_TRUE(encoder.encode(mask.view(), CodecId::tiles_context, kMaxSlicePayloadBytes, frame, reference));
+    const Bytes written = packet(reference ? "referenced_payload" : "context_payload");
+    EXPECT_EQ(frame.bytes, written);
+    std::vector<uint64_t> decoded(grid.word_count());
+    ASSERT_TRUE(decode_slice(frame.slices.at(0), written, grid, decoded, &shelf));
+    EXPECT_EQ(decoded, words);
+  }
+}
+
 TEST(WireDocument, NamesEveryRefusalCode) {
   const auto rows = numbered_rows("## Refusal codes");
   ASSERT_EQ(rows.size(), 12u);

@@ -1,0 +1,71 @@
+// A picture of bits, eight pixels a byte, the leftmost in the lowest bit, with margins to read beyond its edges.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "common/tile_mask.h"
+
+namespace gnomon::protocol::context {
+
+class BitRows {
+ public:
+  static constexpr int kMarginRows = 32;
+  static constexpr int kMarginBytes = 4;  // to the left
+  static constexpr int kRightMarginBytes = 16;
+
+  // All 0.
+  void reset(uint32_t tiles_x, uint32_t tiles_y) {
+    tiles_x_ = static_cast<int>(tiles_x);
+    tiles_y_ = static_cast<int>(tiles_y);
+    stride_ = tiles_x_ + kMarginBytes + kRightMarginBytes;
+    bytes_.assign(static_cast<size_t>(stride_) * static_cast<size_t>(tiles_y_ * 8 + 2 * kMarginRows), 0);
+  }
+
+  int width() const { return tiles_x_ * 8; }
+  int height() const { return tiles_y_ * 8; }
+
+  // The byte of a tile's row; y from -kMarginRows on.
+  uint8_t* at(int tile_x, int y) {
+    return bytes_.data() + static_cast<ptrdiff_t>(y + kMarginRows) * stride_ + tile_x + kMarginBytes;
+  }
+  const uint8_t* at(int tile_x, int y) const { return const_cast<BitRows*>(this)->at(tile_x, y); }
+
+  void put(int tile_x, int tile_y, uint64_t word) {
+    uint8_t* byte = at(tile_x, tile_y * 8);
+    for (int row = 0; row < 8; ++row, byte += stride_) *byte = static_cast<uint8_t>(word >> 8 * row);
+  }
+  uint64_t get(int tile_x, int tile_y) const {
+    uint64_t word = 0;
+    for (int row = 0; row < 8; ++row) word |= uint64_t{*at(tile_x, tile_y * 8 + row)} << 8 * row;
+    return word;
+  }
+
+  // The 32 pixels from x on, x at least -8 * kMarginBytes.
+  uint32_t window(int x, int y) const {
+    uint64_t bits;
+    std::memcpy(&bits, at(0, y) + (x >> 3), sizeof bits);
+    return static_cast<uint32_t>(bits >> (x & 7));
+  }
+
+  // Margins continue the picture's edges.
+  void extend() {
+    for (int y = 0; y < height(); ++y) {
+      std::memset(at(-kMarginBytes, y), (*at(0, y) & 1) != 0 ? 0xff : 0, kMarginBytes);
+      std::memset(at(tiles_x_, y), (*at(tiles_x_ - 1, y) & 0x80) != 0 ? 0xff : 0, kRightMarginBytes);
+    }
+    for (int i = 1; i <= kMarginRows; ++i) {
+      std::memcpy(at(-kMarginBytes, -i), at(-kMarginBytes, 0), static_cast<size_t>(stride_));
+      std::memcpy(at(-kMarginBytes, height() + i - 1), at(-kMarginBytes, height() - 1),
+                  static_cast<size_t>(stride_));
+    }
+  }
+
+ private:
+  int tiles_x_ = 0, tiles_y_ = 0, stride_ = 0;
+  std::vector<uint8_t> bytes_;
+};
+
+}  // namespace gnomon::protocol::context

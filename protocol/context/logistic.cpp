@@ -1,0 +1,38 @@
+#include "protocol/context/logistic.h"
+
+namespace gnomon::protocol::context {
+namespace {
+
+// e^-n/256 in 1/2^40 by repeated multiplication in integers: rounding never depends on a machine.
+constexpr std::array<uint16_t, 4096> make_squashed() {
+  constexpr uint64_t kOne = uint64_t{1} << 40;
+  constexpr uint64_t kStep = 1095225038176;  // e^(-1/256) * 2^40, rounded
+  std::array<uint16_t, 4096> table{};
+  uint64_t power = kOne;  // e^(-n/256)
+  for (int n = 0; n <= kMaxStretched; ++n) {
+    const auto p = static_cast<uint32_t>((kOne << 16) / (kOne + power));
+    table[static_cast<size_t>(kMaxStretched + n)] = static_cast<uint16_t>(std::min(p, 65535u));
+    table[static_cast<size_t>(kMaxStretched - n)] = static_cast<uint16_t>(std::max(65536u - p, 1u));
+    power = static_cast<uint64_t>((power >> 20) * (kStep >> 20) + (((power & 0xfffff) * (kStep >> 20)) >> 20) +
+                                  (((power >> 20) * (kStep & 0xfffff)) >> 20));
+  }
+  table[4095] = table[4094];
+  return table;
+}
+
+constexpr std::array<int16_t, 4096> make_stretched(const std::array<uint16_t, 4096>& squashed) {
+  std::array<int16_t, 4096> table{};
+  size_t at = 0;  // squashed grows: its inverse needs one walk
+  for (size_t p = 0; p < table.size(); ++p) {
+    while (at < 2 * kMaxStretched && squashed[at] < p * 16 + 8) ++at;
+    table[p] = static_cast<int16_t>(static_cast<int>(at) - kMaxStretched);
+  }
+  return table;
+}
+
+}  // namespace
+
+constexpr std::array<uint16_t, 4096> kSquashed = make_squashed();
+constexpr std::array<int16_t, 4096> kStretched = make_stretched(kSquashed);
+
+}  // namespace gnomon::protocol::context

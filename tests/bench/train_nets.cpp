@@ -1,0 +1,270 @@
+// gnomon-train-nets: makes protocol/context/net_weights.inc from masks along scenes' camera paths.
+//
+//   gnomon-train-nets --scene living_room temple oa_minia country_kitchen --out protocol/context/net_weights.inc
+//
+// Walks the masks as the encoder does, records what the nets would be asked and what the answer was, and fits them by
+// stochastic gradient descent. The same masks give the same weights.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <random>
+
+#include "protocol/context/context_slices.h"
+#include "protocol/context/motion_search.h"
+#include "protocol/context/tile_walk.h"
+#include "tests/bench/path_masks.h"
+#include "tests/bench/report.h"
+
+namespace gnomon::bench {
+namespace {
+
+using namespace protocol::context;
+
+// One question to a net: its inputs, and the answer of each output; -1: not asked.
+template <class Net>
+struct Question {
+  typename Net::Inputs inputs;
+  std::array<int8_t, Net::kOutputs> answers;
+};
+
+// The same number of questions of each scene, drawn from all of them.
+template <class Net>
+class Questions {
+ public:
+  void add(const Question<Net>& question) {
+    ++met_;
+    if (kept_.size() < kMostOfAScene) {
+      kept_.push_back(question);
+    } else if (const uint64_t place = random_() % met_; place < kMostOfAScene) {
+      kept_[place] = question;
+    }
+  }
+  void end_scene() {
+    all_.insert(all_.end(), kept_.begin(), kept_.end());
+    kept_.clear();
+    met_ = 0;
+  }
+  std::vector<Question<Net>>& shuffled() {
+    std::shuffle(all_.begin(), all_.end(), random_);
+    return all_;
+  }
+
+ private:
+  static constexpr size_t kMostOfAScene = 1'500'000;
+  std::vector<Question<Net>> all_, kept_;
+  uint64_t met_ = 0;
+  std::mt19937_64 random_{1};
+};
+
+struct Copier {
+  static constexpr bool kDecodes = false;
+};
+
+// Stands in for SliceModel.
+template <bool Referenced>
+class Recorder {
+ public:
+  static constexpr bool kReferenced = Referenced;
+  using Pixels = typename SliceModel<Referenced>::Pixels;
+  using Classes = typename SliceModel<Referenced>::Classes;
+
+  Questions<Pixels> pixels;
+  Questions<Classes> classes;
+
+  bool pixel(Copier&, bool bit, const typename Pixels::Inputs& inputs, size_t, size_t, size_t) {
+    pixels.add({inputs, {static_cast<int8_t>(bit)}});
+    return bit;
+  }
+  bool run_pixel(Copier&, bool bit, bool around, uint8_t place) {
+    if (++runs_ % 4 != 0 && bit == around) return bit;  // slices begin with what the net says of them
+    typename Pixels::Inputs inputs;
+    inputs.fill(around ? 0xff : 0);
+    inputs[0] = place;
+    pixels.add({inputs, {static_cast<int8_t>(bit)}});
+    return bit;
+  }
+  uint8_t tile(Copier&, PackedClass tile_class, const typename Classes::Inputs& inputs, size_t, size_t, size_t) {
+    if (tile_class == PackedClass::free) {
+      classes.add({inputs, {0, -1}});
+      return (inputs[0] & 3) == kLit ? kLit : kDark;
+    }
+    const bool mixed = tile_class == PackedClass::mixed, lit = tile_class == PackedClass::lit;
+    classes.add({inputs, {static_cast<int8_t>(mixed), mixed ? int8_t{-1} : static_cast<int8_t>(lit)}});
+    return mixed ? kMixed : lit ? kLit : kDark;
+  }
+  uint8_t quiet_tile(Copier&, PackedClass tile_class, bool around) {
+    if (tile_class == PackedClass::free) return around ? kLit : kDark;
+    return tile_class == PackedClass::mixed ? kMixed : tile_class == PackedClass::lit ? kLit : kDark;
+  }
+  Motion motion(Copier&, Motion motion, Motion predicted) { return motion == kAnyMotion ? predicted : motion; }
+
+ private:
+  uint64_t runs_ = 0;
+};
+
+constexpr uint32_t kRowsOfASlice = 20;  // about, of tiles
+
+template <bool Referenced>
+void record(const PathFrame& frame, const protocol::MaskReference* reference, Recorder<Referenced>& recorder) {
+  FrameTiles tiles;
+  tiles.take(frame.packed.view());
+  const TileGrid& grid = tiles.grid;
+  WalkMemory memory;
+  memory.rows.reset(grid.tiles_x(), grid.tiles_y());
+  Copier coder;
+  TileWalk walk(coder, recorder, grid, memory);
+  std::vector<Motion> motions(grid.tile_count());
+  for (uint32_t light = 0; light < grid.lights; ++light) {
+    const size_t first = size_t{light} * grid.tile_count();
+    const LightTiles of_light{std::span(tiles.classes).subspan(first, grid.tile_count()),
+                              std::span(tiles.words).subspan(first, grid.tile_count()),
+                              reference ? &reference->rows(light) : nullptr, motions};
+    if (reference)
+      find_motions(grid, of_light.classes, of_light.words, *of_light.reference, 0,
+                   (grid.tiles_y() + kBlock - 1) / kBlock, motions);
+    for (uint32_t next = 0; next < grid.tile_count();) {
+      if (next % (kRowsOfASlice * grid.tiles_x()) == 0) walk.begin(of_light, next);
+      const uint32_t end = segment_end(next, grid.tiles_x());
+      walk.segment(next, end);
+      next = end;
+    }
+  }
+}
+
+// A net in floats.
+template <class Net>
+class Trainee {
+ public:
+  template <size_t Groups>
+  explicit Trainee(const std::array<GroupShape, Groups>& shapes)
+      : shapes_(shapes), weights_(rows_of(shapes) * kUnits) {
+    std::mt19937 random(1);
+    std::normal_distribution<float> normal(0, 0.3f);
+    for (float& weight : weights_) weight = normal(random);
+    for (auto& output : outputs_)
+      for (float& weight : output) weight = normal(random) / 2;
+  }
+
+  void learn(const Question<Net>& question, float rate) {
+    size_t rows = 0, row = 0;
+    for (size_t group = 0; group < Net::kGroups; ++group)
+      row = shapes_[group].for_rows(question.inputs[group], row, [&](size_t r) { active_[rows++] = r * kUnits; });
+    std::array<float, kUnits> units = biases_, back{};
+    for (size_t i = 0; i < rows; ++i)
+      for (size_t unit = 0; unit < kUnits; ++unit) units[unit] += weights_[active_[i] + unit];
+    for (float& unit : units) unit = std::max(unit, 0.0f);
+    for (size_t o = 0; o < Net::kOutputs; ++o) {
+      if (question.answers[o] < 0) continue;
+      float sum = output_biases_[o];
+      for (size_t unit = 0; unit < kUnits; ++unit) sum += units[unit] * outputs_[o][unit];
+      const float error = (static_cast<float>(question.answers[o]) - 1 / (1 + std::exp(-sum))) * rate;
+      output_biases_[o] += error;
+      for (size_t unit = 0; unit < kUnits; ++unit) {
+        if (units[unit] > 0) back[unit] += error * outputs_[o][unit];
+        outputs_[o][unit] += error * units[unit];
+      }
+    }
+    for (size_t unit = 0; unit < kUnits; ++unit) biases_[unit] += back[unit];
+    for (size_t i = 0; i < rows; ++i)
+      for (size_t unit = 0; unit < kUnits; ++unit) weights_[active_[i] + unit] += back[unit];
+  }
+
+  // In the order that Net reads them.
+  std::vector<int> numbers() const {
+    std::vector<int> all;
+    const auto add = [&](float value, int bits) {
+      all.push_back(
+          std::clamp(static_cast<int>(std::lround(value * static_cast<float>(1 << bits))), -32767, 32767));
+    };
+    for (const float weight : weights_) add(weight, kWeightBits);
+    for (const float bias : biases_) add(bias, kWeightBits);
+    for (size_t o = 0; o < Net::kOutputs; ++o) {
+      for (const float weight : outputs_[o]) add(weight, kOutputBits);
+      add(output_biases_[o], kOutputBits);
+    }
+    return all;
+  }
+
+ private:
+  static constexpr size_t kUnits = Net::kHidden;
+
+  std::array<GroupShape, Net::kGroups> shapes_;
+  std::vector<float> weights_;
+  std::array<float, kUnits> biases_{};
+  std::array<std::array<float, kUnits>, Net::kOutputs> outputs_{};
+  std::array<float, Net::kOutputs> output_biases_{};
+  std::array<size_t, Net::kGroups * 8> active_{};
+};
+
+template <class Net, size_t Groups>
+void train(const std::string& name, const std::array<GroupShape, Groups>& shapes, Questions<Net>& questions,
+           int rounds, std::ofstream& out) {
+  Trainee<Net> net(shapes);
+  auto& all = questions.shuffled();
+  say(name + ": " + std::to_string(all.size()) + " questions");
+  const double total = static_cast<double>(all.size()) * rounds;
+  double done = 0;
+  for (int round = 0; round < rounds; ++round)
+    for (const auto& question : all) net.learn(question, 0.0002f + 0.02f * static_cast<float>(1 - done++ / total));
+  const std::vector<int> numbers = net.numbers();
+  out << "constexpr int16_t " << name << "[" << numbers.size() << "] = {";
+  for (size_t i = 0; i < numbers.size(); ++i) out << (i % 24 == 0 ? "\n    " : " ") << numbers[i] << ",";
+  out << "\n};\n";
+}
+
+Result<void> train_all(const std::vector<std::string>& scenes, const PathPlan& plan, int rounds,
+                       const std::string& file) {
+  Recorder<false> alone;
+  Recorder<true> referenced;
+  for (const std::string& scene : scenes) {
+    const auto masks = masks_along_path(scene, plan);
+    if (!masks) return masks.error();
+    for (const PathSpot& spot : masks->spots) {
+      record(spot.now, nullptr, alone);
+      for (const PathFrame& before : spot.before) {
+        const std::vector<uint64_t> words = unpacked(before.packed.view());
+        const protocol::MaskReference reference(FrameId{1}, {masks->grid, words});
+        record(spot.now, &reference, referenced);
+      }
+    }
+    alone.pixels.end_scene();
+    alone.classes.end_scene();
+    referenced.pixels.end_scene();
+    referenced.classes.end_scene();
+  }
+  std::ofstream out(file);
+  out << "// Made by gnomon-train-nets (tests/bench/train_nets.cpp); net.h says what the numbers are.\n";
+  train("kPixelWeights", kPixelShapes, alone.pixels, rounds, out);
+  train("kReferencePixelWeights", kReferencePixelShapes, referenced.pixels, rounds, out);
+  train("kClassWeights", kClassShapes, alone.classes, rounds, out);
+  train("kReferenceClassWeights", kReferenceClassShapes, referenced.classes, rounds, out);
+  if (out.flush()) return {};
+  return Error{"cannot write " + file};
+}
+
+}  // namespace
+}  // namespace gnomon::bench
+
+int main(int argc, char** argv) {
+  CLI::App app("Trains the nets of tiles_context.");
+  std::vector<std::string> scenes;
+  std::string size_text = "1920x1080", out;
+  gnomon::bench::PathPlan plan{.spots = 11, .size = {}, .ages_ms = {33, 100}, .device = {}, .folder = {}};
+  int rounds = 4;
+  app.add_option("--scene", scenes, "built-in names or glTF files")->required();
+  app.add_option("--size", size_text, "pixels of the pictures")->capture_default_str();
+  app.add_option("--frames", plan.spots, "cameras along each scene's path")->capture_default_str();
+  app.add_option("--rounds", rounds, "times that every question is learnt from")->capture_default_str();
+  app.add_option("--masks", plan.folder, "keep the masks in this folder, and take them from there");
+  app.add_option("--out", out, "the file to write")->required();
+  CLI11_PARSE(app, argc, argv);
+  const auto size = gnomon::bench::parse_size(size_text);
+  if (size) plan.size = *size;
+  const auto trained =
+      size ? gnomon::bench::train_all(scenes, plan, rounds, out) : gnomon::Result<void>(size.error());
+  if (trained) return 0;
+  std::fprintf(stderr, "gnomon-train-nets: %s\n", trained.error().message.c_str());
+  return 1;
+}
