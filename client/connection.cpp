@@ -1,5 +1,6 @@
 #include "client/connection.h"
 
+#include <array>
 #include <cstdio>
 #include <utility>
 
@@ -36,8 +37,10 @@ Connection::Connection(Loop& loop, ConnectOptions options, ConnectionEvents even
     : loop_(loop),
       options_(std::move(options)),
       events_(std::move(events)),
+      path_(options_.transport),
       handshake_timer_(
           loop, [this] { fail(Error{std::string("no answer from ") + to_string(options_.server) + " in time"}); }),
+      path_timer_(loop, [this] { watch_path(); }),
       control_(loop, options_.server, options_.trust,
                {.connected = [this] { control_.send(with_ciphers(options_.hello)); },
                 .message = [this](protocol::Message message) { on_message(std::move(message)); },
@@ -53,16 +56,43 @@ Result<void> Connection::wait_open() {
   return failure_.value_or(Error{"the connection was closed"});
 }
 
-DataCounters Connection::data_counters() const { return data_ ? data_->counters() : DataCounters{}; }
+DataCounters Connection::data_counters() const {
+  DataCounters sum = by_control_;
+  if (data_) {
+    sum.sent += data_->counters().sent;
+    sum.received += data_->counters().received;
+    sum.received_bytes += data_->counters().received_bytes;
+    sum.rejected += data_->counters().rejected;
+  }
+  return sum;
+}
 
 void Connection::send(protocol::DatagramKind kind, std::span<const uint8_t> body) {
-  if (state_ == State::open) data_->send(kind, body);
+  if (state_ != State::open) return;
+  if (path_.by_udp()) return data_->send(kind, body);
+  ++by_control_.sent;
+  control_.send(protocol::Data{kind, ++sent_by_control_, {body.begin(), body.end()}});
+}
+
+void Connection::watch_path() {
+  if (state_ != State::open) return;
+  static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
+  if (path_.ping_due(Clock::now())) data_->send(protocol::DatagramKind::ping, kZeros);
+  path_timer_.arm(Clock::now() + PathWatch::kInterval);
+}
+
+void Connection::on_data(const protocol::Data& data) {
+  ++by_control_.received;
+  by_control_.received_bytes += protocol::Seal::sealed_size(data.body.size());
+  const protocol::Header header{data.kind, 0, welcome_.session, data.sequence};
+  if (events_.datagram) events_.datagram({header, data.body}, Clock::now());
 }
 
 void Connection::close(const std::string& reason) {
   if (state_ == State::closed) return;
   state_ = State::closed;
   handshake_timer_.disarm();
+  path_timer_.disarm();
   control_.close(reason);
 }
 
@@ -73,6 +103,7 @@ void Connection::on_message(protocol::Message message) {
                       (bye->reason.empty() ? std::string() : std::string(": ") + bye->reason)});
   }
   if (state_ == State::open) {
+    if (const auto* data = std::get_if<protocol::Data>(&message)) return on_data(*data);
     if (events_.message) events_.message(message);
     return;
   }
@@ -95,6 +126,7 @@ void Connection::on_welcome(protocol::Welcome welcome) {
   auto seal = std::make_unique<protocol::Seal>(welcome.session, welcome.cipher, *secrets, protocol::Side::client);
   auto data = DataChannel::open(loop_, {control_.server_ip(), welcome.data_port}, std::move(seal),
                                 [this](const protocol::Opened& datagram, TimePoint arrived) {
+                                  path_.heard(Clock::now());
                                   if (state_ == State::open && events_.datagram)
                                     events_.datagram(datagram, arrived);
                                 });
@@ -103,6 +135,7 @@ void Connection::on_welcome(protocol::Welcome welcome) {
   data_ = std::move(*data);
   handshake_timer_.disarm();
   state_ = State::open;
+  watch_path();
   if (events_.opened) events_.opened();
 }
 

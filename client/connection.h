@@ -14,6 +14,7 @@
 #include "client/control_channel.h"
 #include "client/data_channel.h"
 #include "client/loop.h"
+#include "client/path_watch.h"
 #include "common/result.h"
 #include "protocol/messages.h"
 
@@ -22,6 +23,7 @@ namespace gnomon::client {
 struct ConnectOptions {
   Address server;
   Trust trust = {};
+  Transport transport = Transport::automatic;
   protocol::Hello hello;  // what to ask for; ciphers left empty: by what this processor does best
   Nanoseconds timeout = std::chrono::seconds(15);  // until the Welcome; the server may load the scene first
 };
@@ -55,7 +57,10 @@ class Connection {
   const protocol::Welcome& welcome() const { return welcome_; }  // once open
   DataCounters data_counters() const;
 
-  // Seals and sends a datagram; nothing happens unless open. Loss is silent.
+  // True: datagrams do not pass, or are not wanted; what they would carry goes over the control connection.
+  bool by_control() const { return !path_.by_udp(); }
+
+  // Seals and sends a datagram, or what it would carry; nothing happens unless open. Loss is silent.
   void send(protocol::DatagramKind kind, std::span<const uint8_t> body);
 
   // Says Bye and closes.
@@ -64,6 +69,8 @@ class Connection {
  private:
   void on_message(protocol::Message message);
   void on_welcome(protocol::Welcome welcome);
+  void on_data(const protocol::Data& data);
+  void watch_path();
   void fail(Error error);
 
   Loop& loop_;
@@ -73,7 +80,11 @@ class Connection {
   std::optional<Error> failure_;
   std::optional<protocol::Refused> refusal_;
   protocol::Welcome welcome_;
+  PathWatch path_;
+  uint64_t sent_by_control_ = 0;
+  DataCounters by_control_;
   Timer handshake_timer_;
+  Timer path_timer_;
   std::unique_ptr<DataChannel> data_;
   ControlChannel control_;
 };

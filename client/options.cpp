@@ -21,6 +21,13 @@ Result<Size> parse_size(std::string_view text, uint32_t least) {
   return Size{static_cast<uint16_t>(width), static_cast<uint16_t>(height)};
 }
 
+Result<Transport> parse_transport(std::string_view text) {
+  if (text == "auto") return Transport::automatic;
+  if (text == "udp") return Transport::udp;
+  if (text == "tcp") return Transport::tcp;
+  return Error{std::string(text).append(": no transport; allowed: auto, udp, tcp")};
+}
+
 Result<std::string> read_token(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string token;

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/path_watch.h"
 #include "client/trust.h"
 #include "common/result.h"
 
@@ -30,6 +31,14 @@ void declare_trust(App& app, Trust& trust) {
   app.add_option("--certificate", trust.certificate, "this client's own, for servers that take it for a token")
       ->type_name("FILE");
   app.add_option("--key", trust.key, "its private key")->type_name("FILE");
+}
+
+// --transport. The same.
+template <class App>
+void declare_transport(App& app, std::string& transport) {
+  app.add_option("--transport", transport,
+                 "udp, tcp (all of it over the control connection), or auto: udp while it passes")
+      ->type_name("TRANSPORT");
 }
 
 // The file's first line. Error: why it cannot be read, or that it is empty.

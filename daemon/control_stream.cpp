@@ -1,5 +1,6 @@
 #include "daemon/control_stream.h"
 
+#include <netinet/tcp.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
@@ -19,6 +20,10 @@ namespace {
 bool is_end(const asio::error_code& error) {
   return error == asio::error::eof || error == asio::ssl::error::stream_truncated;
 }
+
+constexpr size_t kMaxTogether = 16 * 1024;  // a record of TLS
+// What the kernel may hold that it has not sent: frames wait here, where they can still be dropped.
+constexpr int kUnsentInKernel = 32 * 1024;
 
 Fault fault_of_handshake(const asio::error_code& error) {
   if (error.category() != asio::error::get_ssl_category()) return Fault::handshake_abandoned;
@@ -61,6 +66,8 @@ ControlStream::ControlStream(asio::ip::tcp::socket socket, asio::ssl::context& t
     : stream_(std::move(socket), tls), reader_(max_message_bytes) {
   asio::error_code ignored;
   stream_.next_layer().set_option(asio::ip::tcp::no_delay(true), ignored);
+  setsockopt(stream_.next_layer().native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentInKernel,
+             sizeof kUnsentInKernel);
   peer_ = stream_.next_layer().remote_endpoint(ignored).address();
 }
 
@@ -111,13 +118,27 @@ void ControlStream::deliver_messages() {
 
 void ControlStream::send(const protocol::Message& message) {
   if (!is_open() || finishing_) return;
-  outgoing_.push_back(protocol::encode(message));
-  unsent_bytes_ += outgoing_.back().size();
+  queue(protocol::encode(message));
   if (unsent_bytes_ > kMaxUnsentBytes) {  // later, not now: the caller may be going through its connections
     asio::post(stream_.get_executor(),
                [self = shared_from_this()] { self->end(Fault::handshake_abandoned, "the client does not read"); });
+  }
+}
+
+bool ControlStream::send_data(const protocol::Data& data) {
+  if (!is_open() || finishing_ || unsent_bytes_ >= kMaxUnsentData) return false;
+  queue(protocol::encode(data));
+  return true;
+}
+
+// Small messages that wait go out together: a record of TLS and a system call for each would cost more than they do.
+void ControlStream::queue(std::vector<uint8_t> bytes) {
+  unsent_bytes_ += bytes.size();
+  if (outgoing_.size() > 1 && outgoing_.back().size() + bytes.size() <= kMaxTogether) {
+    outgoing_.back().insert(outgoing_.back().end(), bytes.begin(), bytes.end());
     return;
   }
+  outgoing_.push_back(std::move(bytes));
   if (outgoing_.size() == 1) write();
 }
 

@@ -34,6 +34,9 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
   // A client that does not read what it is sent is cut off when kMaxUnsentBytes are waiting.
   void send(const protocol::Message& message);
 
+  // False, and nothing is sent: kMaxUnsentData bytes of these are waiting already.
+  bool send_data(const protocol::Data& data);
+
   // Sends what is waiting, then waits for the client to close, so that it can read to the end. How long is up to
   // the caller: close() cuts it short.
   void finish();
@@ -50,9 +53,11 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
   const asio::ip::address& peer() const { return peer_; }
 
   static constexpr size_t kMaxUnsentBytes = 256 * 1024;
+  static constexpr size_t kMaxUnsentData = 64 * 1024;
 
  private:
   void shake_hands();
+  void queue(std::vector<uint8_t> bytes);
   void read();
   void deliver_messages();
   void write();

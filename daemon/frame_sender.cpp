@@ -32,6 +32,13 @@ size_t FrameSender::fill(Session& session, TimePoint now) {
   return kBatch;
 }
 
+void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to) {
+  static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
+  session.seal().seal(protocol::DatagramKind::pong, kZeros, datagrams_[0]);
+  asio::error_code ignored;
+  socket.send(std::span(datagrams_).first(1), to, ignored);
+}
+
 std::optional<Fault> FrameSender::send(Session& session, DataSocket& socket, TimePoint now) {
   while (const size_t count = fill(session, now)) {
     asio::error_code error;

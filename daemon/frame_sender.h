@@ -21,6 +21,9 @@ class FrameSender {
   // it did not take is lost as on any link.
   std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
+  // One datagram, at once; lost if the kernel does not take it.
+  void answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to);
+
  private:
   size_t fill(Session& session, TimePoint now);
 

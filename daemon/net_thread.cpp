@@ -71,6 +71,7 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
   if (!session) return metrics.report(Fault::datagram_session);
   const Received received = session->receive(datagram, from, Clock::now());
   if (received.fault) return metrics.report(*received.fault, {{"session", session->id().value}});
+  if (received.ping) return sender_.answer_ping(*session, *data_, from);
   if (received.view) ask(*session, *received.view);
   serve(*session);
 }

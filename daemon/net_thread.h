@@ -90,6 +90,7 @@ class NetThread {
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused, Fault fault);
   void hear_client(SessionId id, Result<protocol::Message> message);
+  void hear_data(SessionId id, const protocol::Data& data);
   void close_session(SessionId id, const std::string& why);
   void show_out(const std::shared_ptr<ControlStream>& stream);
 

@@ -1,4 +1,5 @@
 // What goes through the sessions' links: views in as far as the link has room for their frames, frames out at its pace.
+#include "daemon/control_sender.h"
 #include "daemon/net_thread.h"
 
 namespace gnomon::daemon {
@@ -9,9 +10,18 @@ void NetThread::ask(const Session& session, const ViewRequest& view) {
   if (!shared_.inbox.push_view(view)) shared_.metrics.dropped(tenant, Fault::view_queue_full);
 }
 
+void NetThread::hear_data(SessionId id, const protocol::Data& data) {
+  Session& session = *sessions_.find(id);
+  const Received received = session.receive(data, Clock::now());
+  if (received.fault) shared_.metrics.report(*received.fault, {{"session", id.value}});
+  if (received.view) ask(session, *received.view);
+  serve(session);
+}
+
 void NetThread::send(EncodedFrame& frame) {
   Session* session = sessions_.find(frame.meta.session);
-  if (!session || !session->address()) return shared_.metrics.dropped(frame.meta.tenant, Fault::session_gone);
+  if (!session || !(session->address() || session->by_control()))
+    return shared_.metrics.dropped(frame.meta.tenant, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->sending(frame.meta, bytes);
   serve(*session);
@@ -20,8 +30,9 @@ void NetThread::send(EncodedFrame& frame) {
 // After whatever changed: sends what may go, asks for the view that was kept back, and comes back in time.
 void NetThread::serve(Session& session) {
   const TimePoint now = Clock::now();
-  if (session.address()) {
-    const auto fault = sender_.send(session, *data_, now);
+  if (session.address() || session.by_control()) {
+    const auto fault = session.by_control() ? send_over_control(session, *streams_.at(session.id()), now)
+                                            : sender_.send(session, *data_, now);
     if (fault) shared_.metrics.dropped(session.accepted().tenant, *fault, {{"session", session.id().value}});
   }
   while (const auto ended = session.take_ended()) finish(session, *ended, now);

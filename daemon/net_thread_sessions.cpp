@@ -175,6 +175,7 @@ void NetThread::refuse(const std::shared_ptr<ControlStream>& stream, const proto
 void NetThread::hear_client(SessionId id, Result<protocol::Message> message) {
   if (!message) return close_session(id, message.error().message);
   if (std::holds_alternative<protocol::Bye>(*message)) return close_session(id, "the client said Bye");
+  if (const auto* data = std::get_if<protocol::Data>(&*message)) return hear_data(id, *data);
   close_session(id, "the client sent a message that only servers send");
 }
 

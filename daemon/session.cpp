@@ -10,6 +10,11 @@ namespace {
 // Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
 bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
 
+// Old news is as good a sign of where the client is.
+bool is_sound(const Received& received) {
+  return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
+}
+
 Fault fault_of(protocol::Rejection why) {
   switch (why) {
     case protocol::Rejection::header: return Fault::datagram_header;
@@ -37,18 +42,36 @@ Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted ac
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
   const auto opened = seal_->open(datagram);
   if (!opened) return {std::nullopt, fault_of(seal_->rejection())};
-  switch (opened->header.kind) {
+  // Answered wherever it comes from, and moves nothing: the client is trying out another way.
+  if (opened->header.kind == protocol::DatagramKind::ping) {
+    last_heard_ = now;
+    return {std::nullopt, std::nullopt, true};
+  }
+  const Received received = hear(opened->header.kind, opened->body, now);
+  if (is_sound(received)) {
+    address_ = from;
+    by_control_ = false;
+  }
+  return received;
+}
+
+Received Session::receive(const protocol::Data& data, TimePoint now) {
+  const Received received = hear(data.kind, data.body, now);
+  if (is_sound(received)) by_control_ = true;
+  return received;
+}
+
+Received Session::hear(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now) {
+  switch (kind) {
     case protocol::DatagramKind::camera_update: {
-      const auto update = protocol::decode_camera_update(opened->body);
+      const auto update = protocol::decode_camera_update(body);
       if (!update) return {std::nullopt, Fault::datagram_body};
-      address_ = from;
       last_heard_ = now;
       return hear(*update, now);
     }
     case protocol::DatagramKind::feedback: {
-      const auto feedback = protocol::decode_feedback(opened->body);
+      const auto feedback = protocol::decode_feedback(body);
       if (!feedback) return {std::nullopt, Fault::datagram_body};
-      address_ = from;
       last_heard_ = now;
       link_.hear(*feedback, now);
       return {};

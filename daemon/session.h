@@ -24,6 +24,7 @@ namespace gnomon::daemon {
 struct Received {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
+  bool ping = false;  // to be answered to where it came from
 };
 
 // The net thread's that owns it.
@@ -36,8 +37,14 @@ class Session {
   protocol::Seal& seal() { return *seal_; }
   LinkSender& link() { return link_; }
 
+  // The client's last words came over its control connection: what is for it goes there.
+  bool by_control() const { return by_control_; }
+
   // Where the last valid datagram came from; nothing is sent anywhere else.
   const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
+
+  // What would have come in a datagram.
+  Received receive(const protocol::Data& data, TimePoint now);
 
   Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
@@ -75,6 +82,7 @@ class Session {
     size_t bytes = 0;
   };
 
+  Received hear(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now);
   Received hear(const protocol::CameraUpdate& update, TimePoint now);
   ViewRequest released(ViewRequest view, TimePoint now);
 
@@ -83,6 +91,7 @@ class Session {
   Seat seat_;
   std::unique_ptr<protocol::Seal> seal_;
   std::optional<asio::ip::udp::endpoint> address_;
+  bool by_control_ = false;
   std::optional<FrameId> newest_;
   TimePoint last_heard_;
   LinkSender link_;

@@ -12,7 +12,7 @@ namespace {
 template <class A>
 void fields(A& a, Of<A, Header>& m) {
   a(m.kind, m.flags, m.session, m.sequence);
-  a.check(m.kind >= DatagramKind::camera_update && m.kind <= DatagramKind::probe, "unknown kind");
+  a.check(m.kind >= DatagramKind::camera_update && m.kind <= DatagramKind::pong, "unknown kind");
 }
 
 template <class A>

@@ -25,12 +25,17 @@ inline constexpr size_t kMomentBytes = 8;
 inline constexpr size_t kMaxSliceBodyBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 inline constexpr size_t kMaxSlicePayloadBytes = kMaxSliceBodyBytes - kSliceHeaderBytes;
 
+// Of ping and pong: they are as long as the longest datagram that every session uses.
+inline constexpr size_t kPingBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
+
 enum class DatagramKind : uint8_t {
   camera_update = 1,
   frame_slice = 2,
   feedback = 3,      // protocol/feedback.h
   frame_parity = 4,  // protocol/parity.h
   probe = 5,         // zeros: does the path take a datagram of this size?
+  ping = 6,          // client to server, zeros: do datagrams pass?
+  pong = 7,          // the answer, the same
 };
 
 struct Header {

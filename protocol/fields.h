@@ -44,6 +44,12 @@ class Writer {
     out_.insert(out_.end(), clean.begin(), clean.end());
   }
 
+  void bytes(const std::vector<uint8_t>& value, size_t max_bytes) {
+    const size_t size = std::min(value.size(), max_bytes);
+    field(static_cast<uint16_t>(size));
+    out_.insert(out_.end(), value.begin(), value.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+
   // Items beyond `max_count` are not sent: a peer would refuse the whole message.
   template <class T, class WriteItem>
   void list(const std::vector<T>& items, size_t max_count, WriteItem write_item) {
@@ -96,6 +102,14 @@ class Reader {
     const auto chars = take(size);
     value.assign(chars.begin(), chars.end());
     check(is_wire_text(value), "a text is not UTF-8 or has control characters");
+  }
+
+  void bytes(std::vector<uint8_t>& value, size_t max_bytes) {
+    uint16_t size = 0;
+    field(size);
+    check(size <= max_bytes, "too many bytes");
+    const auto taken = take(size);
+    value.assign(taken.begin(), taken.end());
   }
 
   template <class T, class ReadItem>

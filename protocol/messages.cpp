@@ -151,9 +151,15 @@ void fields(A& a, Of<A, Bye>& m) {
   a.text(m.reason, kMaxSentence);
 }
 
+template <class A>
+void fields(A& a, Of<A, Data>& m) {
+  a(m.kind, m.sequence);
+  a.bytes(m.body, kMaxDataBytes);
+}
+
 // A message's type on the wire is its place in the variant, counted from 1.
 constexpr std::array<const char*, std::variant_size_v<Message>> kNames = {
-    "Hello", "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded", "Draining", "Stats", "Bye"};
+    "Hello", "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded", "Draining", "Stats", "Bye", "Data"};
 
 template <size_t Index>
 Result<Message> decode_as(std::span<const uint8_t> body) {

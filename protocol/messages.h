@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "protocol/datagram.h"
 #include "protocol/types.h"
 
 namespace gnomon::protocol {
@@ -127,7 +128,17 @@ struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
-using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye>;
+// What a datagram would carry, where no datagrams pass. Either side.
+struct Data {
+  DatagramKind kind = DatagramKind::camera_update;
+  uint64_t sequence = 0;      // the server's: out of the same count as its datagrams
+  std::vector<uint8_t> body;  // up to kMaxDataBytes
+  friend bool operator==(const Data&, const Data&) = default;
+};
+inline constexpr size_t kMaxDataBytes = 16'000;
+
+using Message =
+    std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye, Data>;
 
 // The whole frame: length, type, body. Texts and lists longer than WIRE.md allows are cut to what it allows, and
 // bytes of a text that are not UTF-8 or control characters become '?'. Other values are the caller's promise.

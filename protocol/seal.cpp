@@ -21,7 +21,7 @@ Seal::Seal(SessionId session, CipherId cipher, const SealSecrets& secrets, Side 
 
 void Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out) {
   assert(out.size() == sealed_size(body.size()));
-  const uint64_t sequence = ++sent_;
+  const uint64_t sequence = skip();
   const uint64_t epoch = sequence / epoch_datagrams_;
   Aead& aead = *sending_.of(epoch);
   sending_.begin(epoch);

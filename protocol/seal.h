@@ -54,6 +54,9 @@ class Seal {
   // The same, in the place of what `datagram` held.
   void seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram);
 
+  // Takes the next sequence number for something that goes another way.
+  uint64_t skip() { return ++sent_; }
+
   // Empty: see rejection().
   std::optional<Opened> open(std::span<const uint8_t> datagram);
   Rejection rejection() const { return rejection_; }  // of the last that was not opened

@@ -21,6 +21,7 @@ volatile std::sig_atomic_t interrupted = 0;
 struct Arguments {
   std::string server, scene, size, scene_folder, json;
   Trust trust;
+  std::string transport = "auto";
   size_t clients = 0;
   double rate_hz = 0;
   double seconds = 10;
@@ -31,6 +32,7 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& a) {
   app.add_option("--server", a.server, "the daemon's control address")->required()->type_name("HOST:PORT");
   declare_trust(app, a.trust);
+  declare_transport(app, a.transport);
   app.add_option("--scene", a.scene, "scene that the server knows")->required()->type_name("NAME");
   app.add_option("--scene-dir", a.scene_folder, "folder of scene files, for their camera paths")->type_name("DIR");
   app.add_option("--size", a.size, "of the traced buffer")->required()->type_name("WxH");
@@ -61,12 +63,15 @@ Result<void> run(const Arguments& a) {
   if (!server) return server.error();
   const auto size = parse_size(a.size);
   if (!size) return size.error();
+  const auto transport = parse_transport(a.transport);
+  if (!transport) return transport.error();
   const auto plan = plan_load(a.tenants, a.clients);
   if (!plan) return plan.error();
 
   const LoadOptions options{
       .server = *server,
       .trust = a.trust,
+      .transport = *transport,
       .scene = a.scene,
       .scene_folder = a.scene_folder,
       .size = *size,

@@ -20,6 +20,7 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   auto& connect = client.stream.connect;
   connect.server = options.server;
   connect.trust = options.trust;
+  connect.transport = options.transport;
   connect.timeout = 30s;  // hundreds shake hands at once
   connect.hello.client = "gnomon-load";
   connect.hello.tenant = group.tenant;

@@ -15,6 +15,7 @@ namespace gnomon::client {
 struct LoadOptions {
   Address server;
   Trust trust = {};
+  Transport transport = Transport::automatic;
   std::string scene;
   std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
   Size size;

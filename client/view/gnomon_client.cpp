@@ -20,6 +20,7 @@ struct Arguments {
   std::string server, tenant, token_file, scene, scene_folder, size, mode = "sequential", out, json, device;
   std::string border = "0x0", view;
   Trust trust;
+  std::string transport = "auto";
   uint32_t frames = 60;
   uint32_t pictures = 4;
   double rate_hz = 0;
@@ -30,6 +31,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--tenant", a.tenant, "whose session this is")->type_name("NAME");
   app.add_option("--token-file", a.token_file, "file with the tenant's token")->type_name("FILE");
   declare_trust(app, a.trust);
+  declare_transport(app, a.transport);
   app.add_option("--scene", a.scene, "scene that the server knows, or a glTF file")->required()->type_name("NAME");
   app.add_option("--scene-dir", a.scene_folder, "folder of this client's own scene files")->type_name("DIR");
   app.add_option("--size", a.size, "of the picture")->required()->type_name("WxH");
@@ -73,6 +75,9 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   flight.stream.answer_timeout = std::chrono::minutes(2);  // one step may take a CPU-only server long
   flight.stream.connect.server = *server;
   flight.stream.connect.trust = a.trust;
+  const auto transport = parse_transport(a.transport);
+  if (!transport) return transport.error();
+  flight.stream.connect.transport = *transport;
   auto& hello = flight.stream.connect.hello;
   hello.client = "gnomon-client";
   hello.tenant = a.tenant;

@@ -123,7 +123,26 @@ std::optional<protocol::CameraUpdate> Peer::read_camera() {
   if (!opened) return std::nullopt;
   const auto* address = reinterpret_cast<const uint8_t*>(&from);
   client_address_.assign(address, address + size);
+  if (opened->header.kind == protocol::DatagramKind::ping) return read_camera();
   return protocol::decode_camera_update(opened->body);
+}
+
+std::optional<protocol::CameraUpdate> Peer::read_camera_by_control() {
+  while (const auto message = read()) {
+    const auto* data = std::get_if<protocol::Data>(&*message);
+    if (data && data->kind == protocol::DatagramKind::camera_update)
+      return protocol::decode_camera_update(data->body);
+  }
+  return std::nullopt;
+}
+
+void Peer::send_frame_by_control(FrameId frame, const TileMaskView& mask) {
+  const auto encoded = sliced(frame, mask, protocol::kMaxSlicePayloadBytes);
+  for (size_t i = 0; i < encoded.slices.size(); ++i) {
+    protocol::Data data{protocol::DatagramKind::frame_slice, i + 1, {}};
+    protocol::append_frame_slice(data.body, encoded.slices[i], encoded.payload(i));
+    write(data);
+  }
 }
 
 std::optional<protocol::CameraUpdate> Peer::read_new_camera() {

@@ -31,8 +31,10 @@ class Peer {
 
   // Fills in session and data port, says Welcome.
   void welcome(protocol::Welcome message);
-  std::optional<protocol::CameraUpdate> read_camera();      // whatever comes
-  std::optional<protocol::CameraUpdate> read_new_camera();  // skips repetitions
+  std::optional<protocol::CameraUpdate> read_camera();             // whatever comes
+  std::optional<protocol::CameraUpdate> read_new_camera();         // skips repetitions
+  std::optional<protocol::CameraUpdate> read_camera_by_control();  // what else comes is passed over
+  void send_frame_by_control(FrameId frame, const TileMaskView& mask);
   // To where the last camera came from.
   void send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload);
   void send_frame(FrameId frame, const TileMaskView& mask);

@@ -47,6 +47,30 @@ TEST(Stream, AnswersBelongToTheirCameras) {
   watched.stream.close("");
 }
 
+TEST(Stream, GoesOverTheControlConnectionWhereDatagramsDoNotPass) {
+  const auto mask = tests::noise(kGrid, 1);
+  for (const Transport transport : {Transport::automatic, Transport::tcp}) {
+    FakeServer server([&](Peer& peer) {
+      peer.read();
+      peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));  // and never answers a datagram
+      const auto camera = peer.read_camera_by_control();
+      if (camera) peer.send_frame_by_control(camera->frame, mask.view());
+      peer.read();
+    });
+    auto options = options_for(server.address());
+    options.connect.transport = transport;
+    Watched watched(options);
+    ASSERT_TRUE(watched.stream.wait_open());
+    watched.stream.ask(camera_at(1));
+    ASSERT_TRUE(watched.until([&] { return !watched.answers.empty(); }));
+    EXPECT_TRUE(watched.answers[0].complete);
+    EXPECT_EQ(watched.answers[0].words, mask.words);
+    EXPECT_TRUE(watched.stream.connection().by_control());
+    EXPECT_GT(watched.stream.connection().data_counters().received_bytes, 0u);
+    watched.stream.close("");
+  }
+}
+
 TEST(Stream, CamerasAcknowledgeWhatHasArrived) {
   const auto mask = tests::noise(kGrid, 1);
   std::optional<protocol::CameraUpdate> first, second;

@@ -199,6 +199,20 @@ TEST_F(Hostile, AFloodOfViewsCostsAnHonestClientTurnsOfOneSessionOnly) {
   }
 }
 
+TEST_F(Hostile, AClientThatDoesNotReadItsControlConnectionLosesFrames) {
+  start_with_honest_client();
+  TestClient deaf = client();
+  ASSERT_TRUE(deaf.join(TestClient::hello(kScene, 640, 480)));
+  uint32_t frame = 1;
+  EXPECT_TRUE(eventually([&] {
+    deaf.send_view_by_control(frame, static_cast<float>(frame));
+    ++frame;
+    return count_of(Fault::socket_full) > 0;
+  }));
+  for (int i = 0; i < 5; ++i) expect_honest_client_is_served();
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 2")) << "it is still there";
+}
+
 TEST_F(Hostile, AClientThatTakesNoFramesHoldsNobodyUp) {
   start_with_honest_client();
   TestClient deaf = client();

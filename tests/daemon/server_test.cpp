@@ -57,6 +57,34 @@ TEST_F(Served, FollowsAClientWhoseAddressChanges) {
   EXPECT_TRUE(is_frame_of(c, c.receive_frame(2), 2));
 }
 
+TEST_F(Served, ServesOverTheControlConnectionAndBackAgain) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  for (uint32_t frame = 1; frame <= 5; ++frame) {
+    c.send_view_by_control(frame, static_cast<float>(frame));
+    EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(frame), static_cast<float>(frame))) << frame;
+  }
+  c.send_view(6, 6);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame(6), 6)) << "datagrams pass again";
+  c.send_view_by_control(7, 7);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(7), 7));
+}
+
+TEST_F(Served, AnswersPingsWithoutChangingWhereFramesGo) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  const auto pong = c.ping();
+  ASSERT_TRUE(pong);
+  EXPECT_EQ(pong->kind, protocol::DatagramKind::pong);
+  c.send_view_by_control(1, 1);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(1), 1));
+  EXPECT_TRUE(c.ping());
+  c.send_view_by_control(2, 2);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(2), 2));
+}
+
 TEST_F(Served, ServesFilesBelowTheAllowedFoldersAndNoOthers) {
   start();
   for (const std::string& name : {std::string("another.gltf"), (folder_ / "files" / "another.gltf").string()}) {

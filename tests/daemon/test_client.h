@@ -110,6 +110,41 @@ class TestClient {
   }
   void send_view(uint32_t frame, float x) { send_datagram(sealed_view(frame, x)); }
 
+  // The same over the control connection.
+  void send_view_by_control(uint32_t frame, float x) {
+    protocol::Data data;
+    protocol::CameraUpdate update;
+    update.frame = FrameId{frame};
+    update.camera.position[0] = x;
+    protocol::append_camera_update(data.body, update);
+    send(data);
+  }
+
+  std::vector<uint64_t> receive_frame_by_control(uint32_t frame) {
+    const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};
+    std::vector<uint64_t> words(grid.word_count());
+    for (size_t slices = 0, wanted = 1; slices < wanted;) {
+      const auto data = receive_a<protocol::Data>();
+      if (!data) return {};
+      const auto slice = protocol::decode_frame_slice(data->body);
+      if (!slice || !protocol::decode_slice(slice->header, slice->payload, grid, words)) return {};
+      if (slice->header.frame != FrameId{frame}) continue;
+      wanted = slice->header.slice_count;
+      ++slices;
+    }
+    return words;
+  }
+
+  // Empty: none came.
+  std::optional<protocol::Header> ping() {
+    std::vector<uint8_t> datagram;
+    seal_->seal(protocol::DatagramKind::ping, std::vector<uint8_t>(protocol::kPingBytes), datagram);
+    send_datagram(datagram);
+    const auto answer = receive_datagram();
+    const auto opened = answer ? seal_->open(*answer) : std::nullopt;
+    return opened && answer->size() == datagram.size() ? std::optional(opened->header) : std::nullopt;
+  }
+
   // All tiles of `frame`, put together from its slices; empty: it did not come, or did not decode.
   std::vector<uint64_t> receive_frame(uint32_t frame) {
     const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};

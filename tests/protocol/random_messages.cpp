@@ -123,6 +123,12 @@ Refused refused(Random& random) {
           .fit_rate_hz = number(random, 0, 240)};
 }
 
+Data data(Random& random) {
+  Data m{static_cast<DatagramKind>(1 + below(random, 7)), random(), {}};
+  for (uint64_t i = below(random, 100); i > 0; --i) m.body.push_back(static_cast<uint8_t>(random()));
+  return m;
+}
+
 Stats stats(Random& random) {
   return {random(), random(), static_cast<uint32_t>(random()), static_cast<uint32_t>(random()),
           static_cast<uint32_t>(random())};
@@ -178,7 +184,8 @@ Message random_message(size_t type, Random& random) {
                       std::vector<uint16_t>(random() % 5, side(random))};
     case 6: return Draining{static_cast<uint32_t>(random())};
     case 7: return stats(random);
-    default: return Bye{text(random)};
+    case 8: return Bye{text(random)};
+    default: return data(random);
   }
 }
 
