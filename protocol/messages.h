@@ -103,7 +103,7 @@ struct Degraded {
   uint16_t height = 0;
   float rate_hz = 0;
   std::string reason;
-  std::vector<uint16_t> untraced_lights;  // their masks are lit everywhere
+  std::vector<uint16_t> untraced_lights = {};  // their masks are lit everywhere
   friend bool operator==(const Degraded&, const Degraded&) = default;
 };
 
