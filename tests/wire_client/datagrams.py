@@ -25,15 +25,16 @@ def newer(a, b):
     return 1 <= (a - b) % (1 << 32) < 1 << 31
 
 
-def camera_update(frame, camera, client_time_us, deadline_us, acknowledgements):
-    """`acknowledgements`: of (frame, first slice, bits)."""
+def camera_update(frame, camera, client_time_us, deadline_us, acknowledgements, have=0):
+    """`acknowledgements`: of (frame, first slice, bits). `have`: the newest frame that may be referred to; 0: none."""
     body = struct.pack("<I", frame) + camera.bytes()
     body += struct.pack("<QIB", client_time_us, deadline_us, len(acknowledgements))
-    return body + b"".join(struct.pack("<IHQ", *a) for a in acknowledgements)
+    body += b"".join(struct.pack("<IHQ", *a) for a in acknowledgements)
+    return body + (struct.pack("<I", have) if have else b"")
 
 
 def feedback(time_us, first, recovered, incomplete, ages):
-    return struct.pack("<QQIIH", time_us, first, recovered, incomplete, len(ages)) + struct.pack(f"<{len(ages)}H", *ages)
+    return struct.pack(f"<QQIIH{len(ages)}H", time_us, first, recovered, incomplete, len(ages), *ages)
 
 
 def age(arrival_us, time_us):

@@ -8,8 +8,9 @@ from mask_codecs import decode
 class Frame:
     """`words[light][tile]`: 64 bits, None where nothing has come."""
 
-    def __init__(self, number, size, lights):
-        self.number = number
+    def __init__(self, number, size, lights, kept=None):
+        """`kept`: words of frames that slices may refer to, by number; others add to it and take from it."""
+        self.number, self.kept = number, kept
         self.width, self.height = size
         self.tiles_x, self.tiles_y = (self.width + 7) // 8, (self.height + 7) // 8
         self.words = [[None] * (self.tiles_x * self.tiles_y) for _ in range(lights)]
@@ -37,7 +38,7 @@ class Frame:
         if slice_.slice in self.slices:
             require(self.slices[slice_.slice] == body, "a slice that came again, but not the same")
             return False
-        self._put(slice_, decode(slice_))
+        self._put(slice_, decode(slice_, self.tiles_x, self.tiles_y, self.kept))
         self.slices[slice_.slice] = body
         self.slice_count, self.moment = slice_.slice_count, slice_.moment
         self.server_us, self.gpu_us = slice_.server_us, slice_.gpu_us

@@ -1,14 +1,15 @@
-"""Payloads of slices: tiles as 64-bit words, `decode(slice)[light][tile]`, counted from the slice's first ones."""
+"""Payloads of slices: tiles as 64-bit words, `decode(...)[light][tile]`, counted from the slice's first ones."""
 import struct
 
 import lz4.block
 
+from context_codec import tiles_context
 from fields import Reader, require
 
 MOST_PLAIN_BYTES = 65536
 LIT = (1 << 64) - 1
 RING = (0x00, 0x01, 0x03, 0x07, 0x0F, 0x1F, 0x3F, 0x7F, 0xFF, 0xFE, 0xFC, 0xF8, 0xF0, 0xE0, 0xC0, 0x80)
-RAW32, TILES = 0, 1
+RAW32, TILES, CONTEXT = 0, 1, 2
 
 
 def plain_bytes(payload):
@@ -73,9 +74,9 @@ def raw32_lz4(slice_):
     return [[tile(light, t) for t in range(slice_.tile_count)] for light in range(slice_.light_count)]
 
 
-DECODERS = {RAW32: raw32_lz4, TILES: tiles_lz4}
-
-
-def decode(slice_):
-    require(slice_.codec in DECODERS, f"codec {slice_.codec}")
-    return DECODERS[slice_.codec](slice_)
+def decode(slice_, tiles_x=0, tiles_y=0, kept=None):
+    """Of a frame of tiles_x by tiles_y. `kept`: words of frames that may be referred to, by number."""
+    require(slice_.codec in (RAW32, TILES, CONTEXT), f"codec {slice_.codec}")
+    if slice_.codec == CONTEXT:
+        return tiles_context(slice_, tiles_x, tiles_y, kept or {})
+    return (raw32_lz4 if slice_.codec == RAW32 else tiles_lz4)(slice_)

@@ -9,7 +9,7 @@ VERSION = 2
 LONGEST = 1_048_572
 MOST_PIXELS_A_SIDE = 7680
 
-MOMENTS, FEEDBACK, PARITY = 1, 2, 4  # feature bits
+MOMENTS, FEEDBACK, PARITY, REFERENCES = 1, 2, 4, 8  # feature bits
 
 
 class Type(IntEnum):

@@ -29,7 +29,7 @@ def expand(secret, info, length):
 
 
 class Keys:
-    """Of one direction, by epoch. Secrets are forgotten as soon as the next is made, keys when they are two epochs old."""
+    """Of one direction, by epoch. A secret is forgotten when the next is made, a key when it is two epochs old."""
 
     def __init__(self, secret, cipher, epoch_datagrams=EPOCH_DATAGRAMS):
         self.make, self.key_bytes = CIPHERS[cipher]

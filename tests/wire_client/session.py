@@ -8,13 +8,16 @@ from collections import Counter, OrderedDict
 import messages
 import seal
 from arrivals import Arrivals
+from context_codec import NoReference
 from control import Closed, Control
 from datagrams import MOST_ACKNOWLEDGEMENTS, FrameParity, FrameSlice, Kind, camera_update, feedback
 from fields import Malformed
 from frame import Frame
+from mask_codecs import CONTEXT
 
 SO_TIMESTAMPNS = 35  # of Linux; Python has no name for it
 FRAMES_KEPT = 32
+REFERENCES_KEPT = 16
 LONGEST_PROBED = 8952
 SETTLED_S = 1  # what has not come by then does not come
 
@@ -46,6 +49,7 @@ class Session:
         self.size, self.lights, self.rate_hz = self.welcome.size, len(self.welcome.scene.lights), self.welcome.rate_hz
         self.arrivals = Arrivals()
         self.frames = OrderedDict()
+        self.kept = {}  # words of whole frames that slices may refer to
         self.number = 0
         self.last_update = None
         self.last_sent = self.last_asked = 0.0
@@ -94,7 +98,7 @@ class Session:
         if self.rate_hz:
             self.listen(self.last_asked + 1 / self.rate_hz - time.monotonic())
         self.number = (self.number + 1) % (1 << 32)
-        frame = self.frames[self.number] = Frame(self.number, self.size, self.lights)
+        frame = self.frames[self.number] = Frame(self.number, self.size, self.lights, self.kept)
         while len(self.frames) > FRAMES_KEPT:
             self.frames.popitem(last=False)
         self.last_update = self.number, camera, now_us(), deadline_us
@@ -134,7 +138,7 @@ class Session:
 
     def _send_update(self):
         acknowledgements = [] if self.feedback else self._acknowledgements()
-        self._send(Kind.CAMERA_UPDATE, camera_update(*self.last_update, acknowledgements))
+        self._send(Kind.CAMERA_UPDATE, camera_update(*self.last_update, acknowledgements, max(self.kept, default=0)))
 
     def _acknowledgements(self):
         """Of the newest frames; said again with every update while there is room."""
@@ -182,8 +186,11 @@ class Session:
                 continue
             kind, sequence, body = opened
             self.arrivals.note(sequence, self._arrival_us(ancillary))
+            self._say_what_is_due()  # before a slice that may take long to decode
             try:
                 self._take(kind, body)
+            except NoReference:
+                self.counts["no_reference"] += 1
             except Malformed as error:
                 self.counts["malformed"] += 1
                 self.last_malformed = error
@@ -208,9 +215,14 @@ class Session:
             return
         if kind == Kind.FRAME_SLICE:
             self.counts["repeated"] += not frame.add_slice(body)
+            self.counts["references"] += part.codec == CONTEXT and part.payload[0] == 1
         else:
             frame.add_parity(part)
         self.counts["recovered"] += frame.rebuild()
+        if self.welcome.features & messages.REFERENCES and frame.complete() and frame.codecs == {CONTEXT}:
+            self.kept[frame.number] = frame.words
+            while len(self.kept) > REFERENCES_KEPT:
+                del self.kept[min(self.kept)]
 
     def _heed(self, message):
         if isinstance(message, int):
@@ -222,7 +234,7 @@ class Session:
             raise Closed(f"the server says Bye: {message.reason}")
         if isinstance(message, messages.SceneChanged):
             if len(message.scene.lights) != self.lights:
-                self.frames.clear()
+                self._drop_frames()
             self.welcome.scene, self.lights = message.scene, len(message.scene.lights)
         if isinstance(message, messages.LightsChanged):
             if len(message.lights) != self.lights:
@@ -230,8 +242,13 @@ class Session:
             self.welcome.scene.lights = message.lights
         if isinstance(message, messages.Degraded):
             if message.size != self.size:
-                self.frames.clear()
+                self._drop_frames()
             self.size, self.rate_hz = message.size, message.rate_hz
+
+    def _drop_frames(self):
+        """Of another shape than those to come."""
+        self.frames.clear()
+        self.kept = {}
 
     def _say_what_is_due(self):
         now = now_us()

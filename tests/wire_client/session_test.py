@@ -22,14 +22,14 @@ from node import Node, eventually, skip
 
 try:
     import png
-    from messages import FEEDBACK, MOMENTS, PARITY, Bye, Draining, Hello, LightsChanged, Refusal, Stats
+    from messages import FEEDBACK, MOMENTS, PARITY, REFERENCES, Bye, Draining, Hello, LightsChanged, Refusal, Stats
     from session import RefusedBy, Session
 except ModuleNotFoundError as error:
     skip(f"Debian's python3-{error.name.lower()} is missing")
 
 from control import Closed, NotTheServer
 from datagrams import Kind, camera_update
-from mask_codecs import DECODERS, LIT, TILES
+from mask_codecs import CONTEXT, LIT, RAW32, TILES
 from seal import AES_128_GCM, CHACHA20_POLY1305
 from wire_client import turned
 
@@ -38,7 +38,7 @@ BUILD = sys.argv.pop(1)
 SIZE = 256, 128
 ASKED_NOTHING = {(0, 0, 0), (70, 70, 85)}  # gnomon-client's colours of bits that mean nothing
 COLOUR_OF_BIT = {1: (255, 255, 255), 0: (120, 30, 50)}
-CAMERAS = 3
+CAMERAS, STEP = 3, 0.05  # and radians between them
 FAR, FRAMES = "127.0.0.9", 60  # of a bad link
 
 
@@ -49,7 +49,7 @@ def fields_of(output):
 class Sessions(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.node = Node(BUILD, render={"tracer": "bvh"})
+        cls.node = Node(BUILD, render={"tracer": "bvh"}, server={"silence_timeout_ms": 10_000})  # decoding is slow here
         cls.addClassCleanup(cls.node.__exit__)
         token = fields_of(subprocess.check_output([cls.node.bin / "gnomonctl", "make-token"], text=True))
         cls.token = token["token"]
@@ -68,9 +68,10 @@ class Sessions(unittest.TestCase):
     def pictures_of_gnomon_client(self):
         """By light, rows of colours: what its own rasteriser makes of the bits that it gets for the first camera."""
         folder = self.node.folder / "view"
-        subprocess.run([self.node.bin / "gnomon-client", "--server", self.node.control, "--pin", self.node.pin, "--tenant",
-                        "arcade", "--scene", "living_room", "--scene-dir", self.node.build / "share/gnomon/scenes",
-                        "--size", f"{SIZE[0]}x{SIZE[1]}", "--frames", "1", "--view", "mask", "--out", folder],
+        subprocess.run([self.node.bin / "gnomon-client", "--server", self.node.control, "--pin", self.node.pin,
+                        "--tenant", "arcade", "--scene", "living_room", "--size", f"{SIZE[0]}x{SIZE[1]}",
+                        "--scene-dir", self.node.build / "share/gnomon/scenes",
+                        "--frames", "1", "--view", "mask", "--out", folder],
                        check=True, stdout=subprocess.DEVNULL)
         files = sorted(folder.glob("mask_0000_light*.png"), key=lambda f: int(re.search(r"light(\d+)", f.name)[1]))
         for file in files:
@@ -78,10 +79,16 @@ class Sessions(unittest.TestCase):
             yield [[tuple(row[4 * x:4 * x + 3]) for x in range(SIZE[0])] for row in map(bytes, rows)]
 
     def test_bits_are_those_of_the_other_client(self):
-        session = self.session()
-        frame = session.picture(session.welcome.scene.default_camera)
         pictures = list(self.pictures_of_gnomon_client())
-        self.assertEqual(len(pictures), len(frame.words))
+        for codec in (RAW32, TILES, CONTEXT):
+            session = self.session(codecs=(codec,))
+            frame = session.picture(session.welcome.scene.default_camera)
+            session.close()
+            self.assertEqual(frame.codecs, {codec})
+            self.assertEqual(len(pictures), len(frame.words))
+            self.compare(frame, pictures)
+
+    def compare(self, frame, pictures):
         for light, picture in enumerate(pictures):
             compared = {0: 0, 1: 0}
             for y, row in enumerate(picture):
@@ -90,30 +97,41 @@ class Sessions(unittest.TestCase):
                         bit = frame.bit(light, x, y)
                         self.assertEqual(colour, COLOUR_OF_BIT[bit], f"light {light} at {x}, {y}")
                         compared[bit] += 1
-            print(f"light {light}: {compared[1]} lit and {compared[0]} dark pixels are the same")
+            print(f"codec {frame.codecs}, light {light}: {compared[1]} lit and {compared[0]} dark pixels are the same")
             self.assertGreater(min(compared.values()), 1000)
 
+    def flight(self, codec, cipher, features):
+        """Frames at a few cameras, of a session of its own."""
+        session = self.session(codecs=(codec,), ciphers=(cipher,), features=features)
+        welcome = session.welcome
+        self.assertEqual((welcome.codec, welcome.cipher, welcome.size), (codec, cipher, SIZE))
+        self.assertIn(welcome.features, (features, features & ~REFERENCES))  # servers need not have these
+        frames = [session.picture(turned(welcome.scene.default_camera, STEP * step)) for step in range(CAMERAS)]
+        session.close()
+        self.assertEqual([frame.codecs for frame in frames], CAMERAS * [{codec}])
+        self.assertEqual((session.counts["malformed"], session.counts["dropped"]), (0, 0))
+        self.assertEqual(session.counts["references"] > 0, bool(welcome.features & REFERENCES))
+        return frames
+
     def test_codecs_and_ciphers_agree(self):
-        sessions = [self.session(codecs=(codec,), ciphers=(cipher,), features=features)
-                    for codec, cipher, features in ((TILES, AES_128_GCM, 0), (TILES, CHACHA20_POLY1305, FEEDBACK),
-                                                    *((c, AES_128_GCM, MOMENTS) for c in DECODERS if c != TILES))]
-        for session in sessions:
-            self.assertEqual((session.welcome.codec, session.welcome.size), (session.hello.codecs[0], SIZE))
-            self.assertEqual((session.welcome.cipher, session.welcome.features),
-                             (session.hello.ciphers[0], session.hello.features))
-        camera = sessions[0].welcome.scene.default_camera
-        seen = set()
-        for step in range(CAMERAS):
-            frames = [session.picture(turned(camera, 0.3 * step)) for session in sessions]
-            for session, frame in zip(sessions, frames):
-                self.assertEqual(frame.codecs, {session.welcome.codec})
-                self.assertEqual(frame.words, frames[0].words)
-            mixed = sum(word not in (0, LIT) for light in frames[0].words for word in light)
+        frames = self.flight(TILES, AES_128_GCM, 0)
+        for frame in frames:
+            mixed = sum(word not in (0, LIT) for light in frame.words for word in light)
             self.assertGreater(mixed, 100)
-            seen.add(str(frames[0].words))
-        self.assertEqual(len(seen), CAMERAS)
-        for session in sessions:
-            self.assertEqual((session.counts["malformed"], session.counts["dropped"]), (0, 0))
+        self.assertEqual(len({str(frame.words) for frame in frames}), CAMERAS)
+        for codec, cipher, features in ((TILES, CHACHA20_POLY1305, FEEDBACK), (RAW32, AES_128_GCM, MOMENTS),
+                                        (CONTEXT, AES_128_GCM, MOMENTS),
+                                        (CONTEXT, CHACHA20_POLY1305, FEEDBACK | REFERENCES)):
+            for frame, other in zip(frames, self.flight(codec, cipher, features)):
+                self.agree(frame, other)
+
+    def agree(self, frame, other):
+        """All tiles are the same but those without a bit that means something, which are coded as lit or as dark."""
+        for tiles, others in zip(frame.words, other.words, strict=True):
+            for tile, same in zip(tiles, others, strict=True):
+                if tile != same:
+                    self.assertEqual(other.codecs, {CONTEXT})
+                    self.assertEqual({tile, same}, {0, LIT})
 
     def over_a_bad_link(self, delay):
         """A session that has asked for frames at a steady pace while every tenth datagram was lost, each way."""
@@ -146,9 +164,11 @@ class Sessions(unittest.TestCase):
         return far
 
     def test_losses_are_sent_again(self):
-        before = self.node.metric("gnomon_datagrams_retransmitted_total")
+        def again():
+            return self.node.metric("gnomon_datagrams_retransmitted_total")
+        before = again()
         self.over_a_bad_link("20ms")
-        eventually(lambda: self.node.metric("gnomon_datagrams_retransmitted_total") > before, "lost ones are sent again")
+        eventually(lambda: again() > before, "lost ones are sent again")
 
     def test_losses_are_rebuilt_where_sending_again_takes_too_long(self):
         self.assertGreater(self.over_a_bad_link("300ms").counts["recovered"], 0)
@@ -287,19 +307,19 @@ class Certificates(unittest.TestCase):
     def test_names_decide(self):
         node = Node(BUILD, render={"tracer": "bvh"})
         self.addCleanup(node.__exit__)
-        subprocess.run([node.bin / "gnomonctl", "make-certs", "--out", node.folder / "tls", "--host", "127.0.0.1", "--client",
-                        "studio", "--client", "ghost"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([node.bin / "gnomonctl", "make-certs", "--out", node.folder / "tls", "--host", "127.0.0.1",
+                        "--client", "studio", "--client", "ghost"], check=True, stdout=subprocess.DEVNULL)
         of = {name: node.folder / "tls" / name for name in ("server.pem", "server-key.pem", "ca.pem")}
         node.config["server"].update(mode="production", tls={
             "certificate": str(of["server.pem"]), "key": str(of["server-key.pem"]), "client_ca": str(of["ca.pem"])})
         node.start()
-        der = ssl.PEM_cert_to_DER_cert(re.match("-.*?-----END CERTIFICATE-----\n", of["server.pem"].read_text(), re.S)[0])
+        pem = re.match("-.*?-----END CERTIFICATE-----\n", of["server.pem"].read_text(), re.S)[0]
+        pin = "sha256:" + hashlib.sha256(ssl.PEM_cert_to_DER_cert(pem)).hexdigest()
         host, port = node.control.rsplit(":", 1)
 
         def session(tenant, names):
             files = [node.folder / "tls" / f"{names}{end}.pem" for end in ("", "-key")] if names else []
-            made = Session(host, int(port), "sha256:" + hashlib.sha256(der).hexdigest(),
-                           Hello("living_room", *SIZE, tenant=tenant), *files)
+            made = Session(host, int(port), pin, Hello("living_room", *SIZE, tenant=tenant), *files)
             self.addCleanup(made.abandon)
             return made
 

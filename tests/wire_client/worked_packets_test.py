@@ -12,12 +12,13 @@ import unittest
 from dataclasses import replace
 
 try:
-    import cryptography, lz4, OpenSSL  # noqa: E401, F401
+    import cryptography, lz4, OpenSSL, xxhash  # noqa: E401, F401
 except ModuleNotFoundError as error:
     print(f"skipped: Debian's python3-{error.name.lower()} is missing")
     sys.exit(77)
 
 import parity
+from context_codec import NoReference
 from datagrams import FrameParity, FrameSlice, Kind, age, camera_update, feedback
 from fields import Malformed, Reader
 from frame import Frame
@@ -133,6 +134,16 @@ class Packets(unittest.TestCase):
     def test_payloads(self):
         self.assertEqual(decode(a_slice(packet("dark_payload"), 2048, 1, 1)), [[0] * 2048])
         self.assertEqual(decode(a_slice(packet("raw32_payload"), 1, 1, 0)), [[0]])
+
+    def test_payloads_of_tiles_context(self):
+        alone, referring = (a_slice(packet(name), 2, 2, 2) for name in ("context_payload", "referenced_payload"))
+        self.assertEqual(decode(alone, 2, 1), [LIGHT_0, LIGHT_1])
+        self.assertEqual(decode(referring, 2, 1, {6: [LIGHT_0, LIGHT_1]}), [LIGHT_0, LIGHT_1])
+        for kept in ({}, {5: [LIGHT_0, LIGHT_1]}, {6: [LIGHT_0, LIGHT_0]}):
+            with self.assertRaises(NoReference):
+                decode(referring, 2, 1, kept)
+        with self.assertRaises(Malformed):
+            decode(replace(alone, payload=alone.payload + b"\0\0\0\0"), 2, 1)
 
 
 class BeyondThePackets(unittest.TestCase):
