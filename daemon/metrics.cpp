@@ -65,6 +65,7 @@ struct TenantSeries {
   Counter& bits;
   Counter& coalesced;
   Counter& bytes_sent;
+  Counter& queue_seconds;
   Counter& gpu_seconds;
   Counter& late;
   Gauge& share;
@@ -92,6 +93,9 @@ struct Metrics::Families {
                                       "Datagrams that were not a view of a session, by reason.");
   Family<Counter>& refusals =
       counter(registry, "gnomon_refusals_total", "Connections that got no session, by reason.");
+  Family<Counter>& queue_seconds = counter(
+      registry, "gnomon_tenant_queue_seconds_total",
+      "Time that the tenant's frames waited from their camera's arrival to their start; divide by buffers.");
   Family<Counter>& gpu_seconds =
       counter(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
   Family<Counter>& late =
@@ -194,8 +198,9 @@ struct Metrics::Families {
     auto series = std::make_unique<TenantSeries>(TenantSeries{
         frames.Add({{"tenant", name}}, kFrameBuckets), buffers.Add({{"tenant", name}}),
         bits.Add({{"tenant", name}}), coalesced.Add({{"tenant", name}}), bytes.Add({{"tenant", name}}),
-        gpu_seconds.Add({{"tenant", name}}), late.Add({{"tenant", name}}), share.Add({{"tenant", name}}),
-        expected_share.Add({{"tenant", name}}), lag.Add({{"tenant", name}}), sessions.Add({{"tenant", name}})});
+        queue_seconds.Add({{"tenant", name}}), gpu_seconds.Add({{"tenant", name}}), late.Add({{"tenant", name}}),
+        share.Add({{"tenant", name}}), expected_share.Add({{"tenant", name}}), lag.Add({{"tenant", name}}),
+        sessions.Add({{"tenant", name}})});
     tenants.push_back(std::move(series));
     names.push_back(name);
   }
@@ -244,6 +249,7 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   series.buffers.Increment();
   series.bits.Increment(static_cast<double>(meta.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
+  series.queue_seconds.Increment(to_seconds(meta.submitted - meta.arrival));
   series.frame.Observe(to_seconds(sent - meta.arrival));
   families_->stage.observe(meta, sent);
   if (sent > meta.deadline) series.late.Increment();
