@@ -44,12 +44,13 @@ SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
   AssembledFrame& frame = open->frame;
   if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::malformed;
   if (open->slices[header.slice]) return SliceOutcome::duplicate;
-  if (!protocol::decode_slice(header, slice.payload, grid_, frame.words)) {
+  if (!protocol::decode_slice(header, slice.payload, grid_, frame.words, &references_)) {
     cover_missing(frame, header);
     return SliceOutcome::malformed;
   }
   open->slices[header.slice] = true;
   mark_arrived(frame, header);
+  frame.referable = frame.referable && header.codec == protocol::CodecId::tiles_context;
   ++frame.slices_received;
   frame.payload_bytes += slice.payload.size();
   frame.server_us = std::max(frame.server_us, header.server_us);
@@ -135,7 +136,12 @@ void FrameAssembler::cover_missing(AssembledFrame& frame, const protocol::SliceH
 }
 
 void FrameAssembler::finish(std::vector<Open>::iterator open) {
-  finished_ids_.insert(open->frame.frame);
+  const AssembledFrame& frame = open->frame;
+  finished_ids_.insert(frame.frame);
+  if (keeps_references_ && frame.complete() && frame.referable) {
+    references_.add(std::make_shared<protocol::MaskReference>(frame.frame, frame.mask()));
+    newest_reference_ = std::max(newest_reference_, frame.frame);
+  }
   finished_.push_back(std::move(open->frame));
   open_.erase(open);
 }

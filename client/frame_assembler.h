@@ -11,6 +11,7 @@
 #include "common/ids.h"
 #include "common/tile_mask.h"
 #include "protocol/datagram.h"
+#include "protocol/mask_reference.h"
 
 namespace gnomon::client {
 
@@ -27,6 +28,8 @@ struct AssembledFrame {
   uint32_t gpu_us = 0;
   size_t payload_bytes = 0;
   protocol::Moment moment;  // of the scene
+
+  bool referable = true;  // all slices so far are tiles_context: later frames may refer to it
 
   bool complete() const { return words_missing == 0; }
   TileMaskView mask() const { return {grid, words}; }
@@ -48,6 +51,10 @@ class FrameAssembler {
   explicit FrameAssembler(TileGrid grid, size_t max_frames = kDefaultFrames);
 
   const TileGrid& grid() const { return grid_; }
+
+  // Keep whole frames of tiles_context for later ones to refer to; the newest of them.
+  void keep_references() { keeps_references_ = true; }
+  FrameId newest_reference() const { return newest_reference_; }
 
   // A frame newer than all when `max_frames` are open gives up the oldest of them.
   SliceOutcome add(const protocol::FrameSlice& slice);
@@ -86,6 +93,9 @@ class FrameAssembler {
 
   TileGrid grid_;
   size_t max_frames_;
+  bool keeps_references_ = false;
+  FrameId newest_reference_;
+  protocol::ReferenceShelf references_;
   std::vector<Open> open_;  // by increasing frame, at most max_frames_
   FinishedWindow finished_ids_;
   std::vector<AssembledFrame> finished_;

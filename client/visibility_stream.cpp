@@ -12,6 +12,7 @@ constexpr size_t kLightVersions = 16;  // kept for frames that are still on thei
 StreamOptions with_features(StreamOptions options) {
   using namespace protocol;
   options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity;
+  if (options.keep_references) options.connect.hello.features |= kFeatureReferences;
   return options;
 }
 
@@ -63,6 +64,7 @@ void VisibilityStream::start() {
 void VisibilityStream::restart_with(TileGrid grid) {
   if (assembler_ && assembler_->grid() == grid) return;
   assembler_.emplace(grid);
+  if (connection_.welcome().features & protocol::kFeatureReferences) assembler_->keep_references();
   first_of_grid_ = FrameId{newest_asked_.value + 1};
 }
 
@@ -99,6 +101,7 @@ FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds di
 
 void VisibilityStream::send_newest() {
   if (!has(protocol::kFeatureFeedback)) acks_.fill(newest_);
+  newest_.have = assembler_->newest_reference();
   body_.clear();
   protocol::append_camera_update(body_, newest_);
   connection_.send(protocol::DatagramKind::camera_update, body_);

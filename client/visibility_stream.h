@@ -32,6 +32,8 @@ struct Answer {
 
 struct StreamOptions {
   ConnectOptions connect;
+  // Whole frames are kept for slices of tiles_context to refer to: fewer bytes, some megabytes of memory.
+  bool keep_references = true;
   // How long an unfinished frame waits for another slice before it is handed over as it is.
   Nanoseconds patience = std::chrono::milliseconds(250);
   // How long a camera may go unanswered before it is forgotten.

@@ -178,7 +178,10 @@ Keys<EncodeConfig> encode_keys() {
   using protocol::CodecId;
   return {
       integer("threads", &EncodeConfig::threads, 1, 64),
-      choice("codec", &EncodeConfig::codec, {{"tiles_lz4", CodecId::tiles_lz4}, {"raw32_lz4", CodecId::raw32_lz4}}),
+      choice("codec", &EncodeConfig::codec,
+             {{"tiles_lz4", CodecId::tiles_lz4},
+              {"tiles_context", CodecId::tiles_context},
+              {"raw32_lz4", CodecId::raw32_lz4}}),
   };
 }
 

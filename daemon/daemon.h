@@ -43,6 +43,9 @@ class Daemon {
   // An error in the place of a configuration is counted and given back.
   Result<void> reload(const Result<Config>& next);
 
+  // The session's frames are coded so from the next one on; its client must have said that it decodes this. Any thread.
+  void choose_codec(SessionId session, protocol::CodecId codec) { inbox_.push(CodecChosen{session, codec}); }
+
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }

@@ -26,32 +26,94 @@ void EncodePool::push(RenderedFrame frame) {
   ready_.notify_one();
 }
 
-bool EncodePool::take(RenderedFrame& frame) {
+bool EncodePool::take(RenderedFrame& frame, SharedPtr& shared) {
   std::unique_lock lock(mutex_);
-  ready_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-  if (stopping_) return false;
-  frame = std::move(queue_.front());
-  queue_.pop_front();
-  return true;
+  for (;;) {
+    ready_.wait(lock, [this] { return stopping_ || !queue_.empty() || !shared_.empty(); });
+    if (stopping_) return false;
+    if (!shared_.empty()) {
+      shared = shared_.front();
+      if (shared->next < shared->frame.unit_count()) return true;
+      shared_.pop_front();  // every unit has somebody
+      shared.reset();
+      continue;
+    }
+    frame = std::move(queue_.front());
+    queue_.pop_front();
+    return true;
+  }
 }
 
 void EncodePool::work() {
   protocol::FrameEncoder encoder;
   RenderedFrame frame;
-  while (take(frame)) {
-    EncodedFrame out{frame.meta, {}};
-    out.meta.encode_began = Clock::now();
-    const size_t header = protocol::kSliceHeaderBytes + (frame.meta.moment ? protocol::kMomentBytes : 0);
-    const size_t room = frame.meta.slice_body_bytes - header;
-    const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, room, out.slices);
-    frame.mask.drop();
-    if (!result) {
-      metrics_.dropped(out.meta.tenant, Fault::encode_failed, {{"why", result.error().message}});
-      continue;
+  SharedPtr shared;
+  while (take(frame, shared)) {
+    if (!shared && frame.meta.codec == protocol::CodecId::tiles_context) shared = share(frame);
+    if (shared) {
+      help(*shared);
+    } else {
+      encode(frame, encoder);
     }
-    out.meta.encoded = Clock::now();
-    encoded_(std::move(out));
+    shared.reset();
   }
+}
+
+namespace {
+
+size_t payload_room(const FrameMeta& meta) {
+  return meta.slice_body_bytes - protocol::kSliceHeaderBytes - (meta.moment ? protocol::kMomentBytes : 0);
+}
+
+}  // namespace
+
+void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
+  EncodedFrame out{frame.meta, {}};
+  out.meta.encode_began = Clock::now();
+  const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, payload_room(frame.meta), out.slices);
+  frame.mask.drop();
+  deliver(std::move(out), result);
+}
+
+EncodePool::SharedPtr EncodePool::share(RenderedFrame& frame) {
+  const FrameMeta& meta = frame.meta;
+  const TimePoint began = Clock::now();
+  auto reference = meta.references ? meta.references->newest(meta.grid) : nullptr;
+  const SharedPtr shared(new Shared{
+      {meta, {}}, protocol::SplitFrame(frame.mask.mask(), payload_room(meta), std::move(reference)), {}, {}});
+  shared->out.meta.encode_began = began;
+  frame.mask.drop();
+  if (shared->frame.unit_count() > 1 && workers_.size() > 1) {
+    {
+      std::lock_guard lock(mutex_);
+      shared_.push_back(shared);
+    }
+    ready_.notify_all();
+  }
+  if (shared->frame.unit_count() == 0) finish(*shared);
+  return shared;
+}
+
+void EncodePool::help(Shared& shared) {
+  const size_t units = shared.frame.unit_count();
+  for (size_t unit = shared.next++; unit < units; unit = shared.next++) {
+    shared.frame.encode(unit);
+    if (++shared.done == units) finish(shared);
+  }
+}
+
+void EncodePool::finish(Shared& shared) {
+  const auto result = shared.frame.join(shared.out.slices);
+  const FrameMeta& meta = shared.out.meta;
+  if (result && meta.references)
+    meta.references->sent(std::make_shared<protocol::MaskReference>(meta.frame, shared.frame.decoded()));
+  deliver(std::move(shared.out), result);
+}
+
+void EncodePool::deliver(EncodedFrame out, const Result<void>& result) {
+  if (!result) return metrics_.dropped(out.meta.tenant, Fault::encode_failed, {{"why", result.error().message}});
+  out.meta.encoded = Clock::now();
+  encoded_(std::move(out));
 }
 
 }  // namespace gnomon::daemon

@@ -1,9 +1,11 @@
 // Workers that turn masks into slices. A finished frame's lease is dropped as soon as its mask has been read.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -13,6 +15,9 @@
 
 namespace gnomon::daemon {
 
+// A frame of tiles_context takes milliseconds: its units are spread over all workers that have nothing else to do. The
+// slices do not depend on how many these are. Frames of other codecs are one worker's each.
+//
 // The queue needs no limit of its own: every frame in it holds one of the device's frame slots.
 class EncodePool {
  public:
@@ -23,14 +28,29 @@ class EncodePool {
   void push(RenderedFrame frame);  // any thread
 
  private:
+  // A frame that several workers encode.
+  struct Shared {
+    EncodedFrame out;
+    protocol::SplitFrame frame;
+    std::atomic<size_t> next{0}, done{0};  // units
+  };
+  using SharedPtr = std::shared_ptr<Shared>;
+
   void work();
-  bool take(RenderedFrame& frame);
+  // One of the two; false: the pool ends. Shared frames come first: they were pushed earlier.
+  bool take(RenderedFrame& frame, SharedPtr& shared);
+  void encode(RenderedFrame& frame, protocol::FrameEncoder& encoder);
+  SharedPtr share(RenderedFrame& frame);
+  void help(Shared& shared);
+  void finish(Shared& shared);
+  void deliver(EncodedFrame out, const Result<void>& result);
 
   Metrics& metrics_;
   std::function<void(EncodedFrame)> encoded_;
   std::mutex mutex_;
   std::condition_variable ready_;
   std::deque<RenderedFrame> queue_;
+  std::deque<SharedPtr> shared_;
   bool stopping_ = false;
   std::vector<std::thread> workers_;
 };

@@ -7,6 +7,7 @@
 
 #include "common/clock.h"
 #include "common/ids.h"
+#include "daemon/session_references.h"
 #include "gpu/renderer.h"
 #include "protocol/codec.h"
 #include "protocol/messages.h"
@@ -34,6 +35,7 @@ struct FrameMeta {
   FrameId frame;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
+  SessionReferencesPtr references;  // null: the client keeps none
   TileGrid grid;
   uint32_t traced_lights = 0;              // of the grid's; the others are lit everywhere
   std::optional<protocol::Moment> moment;  // that the client is to be told

@@ -12,7 +12,8 @@ using protocol::Hello;
 using protocol::RefusalCode;
 using protocol::Refused;
 
-constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity;
+constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
+                               protocol::kFeatureReferences;
 
 // What came from a stranger is shown, but not at any length.
 std::string shown(const std::string& text) {
@@ -45,9 +46,17 @@ std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& rend
   return std::nullopt;
 }
 
+// The client's first choice; of one that names none, what every client decodes or says that it does.
+protocol::CodecId choose_codec(const Hello& hello, const EncodeConfig& encode) {
+  if (!hello.codecs.empty()) return hello.codecs.front();
+  const bool context = (hello.features & protocol::kFeatureReferences) != 0;
+  return encode.codec == protocol::CodecId::tiles_context && !context ? protocol::CodecId::tiles_lz4 : encode.codec;
+}
+
 // Of those that the client decodes. They are numbered by density.
 protocol::CodecId densest_codec(const Hello& hello, const EncodeConfig& encode) {
-  if (hello.codecs.empty()) return encode.codec;
+  if ((hello.features & protocol::kFeatureReferences) != 0) return protocol::CodecId::tiles_context;
+  if (hello.codecs.empty()) return choose_codec(hello, encode);
   return *std::max_element(hello.codecs.begin(), hello.codecs.end());
 }
 
@@ -86,7 +95,7 @@ std::variant<Accepted, Refused> check_hello(const Hello& hello, TenantId tenant,
                   hello.width,
                   hello.height,
                   hello.rate_hz,
-                  hello.codecs.empty() ? config.encode.codec : hello.codecs.front(),
+                  choose_codec(hello, config.encode),
                   densest_codec(hello, config.encode),
                   choose_cipher(hello.ciphers),
                   hello.features & kFeatures};

@@ -85,6 +85,8 @@ struct Metrics::Families {
   Family<Counter>& coalesced = counter(registry, "gnomon_frames_coalesced_total",
                                        "Views replaced by a newer one before they were rendered.");
   Family<Counter>& bytes = counter(registry, "gnomon_bytes_sent_total", "Bytes of datagrams sent to clients.");
+  Family<Counter>& codec_bytes =
+      counter(registry, "gnomon_codec_bytes_sent_total", "Bytes of frames sent to clients, by codec.");
   Family<Counter>& dropped =
       counter(registry, "gnomon_frames_dropped_total", "Views and frames dropped, by reason.");
   Counter& datagrams =
@@ -250,6 +252,9 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   series.bits.Increment(static_cast<double>(meta.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
   series.queue_seconds.Increment(to_seconds(meta.submitted - meta.arrival));
+  // Made for the codecs that are used: there are three, and clients list what they like.
+  families_->codec_bytes.Add({{"codec", std::string(protocol::to_string(meta.codec))}})
+      .Increment(static_cast<double>(bytes));
   series.frame.Observe(to_seconds(sent - meta.arrival));
   families_->stage.observe(meta, sent);
   if (sent > meta.deadline) series.late.Increment();

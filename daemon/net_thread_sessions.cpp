@@ -131,7 +131,8 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
   shared_.inbox.push(SessionOpened{id, accepted.tenant, scene.id, accepted.width, accepted.height, lights,
                                    accepted.codec, index_, accepted.rate_hz,
-                                   (accepted.features & protocol::kFeatureMoments) != 0, accepted.dense_codec});
+                                   (accepted.features & protocol::kFeatureMoments) != 0, accepted.dense_codec,
+                                   sessions_.find(id)->references()});
   shared_.metrics.session_opened(accepted.tenant);
 
   protocol::Welcome welcome;

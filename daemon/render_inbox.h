@@ -29,6 +29,13 @@ struct SessionOpened {
   double rate_hz = 0;  // granted; 0: no limit
   bool wants_moments = false;
   protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // where its link is short of bytes
+  SessionReferencesPtr references = nullptr;                     // of a client that keeps frames
+};
+
+// The session's frames are coded so from the next one on.
+struct CodecChosen {
+  SessionId session;
+  protocol::CodecId codec = protocol::CodecId::tiles_lz4;
 };
 
 struct SessionClosed {
@@ -91,8 +98,8 @@ struct TermsChanged {
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
 using RenderEvent =
-    std::variant<ViewRequest, SessionOpened, SessionClosed, SceneArrived, SceneLeaves, JobFinished, LeaseDropped,
-                 BytesSent, LightChanged, BackgroundDone, LinkReviewed, TermsChanged, StopRendering>;
+    std::variant<ViewRequest, SessionOpened, CodecChosen, SessionClosed, SceneArrived, SceneLeaves, JobFinished,
+                 LeaseDropped, BytesSent, LightChanged, BackgroundDone, LinkReviewed, TermsChanged, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

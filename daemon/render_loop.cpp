@@ -39,6 +39,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
   meta.frame = view.frame;
   meta.codec = session.link.dense() ? session.opened.dense_codec : session.opened.codec;
   meta.slice_body_bytes = view.slice_body_bytes;
+  meta.references = session.opened.references;
   meta.grid = session.grid();
   meta.traced_lights = session.traced_lights();
   meta.coalesced = session.coalesced;
@@ -137,6 +138,11 @@ void RenderLoop::on(const SessionClosed& closed, TimePoint) {
   if (session.begun) abandon(session);
   scheduler_->remove_session(closed.session);
   sessions_.erase(found);
+}
+
+void RenderLoop::on(const CodecChosen& chosen, TimePoint) {
+  const auto found = sessions_.find(chosen.session);
+  if (found != sessions_.end()) found->second.opened.codec = chosen.codec;
 }
 
 void RenderLoop::on(const SceneArrived& arrived, TimePoint) {

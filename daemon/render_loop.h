@@ -48,6 +48,7 @@ class RenderLoop {
   void on(const ViewRequest& view, TimePoint now);
   void on(const SessionOpened& opened, TimePoint now);
   void on(const SessionClosed& closed, TimePoint now);
+  void on(const CodecChosen& chosen, TimePoint now);
   void on(const SceneArrived& arrived, TimePoint now);
   void on(const SceneLeaves& leaves, TimePoint now);
   void on(const JobFinished& finished, TimePoint now);

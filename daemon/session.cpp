@@ -37,7 +37,9 @@ Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted ac
       seat_(std::move(seat)),
       seal_(std::move(seal)),
       last_heard_(now),
-      link_(accepted_.features) {}
+      link_(accepted_.features) {
+  if (accepted_.features & protocol::kFeatureReferences) references_ = std::make_shared<SessionReferences>();
+}
 
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
   const auto opened = seal_->open(datagram);
@@ -81,8 +83,10 @@ Received Session::hear(protocol::DatagramKind kind, std::span<const uint8_t> bod
 }
 
 Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
-  if (newest_ == update.frame) return {};
-  if (newest_ && !is_newer(update.frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
+  const bool again = newest_ == update.frame;
+  if (newest_ && !again && !is_newer(update.frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
+  if (references_) references_->client_has(update.have);
+  if (again) return {};
   newest_ = update.frame;
   // The client's clock is not ours: its deadline counts from the arrival.
   const auto until = std::chrono::microseconds(update.display_deadline_us);

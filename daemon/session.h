@@ -15,6 +15,7 @@
 #include "daemon/link_report.h"
 #include "daemon/link_steps.h"
 #include "daemon/seats.h"
+#include "daemon/session_references.h"
 #include "protocol/seal.h"
 
 namespace gnomon::daemon {
@@ -62,6 +63,9 @@ class Session {
   };
   std::optional<Ended> take_ended();
 
+  // What the client keeps of frames; null if it keeps none.
+  const SessionReferencesPtr& references() const { return references_; }
+
   TimePoint last_heard() const { return last_heard_; }
 
   void frame_sent(const FrameMeta& meta, TimePoint sent);
@@ -93,6 +97,7 @@ class Session {
   std::optional<asio::ip::udp::endpoint> address_;
   bool by_control_ = false;
   std::optional<FrameId> newest_;
+  SessionReferencesPtr references_;
   TimePoint last_heard_;
   LinkSender link_;
   std::optional<ViewRequest> kept_;

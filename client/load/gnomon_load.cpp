@@ -19,7 +19,7 @@ constexpr size_t kClientsInTable = 32;
 volatile std::sig_atomic_t interrupted = 0;
 
 struct Arguments {
-  std::string server, scene, size, scene_folder, json;
+  std::string server, scene, size, scene_folder, json, codec;
   Trust trust;
   std::string transport = "auto";
   size_t clients = 0;
@@ -41,6 +41,8 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("HZ");
   app.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 1e6))->type_name("S");
+  app.add_option("--codec", a.codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
+      ->type_name("NAME");
   app.add_option("--deadline-ms", a.deadline_ms, "how long after its camera an answer is of use; 0: not said")
       ->check(CLI::Range(0.0, 1e6))
       ->type_name("MS");
@@ -68,6 +70,13 @@ Result<void> run(const Arguments& a) {
   const auto plan = plan_load(a.tenants, a.clients);
   if (!plan) return plan.error();
 
+  std::vector<protocol::CodecId> codecs;
+  if (!a.codec.empty()) {
+    const auto codec = protocol::parse_codec(a.codec);
+    if (!codec) return codec.error();
+    codecs = {*codec};
+  }
+
   const LoadOptions options{
       .server = *server,
       .trust = a.trust,
@@ -75,6 +84,7 @@ Result<void> run(const Arguments& a) {
       .scene = a.scene,
       .scene_folder = a.scene_folder,
       .size = *size,
+      .codecs = codecs,
       .rate_hz = a.rate_hz,
       .deadline = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double, std::milli>(a.deadline_ms)),
       .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds)),

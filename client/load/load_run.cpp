@@ -28,6 +28,7 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   connect.hello.scene = options.scene;
   connect.hello.width = options.size.width;
   connect.hello.height = options.size.height;
+  connect.hello.codecs = options.codecs;
   connect.hello.rate_hz = static_cast<float>(options.rate_hz);
   // At a rate, a camera goes out whatever has become of the last; without one, it waits for answers.
   client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : options.in_flight};

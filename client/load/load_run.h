@@ -19,9 +19,10 @@ struct LoadOptions {
   std::string scene;
   std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
   Size size;
-  double rate_hz = 0;      // 0: each client asks again as soon as it has been answered
-  uint32_t in_flight = 1;  // cameras that a client without a rate may have unanswered
-  Nanoseconds deadline{};  // how long after its camera an answer is of use; 0: not said
+  std::vector<protocol::CodecId> codecs = {};  // that clients list; none: as the server likes
+  double rate_hz = 0;                          // 0: each client asks again as soon as it has been answered
+  uint32_t in_flight = 1;                      // cameras that a client without a rate may have unanswered
+  Nanoseconds deadline{};                      // how long after its camera an answer is of use; 0: not said
   Nanoseconds duration = std::chrono::seconds(10);
   std::function<bool()> interrupted = [] { return false; };  // asked a few times a second: end the flight now
 };

@@ -18,7 +18,7 @@ using namespace gnomon::client;
 
 struct Arguments {
   std::string server, tenant, token_file, scene, scene_folder, size, mode = "sequential", out, json, device;
-  std::string border = "0x0", view;
+  std::string border = "0x0", view, codec;
   Trust trust;
   std::string transport = "auto";
   uint32_t frames = 60;
@@ -39,6 +39,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--frames", a.frames, "steps in which the camera path is flown")
       ->check(CLI::Range(1u, 1000000u))
       ->type_name("N");
+  app.add_option("--codec", a.codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
+      ->type_name("NAME");
   app.add_option("--mode", a.mode, "sequential, or queued: several cameras in flight")->type_name("MODE");
   app.add_option("--rate", a.rate_hz, "cameras a second at most; 0: as the mode allows")
       ->check(CLI::Range(0.0, 1000.0))
@@ -87,6 +89,11 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   hello.border_x = border->width;
   hello.border_y = border->height;
   hello.rate_hz = static_cast<float>(a.rate_hz);
+  if (!a.codec.empty()) {
+    const auto codec = protocol::parse_codec(a.codec);
+    if (!codec) return codec.error();
+    hello.codecs = {*codec};
+  }
   if (!a.token_file.empty()) {
     auto token = read_token(a.token_file);
     if (!token) return token.error();

@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"policy",
               "scheduler: {policy: fairest}\n",
               {"scheduler.policy: \"fairest\"", "fair, priority, deadline, round_robin"}},
-        Wrong{"codec", "encode: {codec: zip}\n", {"encode.codec: \"zip\"", "tiles_lz4, raw32_lz4"}},
+        Wrong{"codec", "encode: {codec: zip}\n", {"encode.codec: \"zip\"", "tiles_lz4, tiles_context, raw32_lz4"}},
         Wrong{"address", "admin: {listen: localhost:80}\n", {"admin.listen: \"localhost:80\"", "IPv4 or IPv6"}},
         Wrong{"list_for_value", "log: {level: [info]}\n", {"log.level: a list", "debug, info"}},
         Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys mode"}},

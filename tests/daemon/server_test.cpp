@@ -85,6 +85,66 @@ TEST_F(Served, AnswersPingsWithoutChangingWhereFramesGo) {
   EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(2), 2));
 }
 
+TEST_F(Served, SwitchingTheCodecLosesNoFrame) {
+  using protocol::CodecId;
+  config_.encode.threads = 3;
+  start();
+  TestClient client = this->client();
+  auto hello = TestClient::hello(kScene, 160, 120);
+  hello.features = protocol::kFeatureReferences;
+  ASSERT_TRUE(client.join(hello));
+  EXPECT_EQ(client.welcome().codec, CodecId::tiles_lz4);
+  ASSERT_TRUE(client.welcome().features & protocol::kFeatureReferences);
+  const TileGrid grid{160, 120, kLights};
+  uint32_t frame = 0;
+  const auto expect_frames = [&](CodecId codec, bool referred) {
+    for (int i = 0; i < 4; ++i) {
+      ++frame;
+      client.send_view(frame, 0.01f * static_cast<float>(frame % 2));
+      const std::vector<uint64_t> words = client.receive_frame(frame);
+      ASSERT_EQ(words.size(), grid.word_count()) << "frame " << frame;
+      gpu::CameraView camera;
+      camera.position.x = 0.01f * static_cast<float>(frame % 2);
+      for (size_t word = 0; word < words.size(); ++word) ASSERT_EQ(words[word], fake_word(camera, word));
+      EXPECT_EQ(client.codec(), codec);
+      EXPECT_EQ(client.referred(), referred && i > 0);
+    }
+  };
+  expect_frames(CodecId::tiles_lz4, false);
+  daemon_->choose_codec(client.welcome().session, CodecId::tiles_context);
+  expect_frames(CodecId::tiles_context, true);
+  daemon_->choose_codec(client.welcome().session, CodecId::raw32_lz4);
+  expect_frames(CodecId::raw32_lz4, false);
+  daemon_->choose_codec(client.welcome().session, CodecId::tiles_lz4);
+  expect_frames(CodecId::tiles_lz4, false);
+}
+
+TEST_F(Served, AClientThatKeepsNoFramesGetsNoneThatRefer) {
+  start();
+  TestClient client = this->client();
+  auto hello = TestClient::hello(kScene);
+  hello.codecs = {protocol::CodecId::tiles_context};
+  ASSERT_TRUE(client.join(hello));
+  for (uint32_t frame = 1; frame <= 3; ++frame) {
+    client.send_view(frame, 0.01f);
+    EXPECT_FALSE(client.receive_frame(frame).empty());
+    EXPECT_EQ(client.codec(), protocol::CodecId::tiles_context);
+    EXPECT_FALSE(client.referred());
+  }
+}
+
+TEST_F(Served, AConfiguredContextCodecIsForClientsThatDecodeIt) {
+  config_.encode.codec = protocol::CodecId::tiles_context;
+  start();
+  TestClient plain = client(), able = client();
+  ASSERT_TRUE(plain.join(TestClient::hello(kScene)));
+  EXPECT_EQ(plain.welcome().codec, protocol::CodecId::tiles_lz4);
+  auto hello = TestClient::hello(kScene);
+  hello.features = protocol::kFeatureReferences;
+  ASSERT_TRUE(able.join(hello));
+  EXPECT_EQ(able.welcome().codec, protocol::CodecId::tiles_context);
+}
+
 TEST_F(Served, ServesFilesBelowTheAllowedFoldersAndNoOthers) {
   start();
   for (const std::string& name : {std::string("another.gltf"), (folder_ / "files" / "another.gltf").string()}) {

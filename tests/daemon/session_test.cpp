@@ -193,5 +193,39 @@ TEST(Seats, LimitPerAddress) {
   EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, near)));
 }
 
+protocol::MaskReferencePtr sent_frame(uint32_t frame, uint32_t width = 8) {
+  const TileGrid grid{width, 8, 1};
+  const std::vector<uint64_t> words(grid.word_count(), frame);
+  return std::make_shared<protocol::MaskReference>(FrameId{frame}, TileMaskView{grid, words});
+}
+
+TEST(SessionReferences, AreWhatTheClientSaysThatItHas) {
+  const TileGrid grid{8, 8, 1};
+  SessionReferences references;
+  for (uint32_t frame = 1; frame <= 4; ++frame) references.sent(sent_frame(frame));
+  EXPECT_EQ(references.newest(grid), nullptr);
+  references.client_has(FrameId{2});
+  ASSERT_NE(references.newest(grid), nullptr);
+  EXPECT_EQ(references.newest(grid)->frame(), FrameId{2});
+  EXPECT_EQ(references.newest({16, 8, 1}), nullptr) << "another shape";
+  references.client_has(FrameId{1});
+  EXPECT_EQ(references.newest(grid), nullptr) << "given up when it had a newer one";
+  references.client_has(FrameId{4});
+  EXPECT_EQ(references.newest(grid)->frame(), FrameId{4});
+  references.client_has(FrameId{0});
+  EXPECT_EQ(references.newest(grid), nullptr);
+}
+
+TEST(SessionReferences, AreNotReferredToForEver) {
+  const TileGrid grid{8, 8, 1};
+  SessionReferences references;
+  references.sent(sent_frame(1));
+  references.client_has(FrameId{1});
+  uint32_t frame = 1;
+  while (references.newest(grid)) references.sent(sent_frame(++frame));
+  EXPECT_LT(frame, protocol::ReferenceShelf::kFrames) << "the client would have given it up by then";
+  EXPECT_GT(frame, protocol::ReferenceShelf::kFrames / 2);
+}
+
 }  // namespace
 }  // namespace gnomon::daemon

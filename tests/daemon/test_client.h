@@ -100,6 +100,7 @@ class TestClient {
     protocol::CameraUpdate update;
     update.frame = FrameId{frame};
     update.camera.position[0] = x;
+    update.have = have_;
     std::vector<uint8_t> body, datagram;
     protocol::append_camera_update(body, update);
     seal_->seal(protocol::DatagramKind::camera_update, body, datagram);
@@ -157,12 +158,22 @@ class TestClient {
       const auto slice = protocol::decode_frame_slice(opened->body);
       if (!slice) return {};
       if (slice->header.frame != FrameId{frame}) continue;
-      if (!protocol::decode_slice(slice->header, slice->payload, grid, words)) return {};
+      if (!protocol::decode_slice(slice->header, slice->payload, grid, words, &references_)) return {};
+      codec_ = slice->header.codec;
+      referred_ = codec_ == protocol::CodecId::tiles_context && slice->payload[0] != 0;
       wanted = slice->header.slice_count;
       ++slices;
     }
+    if (codec_ == protocol::CodecId::tiles_context && welcome_.features & protocol::kFeatureReferences) {
+      have_ = FrameId{frame};
+      references_.add(std::make_shared<protocol::MaskReference>(have_, TileMaskView{grid, words}));
+    }
     return words;
   }
+  // Of the last frame: how it was coded, and whether it referred to one before.
+  protocol::CodecId codec() const { return codec_; }
+  bool referred() const { return referred_; }
+  void forget_references() { references_.clear(); }
 
   std::optional<std::vector<uint8_t>> receive_datagram(std::chrono::milliseconds patience = kPatience) {
     std::vector<uint8_t> datagram(2048);
@@ -206,6 +217,10 @@ class TestClient {
   std::array<uint8_t, 4096> incoming_;
   protocol::MessageReader reader_;
   protocol::Welcome welcome_;
+  protocol::ReferenceShelf references_;
+  FrameId have_;
+  protocol::CodecId codec_{};
+  bool referred_ = false;
   std::unique_ptr<protocol::Seal> seal_;
 };
 
