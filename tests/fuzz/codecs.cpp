@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const PackedMask packed(TileMaskView{grid, words}, cares);
   protocol::FrameEncoder encoder;
   protocol::EncodedFrame frame;
-  for (const auto codec : {protocol::CodecId::raw32_lz4, protocol::CodecId::tiles_lz4}) {
+  for (const protocol::CodecId codec : protocol::kCodecs) {
     require(encoder.encode(packed.view(), codec, room, frame).has_value(), "a mask of this size can be encoded");
     std::vector<uint64_t> decoded(grid.word_count());
     for (size_t i = 0; i < frame.slices.size(); ++i) {

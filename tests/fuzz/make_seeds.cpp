@@ -67,7 +67,7 @@ void slices(const fs::path& folder, tests::Random& random) {
   const TileGrid grid{120, 64, 2};
   const auto words = mask_of(grid, random);
   protocol::FrameEncoder encoder;
-  for (const auto codec : {protocol::CodecId::raw32_lz4, protocol::CodecId::tiles_lz4}) {
+  for (const protocol::CodecId codec : protocol::kCodecs) {
     protocol::EncodedFrame frame;
     if (!encoder.encode(TileMaskView{grid, words}, codec, protocol::kMinPayloadBytes, frame)) continue;
     for (size_t i = 0; i < std::min<size_t>(3, frame.slices.size()); ++i) {
