@@ -8,6 +8,8 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <array>
+#include <atomic>
 #include <map>
 
 #include "daemon/process_figures.h"
@@ -178,6 +180,7 @@ struct Metrics::Families {
   Family<Counter>& limit_refusals =
       counter(registry, "gnomon_tenant_refusals_total", "Sessions refused a tenant, by the limit that they met.");
 
+  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; null: not used yet
   // Reserved once: growing moves nothing, so that others may look at the series that were there before.
   LinkMetrics links{registry};
   std::vector<std::string> names;  // of the tenants
@@ -192,6 +195,13 @@ struct Metrics::Families {
       case FaultKind::refusal: return refusals;
     }
     return dropped;
+  }
+
+  // Made when a codec is used first, and kept: a frame never waits for a scrape that walks the family.
+  Counter& bytes_of(protocol::CodecId codec) {
+    std::atomic<Counter*>& kept = codecs[static_cast<size_t>(codec)];
+    if (!kept) kept = &codec_bytes.Add({{"codec", std::string(protocol::to_string(codec))}});
+    return *kept;
   }
 
   Counter& counter_of(const FaultRow& row) { return family_of(row.kind).Add({{"reason", row.label}}); }
@@ -252,9 +262,7 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   series.bits.Increment(static_cast<double>(meta.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
   series.queue_seconds.Increment(to_seconds(meta.submitted - meta.arrival));
-  // Made for the codecs that are used: there are three, and clients list what they like.
-  families_->codec_bytes.Add({{"codec", std::string(protocol::to_string(meta.codec))}})
-      .Increment(static_cast<double>(bytes));
+  families_->bytes_of(meta.codec).Increment(static_cast<double>(bytes));
   series.frame.Observe(to_seconds(sent - meta.arrival));
   families_->stage.observe(meta, sent);
   if (sent > meta.deadline) series.late.Increment();
