@@ -13,20 +13,6 @@ glm::vec3 to_glm(const protocol::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& size) {
-  const float shown_up = std::tan(pose.vertical_fov / 2);
-  const float shown_right = shown_up * static_cast<float>(size.width) / static_cast<float>(size.height);
-  const float right = shown_right * static_cast<float>(size.traced_width()) / static_cast<float>(size.width);
-  const float up = shown_up * static_cast<float>(size.traced_height()) / static_cast<float>(size.height);
-  const glm::quat q = glm::normalize(pose.orientation);
-  protocol::CameraView view;
-  view.position = {pose.position.x, pose.position.y, pose.position.z};
-  view.orientation = {q.x, q.y, q.z, q.w};
-  view.tan_left = view.tan_right = right;
-  view.tan_up = view.tan_down = up;
-  return view;
-}
-
 CameraPath CameraPath::of_scene(const scenes::ScenePtr& scene) {
   const auto moving = std::find_if(scene->paths.begin(), scene->paths.end(),
                                    [](const scenes::CameraPath& p) { return p.duration_seconds > 0; });

@@ -171,7 +171,7 @@ void ControlChannel::close(const std::string& reason) {
 
 std::string ControlChannel::server_ip() const {
   asio::error_code ignored;
-  return state_->stream.next_layer().remote_endpoint(ignored).address().to_string(ignored);
+  return state_->stream.next_layer().remote_endpoint(ignored).address().to_string();
 }
 
 Result<protocol::SealSecrets> ControlChannel::seal_secrets(SessionId session, protocol::CipherId cipher) const {

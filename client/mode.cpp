@@ -6,14 +6,17 @@
 namespace gnomon::client {
 namespace {
 
-constexpr std::array kModes{Mode::sequential, Mode::queued};
+constexpr std::array kModes{Mode::sequential, Mode::non_sequential, Mode::queued, Mode::predicted, Mode::automatic};
 
 }  // namespace
 
 const char* to_string(Mode mode) {
   switch (mode) {
     case Mode::sequential: return "sequential";
+    case Mode::non_sequential: return "non-sequential";
     case Mode::queued: return "queued";
+    case Mode::predicted: return "predicted";
+    case Mode::automatic: return "auto";
   }
   return "unknown";
 }
@@ -28,8 +31,9 @@ Result<Mode> parse_mode(std::string_view name) {
 }
 
 size_t max_in_flight(Mode mode) {
-  // Four covers a round trip of 100 ms at 40 frames a second; a longer queue only adds frames that the server skips.
-  return mode == Mode::sequential ? 1 : 4;
+  // Without a rate of its own a client asks as fast as the window allows; four cover a round trip of 100 ms at 40
+  // frames a second. One that predicts hides the round trip, whatever it is: 230 ms at 60 frames a second are 14.
+  return mode == Mode::sequential ? 1 : mode == Mode::queued ? 4 : 24;
 }
 
 }  // namespace gnomon::client

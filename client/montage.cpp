@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdlib>
 #include <cstring>
 
 namespace gnomon::client {
@@ -47,15 +48,31 @@ Picture background(uint32_t width, uint32_t height) {
 
 }  // namespace
 
-Picture crop_centre(const Picture& traced, uint32_t width, uint32_t height) {
-  assert(width <= traced.width && height <= traced.height);
-  Picture shown(width, height);
-  const uint32_t left = (traced.width - width) / 2;
-  const uint32_t top = (traced.height - height) / 2;
+Picture crop(const Picture& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height) {
+  assert(left + width <= whole.width && top + height <= whole.height);
+  Picture part(width, height);
   for (uint32_t y = 0; y < height; ++y) {
-    std::memcpy(shown.pixel(0, y), traced.pixel(left, top + y), size_t{4} * width);
+    std::memcpy(part.pixel(0, y), whole.pixel(left, top + y), size_t{4} * width);
   }
-  return shown;
+  return part;
+}
+
+Picture beside(const Picture& left, const Picture& right) {
+  assert(left.height == right.height);
+  Picture both = background(left.width + kGap + right.width, left.height);
+  paste(left, both, 0, 0);
+  paste(right, both, left.width + kGap, 0);
+  return both;
+}
+
+Picture difference(const Picture& a, const Picture& b, uint32_t gain) {
+  assert(a.width == b.width && a.height == b.height);
+  Picture off(a.width, a.height);
+  for (size_t i = 0; i < off.rgba.size(); ++i) {
+    const auto by = static_cast<uint32_t>(std::abs(int{a.rgba[i]} - int{b.rgba[i]}));
+    off.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(std::min(255u, gain * by));
+  }
+  return off;
 }
 
 Picture montage(const std::vector<Picture>& panels, const Picture& shaded) {

@@ -7,8 +7,14 @@
 
 namespace gnomon::client {
 
-// The middle of a traced picture, without its prediction border. `width` and `height` do not exceed the picture's.
-Picture crop_centre(const Picture& traced, uint32_t width, uint32_t height);
+// Part of a picture, which holds it.
+Picture crop(const Picture& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height);
+
+// Both of the same height.
+Picture beside(const Picture& left, const Picture& right);
+
+// How far each channel is off, `gain` times, in black where nothing is. Both of the same size.
+Picture difference(const Picture& a, const Picture& b, uint32_t gain);
 
 // Panels, each scaled down to fit, in columns left of the shaded picture. Without panels: the shaded picture.
 Picture montage(const std::vector<Picture>& panels, const Picture& shaded);

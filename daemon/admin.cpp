@@ -2,6 +2,12 @@
 
 #include <httplib.h>
 
+#include <fstream>
+#include <optional>
+
+#include "daemon/private_file.h"
+#include "daemon/tokens.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -9,7 +15,9 @@ using namespace std::chrono_literals;
 
 constexpr size_t kThreads = 4;
 constexpr size_t kMaxRequestBody = 4096;
-constexpr auto kRequestTime = 1s;  // for a client to say what it wants
+constexpr auto kRequestTime = 1s;   // for a client to say what it wants
+constexpr size_t kLeastToken = 16;  // characters
+constexpr const char* kTokenKey = "admin.token_file";
 
 void limit(httplib::Server& server) {
   server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
@@ -40,11 +48,40 @@ bool is_json(const httplib::Request& request) {
   return request.get_header_value("Content-Type").rfind("application/json", 0) == 0;
 }
 
+// The hash of what stands in the file's first line; none: no token is configured.
+Result<std::optional<TokenHash>> read_token(const std::filesystem::path& file) {
+  if (file.empty()) return std::optional<TokenHash>();
+  if (auto checked = check_private(kTokenKey, file); !checked) return checked.error();
+  std::ifstream stream(file);
+  std::string token;
+  std::getline(stream, token);
+  if (token.size() < kLeastToken) {
+    return Error{kTokenKey + (": the first line of " + file.string()) + " is shorter than " +
+                 std::to_string(kLeastToken) + " characters"};
+  }
+  return std::optional(hash_of(token));
+}
+
+// How long that takes says nothing of the token.
+bool shows(const httplib::Request& request, const TokenHash& token) {
+  constexpr std::string_view kScheme = "Bearer ";
+  const std::string header = request.get_header_value("Authorization");
+  return header.starts_with(kScheme) &&
+         is_among(hash_of(std::string_view(header).substr(kScheme.size())), {&token, 1});
+}
+
+void demand_token(httplib::Response& response) {
+  response.set_header("WWW-Authenticate", "Bearer");
+  answer(response, {401, "text/plain", "this needs the token of admin.token_file\n"});
+}
+
 }  // namespace
 
 Admin::Admin() : server_(std::make_unique<httplib::Server>()) {}
 
 Result<std::unique_ptr<Admin>> Admin::start(const AdminConfig& config, const Pages& pages, const Actions& actions) {
+  const auto token = read_token(config.token_file);
+  if (!token) return token.error();
   std::unique_ptr<Admin> made(new Admin);
   limit(*made->server_);
   for (const auto& [path, make_page] : pages) {
@@ -53,12 +90,14 @@ Result<std::unique_ptr<Admin>> Admin::start(const AdminConfig& config, const Pag
     });
   }
   for (const auto& [path, act] : actions) {
-    made->server_->Post(path, [act = act](const httplib::Request& request, httplib::Response& response) {
-      if (!is_json(request))
-        return answer(response, {415, "text/plain", "the Content-Type must be application/json\n"});
-      const std::vector<std::string> groups(std::next(request.matches.begin()), request.matches.end());
-      answer(response, act(groups, request.body));
-    });
+    made->server_->Post(
+        path, [act = act, token = *token](const httplib::Request& request, httplib::Response& response) {
+          if (token && !shows(request, *token)) return demand_token(response);
+          if (!is_json(request))
+            return answer(response, {415, "text/plain", "the Content-Type must be application/json\n"});
+          const std::vector<std::string> groups(std::next(request.matches.begin()), request.matches.end());
+          answer(response, act(groups, request.body));
+        });
   }
   const bool any = config.port == 0;
   const int port = any ? made->server_->bind_to_any_port(config.listen)

@@ -1,4 +1,5 @@
-// The operators' HTTP server: a few pages, made anew for each request. Loopback by default; it has no access control.
+// The operators' HTTP server: a few pages, made anew for each request. Loopback by default. Whoever reaches it
+// may look; who posts, and so changes something, needs the token where one is configured.
 #pragma once
 
 #include <functional>
@@ -32,6 +33,7 @@ class Admin {
   using Actions =
       std::map<std::string, std::function<Page(const std::vector<std::string>& groups, const std::string& body)>>;
 
+  // Error: the port is taken, or the token file cannot be read or is too short.
   static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, const Pages& pages,
                                               const Actions& actions = {});
   ~Admin();  // waits for requests in progress

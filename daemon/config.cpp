@@ -1,5 +1,6 @@
 #include "daemon/config.h"
 
+#include <asio/ip/address.hpp>
 #include <fstream>
 #include <sstream>
 
@@ -51,6 +52,11 @@ Result<void> check_together(const Config& config) {
     return Error{"server.data_port: " + std::to_string(server.data_port) + " leaves no ports for " +
                  std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
                  std::to_string(65536 - server.net_threads)};
+  }
+  const std::string& admin = config.admin.listen;
+  if (config.admin.token_file.empty() && !asio::ip::make_address(admin).is_loopback()) {
+    return Error{"admin.listen: " + admin +
+                 " can be reached from elsewhere; allowed: a loopback address, or any with admin.token_file"};
   }
   return {};
 }
@@ -105,8 +111,8 @@ Result<void> find_files(Config& config, const std::filesystem::path& config_fold
     scene.file = is_beside ? beside : shared;
   }
   TlsConfig& tls = config.server.tls;
-  for (auto* path :
-       {&config.render.cache_folder, &config.server.state_folder, &tls.certificate, &tls.key, &tls.client_ca}) {
+  for (auto* path : {&config.admin.token_file, &config.render.cache_folder, &config.server.state_folder,
+                     &tls.certificate, &tls.key, &tls.client_ca}) {
     if (!path->empty()) *path = absolute_below(config_folder, *path);
   }
   for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
@@ -117,6 +123,7 @@ bool needs_restart(const Config& next, const Config& running) {
   ServerConfig server = next.server;
   server.max_sessions = running.server.max_sessions;
   server.max_sessions_per_address = running.server.max_sessions_per_address;
+  server.tls = running.server.tls;
   return server != running.server || next.admin != running.admin || next.scenes != running.scenes ||
          next.render != running.render || next.encode != running.encode || next.log.format != running.log.format;
 }

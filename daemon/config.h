@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct ServerConfig {
 
 struct AdminConfig {
   std::string listen = "127.0.0.1";
-  uint16_t port = 7601;  // HTTP; 0: a free one
+  uint16_t port = 7601;                   // HTTP; 0: a free one
+  std::filesystem::path token_file = {};  // who posts shows what stands in it; empty: who reaches us may post
   friend bool operator==(const AdminConfig&, const AdminConfig&) = default;
 };
 
@@ -73,27 +75,31 @@ struct ScenesConfig {
 };
 
 struct RenderConfig {
-  std::string device = "auto";  // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
+  std::string device = "auto";       // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
+  std::vector<std::string> devices;  // several, each as `device`; empty: that one
   std::string tracer = "auto";
+  std::string raster = "auto";         // "auto", "hardware", "compute"
   std::vector<std::string> passes;     // in order; empty: the renderer's own list
   std::filesystem::path cache_folder;  // what tracers build is kept there for the next start; empty: nowhere
   uint32_t light_buffer_mb = 0;        // of a scene, for the light_buffer tracer; 0: by the number of lights
-  uint32_t frames_in_flight = 3;
+  uint32_t frames_in_flight = 6;
+  uint32_t queues = 1;  // of the device, that frames overlap on
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
   friend bool operator==(const RenderConfig&, const RenderConfig&) = default;
 };
 
 struct EncodeConfig {
-  uint32_t threads = 1;
+  uint32_t threads = 0;                                    // 0: by the cores, see default_encode_threads
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;  // for clients that name none
   friend bool operator==(const EncodeConfig&, const EncodeConfig&) = default;
 };
 
 struct SchedulerConfig {
   std::string policy = "fair";
-  uint32_t priority_floor_percent = 0;    // under `priority`: of the device, for the classes below the highest
-  std::chrono::microseconds slice{4000};  // frames that cost more are rendered in bands; 0: never
+  uint32_t priority_floor_percent = 0;  // under `priority`: of the device, for the classes below the highest
+  // Frames that cost more are rendered in bands; 0: never; none: by the kind of device, see Terms.
+  std::optional<std::chrono::microseconds> slice;
   uint32_t admit_percent = 1000;  // of the device, that sessions with a rate may ask for together; 0: no limit
 };
 

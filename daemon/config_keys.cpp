@@ -73,6 +73,20 @@ Key<T> name_key(std::string T::*member) {
   return scalar("name", member, kNameRule, parse_name);
 }
 
+// "auto": 0.
+std::optional<uint32_t> parse_threads(const YAML::Node& node) {
+  if (plain_scalar(node) == "auto") return 0;
+  return parse_integer<uint32_t>(node, 1, 64);
+}
+
+// "auto": none.
+std::optional<std::optional<std::chrono::microseconds>> parse_slice(const YAML::Node& node) {
+  using Slice = std::optional<std::chrono::microseconds>;
+  if (plain_scalar(node) == "auto") return Slice();
+  const auto slice = parse_integer<std::chrono::microseconds>(node, 0, 1'000'000);
+  return slice ? std::optional<Slice>(slice) : std::nullopt;
+}
+
 template <class S>
 bool has_name(const std::vector<S>& items, const std::string& name) {
   return std::any_of(items.begin(), items.end(), [&](const S& item) { return item.name == name; });
@@ -164,11 +178,14 @@ Keys<RenderConfig> render_keys() {
   return {
       scalar("device", &R::device, "auto, a type (cpu, integrated, discrete), an index or part of a name",
              parse_text),
+      scalars("devices", &R::devices, "a list of devices, each as render.device", parse_text),
       scalar("tracer", &R::tracer, kNameRule, parse_name),
+      choice("raster", &R::raster, {{"auto", "auto"}, {"hardware", "hardware"}, {"compute", "compute"}}),
       scalars("passes", &R::passes, "a list of pass names", parse_name),
       scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
       integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
       integer("frames_in_flight", &R::frames_in_flight, 1, 16),
+      integer("queues", &R::queues, 1, 16),
       integer("max_width", &R::max_width, 8, protocol::kMaxSide),
       integer("max_height", &R::max_height, 8, protocol::kMaxSide),
   };
@@ -177,7 +194,7 @@ Keys<RenderConfig> render_keys() {
 Keys<EncodeConfig> encode_keys() {
   using protocol::CodecId;
   return {
-      integer("threads", &EncodeConfig::threads, 1, 64),
+      scalar("threads", &EncodeConfig::threads, "auto, or an integer from 1 to 64", parse_threads),
       choice("codec", &EncodeConfig::codec,
              {{"tiles_lz4", CodecId::tiles_lz4},
               {"tiles_context", CodecId::tiles_context},
@@ -206,11 +223,14 @@ std::vector<std::pair<std::string, std::string>> policies() {
 }
 
 Keys<Config> all_keys() {
-  Keys<AdminConfig> admin{address("listen", &AdminConfig::listen), port("port", &AdminConfig::port)};
+  Keys<AdminConfig> admin{
+      address("listen", &AdminConfig::listen), port("port", &AdminConfig::port),
+      scalar("token_file", &AdminConfig::token_file, "a path, or '' where no token is needed", parse_path_or_none)};
   Keys<SchedulerConfig> scheduler{
       choice("policy", &SchedulerConfig::policy, policies()),
       integer("priority_floor_percent", &SchedulerConfig::priority_floor_percent, 0, 99),
-      integer("slice_us", &SchedulerConfig::slice, 0, 1'000'000, " (0: frames are never cut)"),
+      scalar("slice_us", &SchedulerConfig::slice, "auto, or an integer from 0 to 1000000 (0: frames are never cut)",
+             parse_slice),
       integer("admit_percent", &SchedulerConfig::admit_percent, 0, 1'000'000, " (0: no limit)"),
   };
   Keys<TenantConfig> tenant{

@@ -30,6 +30,10 @@ Fault fault_of_handshake(const asio::error_code& error) {
   switch (ERR_GET_REASON(static_cast<unsigned long>(error.value()))) {
     case SSL_R_UNSUPPORTED_PROTOCOL: return Fault::tls_version;
     case SSL_R_CERTIFICATE_VERIFY_FAILED: return Fault::tls_certificate;
+    case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_UNKNOWN:
+    case SSL_R_TLSV1_ALERT_UNKNOWN_CA: return Fault::tls_distrusted;
     default: return Fault::tls_failed;
   }
 }

@@ -9,9 +9,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kSharesInterval = 1s;
-constexpr auto kLongestBuild = 5min;  // of all that a tracer needs for one scene, on a slow device
-
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
   std::vector<std::string> names;
@@ -24,8 +21,10 @@ std::vector<std::string> names_of(const std::vector<T>& items) {
 Daemon::Daemon(Options options, SceneCatalog catalog)
     : options_(std::move(options)),
       catalog_(std::move(catalog)),
-      metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version),
-      seats_(options_.config) {}
+      metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version,
+               options_.make_renderers.size()),
+      seats_(options_.config, options_.make_renderers.size()),
+      devices_(options_.make_renderers.size(), metrics_, health_) {}
 
 Daemon::~Daemon() { stop(); }
 
@@ -44,44 +43,52 @@ Result<void> Daemon::bring_up() {
   auto tls = open_tls(options_.config.server);
   if (!tls) return tls.error();
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
-  tls_ = std::move(*tls);
-  scenes_ = std::make_unique<SceneHost>(catalog_, inbox_, metrics_);
+  tls_.publish(*tls);
+  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_);
   auto server = Server::open(
-      {options_.config, roster_, tracer_, catalog_, health_, *tls_, *scenes_, seats_, costs_, inbox_, metrics_});
+      {options_.config, roster_, tracer_, catalog_, health_, tls_, *scenes_, seats_, devices_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
   auto admin = Admin::start(options_.config.admin, pages(), actions());
   if (!admin) return admin.error();
   admin_ = std::move(*admin);
-  if (auto opened = open_device(); !opened) return opened;
+  if (auto opened = open_devices(); !opened) return opened;
   if (auto loaded = load_scenes(); !loaded) return loaded;
   server_->run();
   health_.scenes_loaded = true;
   return {};
 }
 
-Result<void> Daemon::open_device() {
-  auto device = RenderDevice::open(options_.make_renderer);
-  if (!device) return device.error();
-  device_ = std::move(*device);
-  const gpu::Renderer& renderer = device_->renderer();
-  tracer_ = renderer.tracer_name();
-  log::info("device open",
-            {{"device", renderer.device_name()}, {"driver", renderer.driver_name()}, {"tracer", tracer_}});
-  device_status_.publish({renderer.device_name(), renderer.driver_name(), tracer_});
-  encode_pool_ = std::make_unique<EncodePool>(options_.config.encode.threads, metrics_,
-                                              [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
-  loop_ = std::make_unique<RenderLoop>(
-      terms_of(options_.config), *device_, inbox_, metrics_,
-      [this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
-      [this](const SessionDegraded& session) { server_->tell(session); });
+Result<void> Daemon::open_devices() {
   const ScenesConfig& scenes = options_.config.scenes;
-  loop_->motion().configure({scenes.clock_hz, scenes.light_rest, Clock::now(), [this](const LightsNews& news) {
-                               scenes_->keep_lights(news);
-                               server_->announce_lights(news);
-                             }});
-  render_thread_ = std::thread([this] { render(); });
+  const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now(),
+                                     [this](const LightsNews& news) {
+                                       scenes_->keep_lights(news);
+                                       server_->announce_lights(news);
+                                     }};
+  const auto failed = [this](const Error& why) {
+    if (options_.on_failure) options_.on_failure(why);
+  };
+  auto started = devices_.start(options_.make_renderers, terms_of(options_.config), motion,
+                                {[this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
+                                 [this](const SessionDegraded& session) { server_->tell(session); }, failed});
+  if (!started) return started;
+  tracer_ = devices_.report().front().tracer;
+  open_encoders();
   return {};
+}
+
+// After the devices, which say where they are; before the first session, whose frames they encode.
+void Daemon::open_encoders() {
+  const Cores usable = usable_cores();
+  std::vector<Cores> near;
+  for (const PooledDevice& device : devices_.report()) near.push_back(cores_near(device.pci_address, usable));
+  const uint32_t asked = options_.config.encode.threads;
+  const uint32_t threads = asked > 0 ? asked : default_encode_threads(usable);
+  log::info("encoders open",
+            {{"threads", threads}, {"cores", usable.size()}, {"cores_near_device_0", near.front().size()}});
+  encode_pool_ = std::make_unique<EncodePool>(threads, std::move(near), metrics_,
+                                              [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
 }
 
 Result<void> Daemon::load_scenes() {
@@ -91,34 +98,6 @@ Result<void> Daemon::load_scenes() {
     }
   }
   return {};
-}
-
-void Daemon::render() {
-  std::vector<RenderEvent> batch;
-  while (true) {
-    show_life(batch);
-    loop_->start(Clock::now());
-    health_.device_up = loop_->device_up();
-    if (loop_->finished()) break;
-    publish_shares(Clock::now());
-    inbox_.take(batch, std::min(next_shares_, loop_->wake_at()));
-    for (RenderEvent& event : batch) {
-      if (std::holds_alternative<SceneArrived>(event)) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
-      loop_->handle(std::move(event), Clock::now());
-    }
-  }
-  heartbeat_.end();
-  if (loop_->failure() && options_.on_failure) options_.on_failure(*loop_->failure());
-}
-
-// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as a scene.
-void Daemon::show_life(const std::vector<RenderEvent>& done) {
-  const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
-    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event) ||
-           std::holds_alternative<SceneArrived>(event);
-  });
-  if (moved || loop_->frames_out() == 0) heartbeat_.beat();
-  if (!loop_->device_up()) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
 }
 
 std::string Daemon::summary() const {
@@ -134,6 +113,10 @@ Result<void> Daemon::reload(const Result<Config>& next) {
 
 Result<void> Daemon::apply(const Config& next) {
   if (auto reachable = check_tenants(next); !reachable) return reachable;
+  ServerConfig server = options_.config.server;
+  server.tls = next.server.tls;
+  const auto tls = open_tls(server);
+  if (!tls) return tls.error();
   const Roster roster = roster_.get()->with(next.tenants);
   if (roster.size() > kMostTenants) {
     return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};
@@ -146,21 +129,12 @@ Result<void> Daemon::apply(const Config& next) {
   seats_.set_limits(by_id);
   metrics_.know_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
-  inbox_.push(TermsChanged{terms});
+  devices_.set_terms(terms);
+  tls_.publish(*tls);
   roster_.publish(roster);  // last: whoever learns of a tenant finds all that it needs
   server_->close_closed_tenants();
-  log::info("configuration reloaded", {{"policy", terms.policy}});
+  log::info("configuration reloaded", {{"policy", terms.policy}, {"pin", protocol::to_string((*tls)->pin)}});
   return {};
-}
-
-void Daemon::publish_shares(TimePoint now) {
-  if (now < next_shares_) return;
-  next_shares_ = now + kSharesInterval;
-  loop_->review_sessions(kSharesInterval);
-  const ShareReport report = loop_->shares();
-  metrics_.shares(report);
-  shares_.publish(report);
-  costs_.publish(loop_->costs());
 }
 
 void Daemon::drain() {
@@ -176,8 +150,7 @@ void Daemon::drain() {
 // The flow's own order: no more views, then the frames on the device, in the pool, on the wire; then the rest.
 void Daemon::stop() {
   health_.draining = true;
-  inbox_.push(StopRendering{});
-  if (render_thread_.joinable()) render_thread_.join();
+  devices_.stop();
   encode_pool_.reset();
   if (server_) server_->stop();
   admin_.reset();

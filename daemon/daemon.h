@@ -6,13 +6,12 @@
 #include <future>
 #include <memory>
 #include <string>
-#include <thread>
+#include <vector>
 
 #include "daemon/admin.h"
 #include "daemon/config.h"
+#include "daemon/device_pool.h"
 #include "daemon/encode_pool.h"
-#include "daemon/heartbeat.h"
-#include "daemon/render_loop.h"
 #include "daemon/server.h"
 
 namespace gnomon::daemon {
@@ -20,11 +19,11 @@ namespace gnomon::daemon {
 class Daemon {
  public:
   struct Options {
-    Config config;  // scene files found, passes named
-    RendererFactory make_renderer;
+    Config config;                                // scene files found, passes named
+    std::vector<RendererFactory> make_renderers;  // one for each device
     std::string version;
     std::function<void()> on_drain = {};           // any thread: an operator asks for what SIGTERM asks for
-    std::function<void(const Error&)> on_failure;  // from the render thread, once: the device is beyond repair
+    std::function<void(const Error&)> on_failure;  // from a render thread, once: no device is left
     // Reads the configuration anew and calls reload() on the main thread, then the argument. Any thread may ask.
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
   };
@@ -37,38 +36,37 @@ class Daemon {
   // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
   void drain();
 
-  // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level. No session is
-  // dropped, but those of tenants that it names no more. What else differs needs a restart, which the log says. The
-  // main thread.
+  // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level, and for new
+  // connections the certificates that it names, their files read again. No session is dropped, but those of tenants
+  // that it names no more. What else differs needs a restart, which the log says. The main thread.
   // An error in the place of a configuration is counted and given back.
   Result<void> reload(const Result<Config>& next);
 
   // The session's frames are coded so from the next one on; its client must have said that it decodes this. Any thread.
-  void choose_codec(SessionId session, protocol::CodecId codec) { inbox_.push(CodecChosen{session, codec}); }
+  void choose_codec(SessionId session, protocol::CodecId codec) { devices_.choose_codec({session, codec}); }
 
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }
-  protocol::Pin pin() const { return tls_->pin; }
+  protocol::Pin pin() const { return (*tls_.get())->pin; }  // of new connections
   Metrics& metrics() { return metrics_; }
-  Heartbeat& heartbeat() { return heartbeat_; }  // for one watchdog
-  std::string summary() const;                   // one line; any thread
+  std::vector<Heartbeat*> heartbeats() { return devices_.heartbeats(); }  // for one watchdog
+  std::string summary() const;                                            // one line; any thread
 
  private:
   Daemon(Options options, SceneCatalog catalog);
 
   Result<void> apply(const Config& next);
   Result<void> bring_up();
-  Result<void> open_device();
+  Result<void> open_devices();
+  void open_encoders();
   Result<void> load_scenes();
-  void render();
-  void show_life(const std::vector<RenderEvent>& done);
-  void publish_shares(TimePoint now);
   void stop();
   Admin::Pages pages();
   Admin::Actions actions();
   Page kick(const std::string& session, const std::string& body);
   Page begin_drain();
+  Page drain_device(const std::string& number, bool drained);
   Page load_scene(const std::string& name);
   Page unload_scene(const std::string& name);
   Page await(std::future<Result<void>> done, const char* what);
@@ -80,24 +78,16 @@ class Daemon {
   const Options options_;
   const SceneCatalog catalog_;
   Health health_;
-  Heartbeat heartbeat_;
   Metrics metrics_;
   Seats seats_;
-  RenderInbox inbox_;
-  Published<DeviceStatus> device_status_;
+  DevicePool devices_;
   Published<Terms> terms_;
   Published<Roster> roster_;
-  Published<ShareReport> shares_;
-  Published<CostModels> costs_;
   std::atomic<bool> loading_{false};  // a scene that an operator asked for
-  TimePoint next_shares_{};           // the render thread's
   std::string tracer_;
-  std::shared_ptr<Tls> tls_;
+  PublishedTls tls_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
-  std::unique_ptr<RenderLoop> loop_;  // outlives the device, whose last frames report to it
-  std::unique_ptr<RenderDevice> device_;
-  std::thread render_thread_;
   std::unique_ptr<SceneHost> scenes_;
   std::unique_ptr<Admin> admin_;
 };

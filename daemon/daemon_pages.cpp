@@ -29,8 +29,10 @@ json to_json(const std::string& name, const HostedScene& scene) {
           {"lights_version", scene.lights.version}};
 }
 
-json to_json(const DeviceStatus& device, bool up) {
-  return {{"name", device.name}, {"driver", device.driver}, {"tracer", device.tracer}, {"up", up}};
+json to_json(const PooledDevice& device) {
+  return {{"name", device.name},        {"driver", device.driver}, {"tracer", device.tracer},
+          {"raster", device.raster},    {"up", device.up},         {"drained", device.drained},
+          {"sessions", device.sessions}};
 }
 
 json to_json(const TenantTotals& totals) {
@@ -65,18 +67,19 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
 std::string Daemon::status_json() const {
   const auto roster = roster_.get();
   const std::vector<SessionStatus> sessions = server_->sessions();
-  const auto shares = shares_.get();
+  const ShareReport shares = devices_.shares();
   const auto terms = terms_.get();
   json status{{"version", options_.version},
               {"ready", health_.ready()},
               {"draining", health_.draining.load()},
-              {"devices", json::array({to_json(*device_status_.get(), health_.device_up)})},
+              {"devices", json::array()},
               {"scenes", json::array()},
               {"policy", terms->policy},
-              {"jain", shares->jain},
-              {"worst_lag_ms", to_milliseconds(shares->worst_lag)},
+              {"jain", shares.jain},
+              {"worst_lag_ms", to_milliseconds(shares.worst_lag)},
               {"tenants", json::array()},
               {"sessions", json::array()}};
+  for (const PooledDevice& device : devices_.report()) status["devices"].push_back(to_json(device));
   for (const auto& [name, scene] : scenes_->resident()) status["scenes"].push_back(to_json(name, scene));
   for (uint32_t i = 0; i < std::min(roster->size(), terms->tenants.size()); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
@@ -84,7 +87,7 @@ std::string Daemon::status_json() const {
     if (!roster->open(TenantId{i}) && open == 0) continue;
     json row{{"name", roster->name(TenantId{i})}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
     row.update(to_json(metrics_.totals(TenantId{i})));
-    if (i < shares->tenants.size()) row.update(to_json(shares->tenants[i]));
+    if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
     status["tenants"].push_back(std::move(row));
   }
   for (const SessionStatus& session : sessions) {
@@ -106,7 +109,7 @@ Page Daemon::change_light(const std::string& name, const std::string& light, con
   if (!change) return {400, kText, change.error().message + "\n"};
   const auto changed = changed_light(lights[index], scene->second.loaded.scene->lights[index], *change);
   if (!changed) return {409, kText, changed.error().message + "\n"};
-  inbox_.push(LightChanged{scene->second.loaded.id, static_cast<uint32_t>(index), *change});
+  devices_.change_light({scene->second.loaded.id, static_cast<uint32_t>(index), *change});
   return {202, kText, "accepted\n"};
 }
 
@@ -122,6 +125,13 @@ Page Daemon::kick(const std::string& session, const std::string& body) {
   }
   const std::string told = why == asked.end() ? "closed by the operator" : why->get<std::string>();
   return server_->kick(id, told) ? Page{200, kText, "closed\n"} : Page{404, kText, "no such session\n"};
+}
+
+Page Daemon::drain_device(const std::string& number, bool drained) {
+  size_t device = devices_.size();
+  std::from_chars(number.data(), number.data() + number.size(), device);
+  if (!devices_.set_drained(device, drained)) return {404, kText, "no such device\n"};
+  return {200, kText, drained ? "drained\n" : "takes sessions\n"};
 }
 
 Page Daemon::begin_drain() {
@@ -155,9 +165,8 @@ Page Daemon::load_scene(const std::string& asked) {
 }
 
 Page Daemon::unload_scene(const std::string& asked) {
-  auto done = std::make_shared<std::promise<Result<void>>>();
-  scenes_->unload(catalog_.find(asked), [done](Result<void> gone) { done->set_value(std::move(gone)); });
-  return await(done->get_future(), "unloaded");
+  const auto gone = scenes_->unload(catalog_.find(asked));
+  return gone ? Page{200, kText, "unloaded\n"} : Page{409, kText, gone.error().message + "\n"};
 }
 
 // The main thread reads and applies; this one waits for what it says.
@@ -172,6 +181,9 @@ Admin::Actions Daemon::actions() {
   using Groups = std::vector<std::string>;
   return {
       {"/sessions/([0-9]+)/kick", [this](const Groups& g, const std::string& body) { return kick(g[0], body); }},
+      {"/devices/([0-9]+)/drain", [this](const Groups& g, const std::string&) { return drain_device(g[0], true); }},
+      {"/devices/([0-9]+)/resume",
+       [this](const Groups& g, const std::string&) { return drain_device(g[0], false); }},
       {"/reload", [this](const Groups&, const std::string&) { return reload_page(); }},
       {"/drain", [this](const Groups&, const std::string&) { return begin_drain(); }},
       {"/scenes/(.+)/load", [this](const Groups& g, const std::string&) { return load_scene(g[0]); }},
@@ -205,7 +217,7 @@ Admin::Pages Daemon::pages() {
        }},
       {"/metrics",
        [this] {
-         metrics_.health(health_.ready(), health_.device_up);
+         metrics_.ready(health_.ready());
          return Page{200, "text/plain; version=0.0.4; charset=utf-8", metrics_.text()};
        }},
       {"/status",

@@ -37,6 +37,7 @@ class DataSocket {
 
   // Whether the kernel cuts long buffers into datagrams for us (UDP generic segmentation offload).
   bool segments() const { return segments_; }
+  void do_not_segment() { segments_ = false; }
 
  private:
   explicit DataSocket(asio::io_context& io) : socket_(io) {}

@@ -7,9 +7,11 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "daemon/cores.h"
 #include "daemon/frame.h"
 #include "daemon/metrics.h"
 
@@ -21,8 +23,10 @@ namespace gnomon::daemon {
 // The queue needs no limit of its own: every frame in it holds one of the device's frame slots.
 class EncodePool {
  public:
-  // `encoded` is called from the workers.
-  EncodePool(uint32_t threads, Metrics& metrics, std::function<void(EncodedFrame)> encoded);
+  // `near`: the cores near each device. If some are known and there is a worker for each device, workers are dealt out
+  // to devices in turn, stay near theirs and take its frames before others'. `encoded` is called from the workers.
+  EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics,
+             std::function<void(EncodedFrame)> encoded);
   ~EncodePool();  // what is queued is thrown away, its leases dropped
 
   void push(RenderedFrame frame);  // any thread
@@ -36,15 +40,16 @@ class EncodePool {
   };
   using SharedPtr = std::shared_ptr<Shared>;
 
-  void work();
+  void work(std::optional<uint32_t> home);  // a device, if it has one
   // One of the two; false: the pool ends. Shared frames come first: they were pushed earlier.
-  bool take(RenderedFrame& frame, SharedPtr& shared);
+  bool take(std::optional<uint32_t> home, RenderedFrame& frame, SharedPtr& shared);
   void encode(RenderedFrame& frame, protocol::FrameEncoder& encoder);
   SharedPtr share(RenderedFrame& frame);
   void help(Shared& shared);
   void finish(Shared& shared);
   void deliver(EncodedFrame out, const Result<void>& result);
 
+  const std::vector<Cores> near_;
   Metrics& metrics_;
   std::function<void(EncodedFrame)> encoded_;
   std::mutex mutex_;

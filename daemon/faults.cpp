@@ -52,6 +52,8 @@ constexpr std::array kTable{
              "too many half-open connections"},
     FaultRow{Fault::tls_version, kRefusal, "tls_version", Level::debug, "connection speaks no TLS 1.3"},
     FaultRow{Fault::tls_certificate, kRefusal, "tls_certificate", Level::warning, "client's certificate refused"},
+    FaultRow{Fault::tls_distrusted, kRefusal, "tls_distrusted", Level::debug,
+             "client refuses our certificate: it may have another pin or authority"},
     FaultRow{Fault::tls_failed, kRefusal, "tls", Level::debug, "connection speaks no TLS"},
     FaultRow{Fault::connection_rate, kRefusal, "connection_rate", Level::debug,
              "too many connections from one address"},

@@ -51,6 +51,7 @@ enum class Fault : uint8_t {
   half_open_replaced,
   tls_version,
   tls_certificate,
+  tls_distrusted,
   tls_failed,
   connection_rate,
 };

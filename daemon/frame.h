@@ -24,6 +24,7 @@ struct ViewRequest {
   // What its link takes at the moment.
   size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;  // header and payload
   uint32_t coalesced = 0;                                  // views that it replaced while the link was busy
+  TenantId tenant{};
 };
 
 // What later stages need to know of a frame, and when each was done with it.
@@ -32,10 +33,12 @@ struct FrameMeta {
   TenantId tenant;
   SceneId scene;
   uint32_t net_thread = 0;  // which one owns the session
+  uint32_t device = 0;      // which one renders it
   FrameId frame;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
   SessionReferencesPtr references;  // null: the client keeps none
+  protocol::CameraView camera;
   TileGrid grid;
   uint32_t traced_lights = 0;              // of the grid's; the others are lit everywhere
   std::optional<protocol::Moment> moment;  // that the client is to be told

@@ -61,6 +61,13 @@ struct Stages {
   }
 };
 
+struct DeviceSeries {
+  Counter& busy;
+  Gauge& up;
+  Counter& losses;
+  Gauge* sessions;
+};
+
 struct TenantSeries {
   Histogram& frame;
   Counter& buffers;
@@ -159,13 +166,14 @@ struct Metrics::Families {
                                   .Name("gnomon_frame_seconds")
                                   .Help("Time from a camera's arrival until its frame was sent.")
                                   .Register(registry);
-  Counter& device_busy =
-      counter(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.").Add({});
-
-  Gauge& device_up =
-      gauge(registry, "gnomon_device_up", "1: the device takes work, 0: it is being made anew.").Add({});
-  Counter& device_losses =
-      counter(registry, "gnomon_device_losses_total", "Times that the device was lost.").Add({});
+  Family<Counter>& device_busy =
+      counter(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.");
+  Family<Gauge>& device_up =
+      gauge(registry, "gnomon_device_up", "1: the device takes work, 0: it is being made anew.");
+  Family<Counter>& device_losses =
+      counter(registry, "gnomon_device_losses_total", "Times that the device was lost.");
+  Family<Gauge>& device_sessions =
+      gauge(registry, "gnomon_device_sessions", "Open sessions that live on the device, where there are several.");
   Gauge& ready = gauge(registry, "gnomon_ready", "1: new clients are served.").Add({});
   Gauge& resident_memory =
       gauge(registry, "gnomon_process_resident_memory_bytes", "Memory of the process, as the system has it.")
@@ -183,6 +191,7 @@ struct Metrics::Families {
   std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; null: not used yet
   // Reserved once: growing moves nothing, so that others may look at the series that were there before.
   LinkMetrics links{registry};
+  std::vector<DeviceSeries> devices;
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
   std::map<std::string, Counter*> scenes;  // by label
@@ -204,6 +213,16 @@ struct Metrics::Families {
     return *kept;
   }
 
+  // One device needs no label.
+  void add_devices(size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      const prometheus::Labels label =
+          count == 1 ? prometheus::Labels{} : prometheus::Labels{{"device", std::to_string(i)}};
+      devices.push_back({device_busy.Add(label), device_up.Add(label), device_losses.Add(label),
+                         count == 1 ? nullptr : &device_sessions.Add(label)});
+    }
+  }
+
   Counter& counter_of(const FaultRow& row) { return family_of(row.kind).Add({{"reason", row.label}}); }
 
   void add_tenant(const std::string& name) {
@@ -219,8 +238,9 @@ struct Metrics::Families {
 };
 
 Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
-                 const std::string& version)
+                 const std::string& version, size_t devices)
     : families_(std::make_unique<Families>()) {
+  families_->add_devices(devices);
   families_->names.reserve(kMostTenants);
   families_->tenants.reserve(kMostTenants);
   for (const std::string& scene : scenes)
@@ -273,14 +293,21 @@ void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coa
 void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]->sessions.Increment(); }
 void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
 
-void Metrics::device_busy(TenantId tenant, Nanoseconds gpu_time) {
-  families_->device_busy.Increment(to_seconds(gpu_time));
+void Metrics::device_busy(uint32_t device, TenantId tenant, Nanoseconds gpu_time) {
+  families_->devices[device].busy.Increment(to_seconds(gpu_time));
   families_->tenants[tenant.value]->gpu_seconds.Increment(to_seconds(gpu_time));
 }
 
-void Metrics::dropped(TenantId tenant, Fault fault, log::Fields fields) {
-  report(fault, std::move(fields));
-  const prometheus::Labels labels{{"tenant", families_->names[tenant.value]}, {"reason", row_of(fault).label}};
+const std::string& Metrics::name(TenantId tenant) const { return families_->names[tenant.value]; }
+
+void Metrics::report(TenantId tenant, SessionId session, Fault fault, const std::string& why) {
+  if (why.empty()) return report(fault, {{"session", session.value}, {"tenant", name(tenant)}});
+  report(fault, {{"session", session.value}, {"tenant", name(tenant)}, {"why", why}});
+}
+
+void Metrics::dropped(TenantId tenant, SessionId session, Fault fault, const std::string& why) {
+  report(tenant, session, fault, why);
+  const prometheus::Labels labels{{"tenant", name(tenant)}, {"reason", row_of(fault).label}};
   families_->tenant_dropped.Add(labels).Increment();
 }
 
@@ -288,12 +315,15 @@ void Metrics::reloaded(bool done) { (done ? families_->reloads : families_->fail
 
 void Metrics::degraded(bool down) { (down ? families_->degraded : families_->restored).Increment(); }
 
-void Metrics::device_lost() { families_->device_losses.Increment(); }
+void Metrics::device_lost(uint32_t device) { families_->devices[device].losses.Increment(); }
 
-void Metrics::health(bool ready, bool device_up) {
-  families_->ready.Set(ready ? 1 : 0);
-  families_->device_up.Set(device_up ? 1 : 0);
+void Metrics::device_up(uint32_t device, bool up) { families_->devices[device].up.Set(up ? 1 : 0); }
+
+void Metrics::device_sessions(uint32_t device, uint32_t sessions) {
+  if (Gauge* gauge = families_->devices[device].sessions) gauge->Set(sessions);
 }
+
+void Metrics::ready(bool ready) { families_->ready.Set(ready ? 1 : 0); }
 
 void Metrics::link(const LinkReport& report) { families_->links.count(report); }
 

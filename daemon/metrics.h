@@ -29,9 +29,10 @@ struct TenantTotals {
 
 class Metrics {
  public:
-  // The tenants' names in the order of their ids (at most kMostTenants), and the configured scenes.
+  // The tenants' names in the order of their ids (at most kMostTenants), and the configured scenes. Of several devices
+  // each has series of its own, by number.
   Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
-          const std::string& version);
+          const std::string& version, size_t devices = 1);
   ~Metrics();
 
   // Makes the series of further tenants: those of `tenants` beyond the ones known. One thread at a time; nobody counts
@@ -48,14 +49,19 @@ class Metrics {
   void coalesced(TenantId tenant);
   void session_opened(TenantId tenant);
   void session_closed(TenantId tenant);
-  void device_busy(TenantId tenant, Nanoseconds gpu_time);
-  // report(), of a view or frame whose tenant is known.
-  void dropped(TenantId tenant, Fault fault, log::Fields fields = {});
+  void device_busy(uint32_t device, TenantId tenant, Nanoseconds gpu_time);
+  // report(), of one session; the line in the log says which and whose.
+  void report(TenantId tenant, SessionId session, Fault fault, const std::string& why = {});
+  // The same, of its view or frame.
+  void dropped(TenantId tenant, SessionId session, Fault fault, const std::string& why = {});
+  const std::string& name(TenantId tenant) const;
   void shares(const ShareReport& report);
   void reloaded(bool done);
   void degraded(bool down);
-  void device_lost();
-  void health(bool ready, bool device_up);
+  void device_lost(uint32_t device);
+  void device_up(uint32_t device, bool up);
+  void device_sessions(uint32_t device, uint32_t sessions);  // where there are several
+  void ready(bool ready);
   void link(const LinkReport& report);
   void refused(TenantId tenant, std::string_view limit);
   // Of a configured scene; others have no series.

@@ -70,7 +70,7 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
   Session* session = sessions_.find(header->session);
   if (!session) return metrics.report(Fault::datagram_session);
   const Received received = session->receive(datagram, from, Clock::now());
-  if (received.fault) return metrics.report(*received.fault, {{"session", session->id().value}});
+  if (received.fault) return metrics.report(session->accepted().tenant, session->id(), *received.fault);
   if (received.ping) return sender_.answer_ping(*session, *data_, from);
   if (received.view) ask(*session, *received.view);
   serve(*session);
@@ -79,7 +79,7 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
 void NetThread::deliver(EncodedFrame frame) {
   if (frames_waiting_.fetch_add(1) >= kMaxFramesWaiting) {
     frames_waiting_.fetch_sub(1);
-    return shared_.metrics.dropped(frame.meta.tenant, Fault::send_queue_full);
+    return shared_.metrics.dropped(frame.meta.tenant, frame.meta.session, Fault::send_queue_full);
   }
   asio::post(io_, [this, frame = std::move(frame)]() mutable {
     frames_waiting_.fetch_sub(1);
@@ -157,7 +157,7 @@ void NetThread::report_stats() {
     const protocol::Stats stats = session->take_stats();
     shared_.metrics.link(session->take_link_report());
     const LinkWindow window = session->take_link_window();
-    if (window.offered > 0) shared_.inbox.push(LinkReviewed{id, window});
+    if (window.offered > 0) shared_.devices.review({id, window});
     streams_.at(id)->send(stats);
     std::string address;
     if (session->address()) {

@@ -17,11 +17,11 @@
 #include "daemon/config.h"
 #include "daemon/control_stream.h"
 #include "daemon/data_socket.h"
+#include "daemon/device_pool.h"
 #include "daemon/frame_sender.h"
 #include "daemon/health.h"
 #include "daemon/lobby.h"
 #include "daemon/metrics.h"
-#include "daemon/render_inbox.h"
 #include "daemon/roster.h"
 #include "daemon/scene_host.h"
 #include "daemon/seats.h"
@@ -39,11 +39,10 @@ struct NetShared {
   const std::string& tracer;  // its name, for clients
   const SceneCatalog& catalog;
   const Health& health;
-  Tls& tls;
+  const PublishedTls& tls;
   SceneHost& scenes;
   Seats& seats;
-  const Published<CostModels>& costs;
-  RenderInbox& inbox;
+  DevicePool& devices;
   Metrics& metrics;
 };
 
@@ -87,6 +86,8 @@ class NetThread {
                     const scenes::LoadedScene& scene);
   bool book(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat& seat,
             const scenes::LoadedScene& scene);
+  void open_if_room(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted,
+                    const std::shared_ptr<Seat>& seat, const scenes::LoadedScene& scene);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused, Fault fault);
   void hear_client(SessionId id, Result<protocol::Message> message);

@@ -7,13 +7,13 @@ namespace gnomon::daemon {
 void NetThread::ask(const Session& session, const ViewRequest& view) {
   const TenantId tenant = session.accepted().tenant;
   for (uint32_t i = 0; i < view.coalesced; ++i) shared_.metrics.coalesced(tenant);
-  if (!shared_.inbox.push_view(view)) shared_.metrics.dropped(tenant, Fault::view_queue_full);
+  if (!shared_.devices.push_view(view)) shared_.metrics.dropped(tenant, session.id(), Fault::view_queue_full);
 }
 
 void NetThread::hear_data(SessionId id, const protocol::Data& data) {
   Session& session = *sessions_.find(id);
   const Received received = session.receive(data, Clock::now());
-  if (received.fault) shared_.metrics.report(*received.fault, {{"session", id.value}});
+  if (received.fault) shared_.metrics.report(session.accepted().tenant, id, *received.fault);
   if (received.view) ask(session, *received.view);
   serve(session);
 }
@@ -21,7 +21,7 @@ void NetThread::hear_data(SessionId id, const protocol::Data& data) {
 void NetThread::send(EncodedFrame& frame) {
   Session* session = sessions_.find(frame.meta.session);
   if (!session || !(session->address() || session->by_control()))
-    return shared_.metrics.dropped(frame.meta.tenant, Fault::session_gone);
+    return shared_.metrics.dropped(frame.meta.tenant, frame.meta.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->sending(frame.meta, bytes);
   serve(*session);
@@ -33,7 +33,7 @@ void NetThread::serve(Session& session) {
   if (session.address() || session.by_control()) {
     const auto fault = session.by_control() ? send_over_control(session, *streams_.at(session.id()), now)
                                             : sender_.send(session, *data_, now);
-    if (fault) shared_.metrics.dropped(session.accepted().tenant, *fault, {{"session", session.id().value}});
+    if (fault) shared_.metrics.dropped(session.accepted().tenant, session.id(), *fault);
   }
   while (const auto ended = session.take_ended()) finish(session, *ended, now);
   if (const auto view = session.take_kept(now)) ask(session, *view);
@@ -44,8 +44,8 @@ void NetThread::serve(Session& session) {
 void NetThread::finish(Session& session, const Session::Ended& ended, TimePoint now) {
   const TenantId tenant = session.accepted().tenant;
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
-  shared_.inbox.push(BytesSent{tenant, ended.meta.scene, ended.meta.traced_bits(), bytes});
-  if (!ended.whole) return shared_.metrics.dropped(tenant, Fault::link_too_slow);
+  shared_.devices.sent(ended.meta.device, {tenant, ended.meta.scene, ended.meta.traced_bits(), bytes});
+  if (!ended.whole) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
   session.frame_sent(ended.meta, now);
   shared_.metrics.frame_sent(tenant, session.accepted().scene, ended.meta, now, bytes);
 }

@@ -32,7 +32,8 @@ void NetThread::adopt(asio::ip::tcp::socket socket) {
 }
 
 void NetThread::welcome_visitor(asio::ip::tcp::socket socket) {
-  auto stream = std::make_shared<ControlStream>(std::move(socket), shared_.tls.context, kMaxClientMessageBytes);
+  const std::shared_ptr<Tls> tls = *shared_.tls.get();
+  auto stream = std::make_shared<ControlStream>(std::move(socket), tls->context, kMaxClientMessageBytes);
   for (const Visitor& pushed_out : lobby_.enter({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
     if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
     pushed_out.stream->close();
@@ -92,13 +93,8 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
       const auto waiting = weak.lock();
       if (!waiting || !lobby_.hosts(waiting.get())) return;
       if (!scene) return refuse(waiting, refusal(RefusalCode::scene_unavailable, scene.error().message));
-      if (!shared_.roster.get()->open(accepted.tenant)) {
-        return refuse(waiting, refusal(RefusalCode::unknown_tenant, "the tenant is no longer served"));
-      }
       accepted.scene_use = scene->use;
-      if (book(waiting, accepted, *kept_seat, *scene)) {
-        open_session(waiting, accepted, std::move(*kept_seat), *scene);
-      }
+      if (book(waiting, accepted, *kept_seat, *scene)) open_if_room(waiting, accepted, kept_seat, *scene);
     });
   });
 }
@@ -106,15 +102,33 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
 // False: refused.
 bool NetThread::book(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat& seat,
                      const scenes::LoadedScene& scene) {
-  const auto costs = shared_.costs.get();
-  const auto known = costs->find(scene.id);
+  const CostModels costs = shared_.devices.costs();
+  const auto known = costs.find(scene.id);
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
   const auto misfit = shared_.seats.book(seat, {accepted.width, accepted.height, lights, accepted.rate_hz},
-                                         known == costs->end() ? scheduler::CostModel() : known->second);
+                                         known == costs.end() ? scheduler::CostModel() : known->second);
   if (!misfit) return true;
   shared_.metrics.refused(accepted.tenant, to_string(misfit->limit));
   refuse(stream, refusal_of(*misfit));
   return false;
+}
+
+// As for the scene, the connection waits for the devices' answer.
+void NetThread::open_if_room(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted,
+                             const std::shared_ptr<Seat>& seat, const scenes::LoadedScene& scene) {
+  const auto decide = [this, weak = std::weak_ptr(stream), accepted, seat, scene](const Result<void>& room) {
+    const auto waiting = weak.lock();
+    if (!waiting || !lobby_.hosts(waiting.get())) return;
+    if (!shared_.roster.get()->open(accepted.tenant)) {
+      return refuse(waiting, refusal(RefusalCode::unknown_tenant, "the tenant is no longer served"));
+    }
+    if (room) return open_session(waiting, accepted, std::move(*seat), scene);
+    shared_.metrics.refused(accepted.tenant, to_string(scheduler::Limit::memory));
+    refuse(waiting, refusal(RefusalCode::over_capacity, "no memory for its frames: " + room.error().message));
+  };
+  shared_.devices.ask_room(
+      {scene.id, accepted.tenant, accepted.width, accepted.height,
+       [this, decide](Result<void> room) { asio::post(io_, [decide, room = std::move(room)] { decide(room); }); }});
 }
 
 void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,
@@ -129,10 +143,9 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, const
   stream->listen([this, id](Result<protocol::Message> message) { hear_client(id, std::move(message)); },
                  [this, id](Fault, const std::string& why) { close_session(id, why); });
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
-  shared_.inbox.push(SessionOpened{id, accepted.tenant, scene.id, accepted.width, accepted.height, lights,
-                                   accepted.codec, index_, accepted.rate_hz,
-                                   (accepted.features & protocol::kFeatureMoments) != 0, accepted.dense_codec,
-                                   sessions_.find(id)->references()});
+  shared_.devices.open({id, accepted.tenant, scene.id, accepted.width, accepted.height, lights, accepted.codec,
+                        index_, accepted.rate_hz, (accepted.features & protocol::kFeatureMoments) != 0,
+                        accepted.dense_codec, sessions_.find(id)->references()});
   shared_.metrics.session_opened(accepted.tenant);
 
   protocol::Welcome welcome;
@@ -192,7 +205,7 @@ void NetThread::close_session(SessionId id, const std::string& why) {
                                {"frames", totals.frames},
                                {"coalesced", totals.coalesced}});
   shared_.metrics.session_closed(session.accepted().tenant);
-  shared_.inbox.push(SessionClosed{id});
+  shared_.devices.close(id);
   shared_.metrics.link(sessions_.find(id)->take_link_report());
   wakes_.remove(id);
   sessions_.remove(id);

@@ -32,6 +32,14 @@ struct SessionOpened {
   SessionReferencesPtr references = nullptr;                     // of a client that keeps frames
 };
 
+// A session of such frames is about to be opened: is there memory for them, at the least size that its tenant allows?
+struct RoomAsked {
+  SceneId scene;  // resident
+  TenantId tenant;
+  uint32_t width = 0, height = 0;            // granted
+  std::function<void(Result<void>)> answer;  // called on the render thread
+};
+
 // The session's frames are coded so from the next one on.
 struct CodecChosen {
   SessionId session;
@@ -42,16 +50,29 @@ struct SessionClosed {
   SessionId session;
 };
 
+class RenderInbox;
+
+// The session lives on another device from now on; `to` has been told of it.
+struct SessionLeaves {
+  SessionId session;
+  RenderInbox* to = nullptr;  // of that device: gets the view that waits
+};
+
+// Of what a tenant may use on all devices together, what it may use of this one: 0 to 1.
+struct TenantPart {
+  TenantId tenant;
+  double part = 1;
+};
+
 struct SceneArrived {
   scenes::LoadedScene scene;
   std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
   std::string name = {};
 };
 
+// No session uses it, nor will before it is brought again.
 struct SceneLeaves {
   SceneId scene;
-  std::function<bool()>
-      may_go;  // called on the render thread; true: no session uses it, nor will before it is back
 };
 
 struct LightChanged {
@@ -64,6 +85,8 @@ struct BackgroundDone {};  // the renderer has finished something beside the fra
 
 // A submit is done: a frame or a band of one.
 struct JobFinished {
+  JobId job;
+  bool last = true;  // of its frame's bands
   scheduler::Ticket ticket;
   uint64_t policy = 0;  // number of the policy that gave the ticket out
   SceneId scene;
@@ -72,6 +95,7 @@ struct JobFinished {
   Nanoseconds gpu{};
   Nanoseconds trace{};  // of it, the part that grows with the bits
   bool device_lost = false;
+  bool out_of_memory = false;  // it was not started
 };
 
 // How a session's link did lately.
@@ -97,9 +121,9 @@ struct TermsChanged {
 
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
-using RenderEvent =
-    std::variant<ViewRequest, SessionOpened, CodecChosen, SessionClosed, SceneArrived, SceneLeaves, JobFinished,
-                 LeaseDropped, BytesSent, LightChanged, BackgroundDone, LinkReviewed, TermsChanged, StopRendering>;
+using RenderEvent = std::variant<ViewRequest, RoomAsked, SessionOpened, CodecChosen, SessionClosed, SessionLeaves,
+                                 SceneArrived, SceneLeaves, JobFinished, LeaseDropped, BytesSent, LightChanged,
+                                 BackgroundDone, LinkReviewed, TermsChanged, TenantPart, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

@@ -3,12 +3,10 @@
 #include <utility>
 
 #include "daemon/light_importance.h"
+#include "daemon/translate.h"
 
 namespace gnomon::daemon {
 namespace {
-
-// A renderer that refuses this many submits in a row is treated as lost: it may have been lost between frames.
-constexpr uint32_t kFailedSubmitsAreALoss = 8;
 
 // A model that moves by so much at once has met something new.
 constexpr double kSurprise = 1.25;
@@ -30,16 +28,18 @@ scheduler::RateLimit limit_to(double rate_hz) {
   return scheduler::RateLimit(rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
 }
 
-FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoint now) {
+FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_t device, TimePoint now) {
   FrameMeta meta;
   meta.session = view.session;
   meta.tenant = session.opened.tenant;
   meta.scene = session.opened.scene;
   meta.net_thread = session.opened.net_thread;
+  meta.device = device;
   meta.frame = view.frame;
   meta.codec = session.link.dense() ? session.opened.dense_codec : session.opened.codec;
   meta.slice_body_bytes = view.slice_body_bytes;
   meta.references = session.opened.references;
+  meta.camera = to_wire(view.camera);
   meta.grid = session.grid();
   meta.traced_lights = session.traced_lights();
   meta.coalesced = session.coalesced;
@@ -53,12 +53,14 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, TimePoi
 
 RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
                        std::function<void(RenderedFrame)> rendered,
-                       std::function<void(const SessionDegraded&)> degraded)
+                       std::function<void(const SessionDegraded&)> degraded, uint32_t device_number)
     : device_(device),
       inbox_(inbox),
       metrics_(metrics),
       rendered_(std::move(rendered)),
       degraded_(std::move(degraded)),
+      usual_slice_(device.renderer().on_cpu() ? kSliceOfCpu : kSliceOfGpu),
+      number_(device_number),
       motion_(device, metrics, [&inbox] { inbox.push(BackgroundDone{}); }) {
   apply(terms, TimePoint{});
 }
@@ -86,12 +88,14 @@ void RenderLoop::start(TimePoint now) {
 // whoever comes next; and where predictions fail, there are never more than two jobs of full length.
 bool RenderLoop::has_room(TimePoint now) {
   if (device_.renderer().free_slots() == 0 || in_flight_ - begun_ >= terms_.frames_in_flight) return false;
-  if (submits_ == 0 || terms_.slice <= Nanoseconds{}) return true;
-  if (predicted_ > terms_.slice / 2) return false;
-  const TimePoint soon_dry = runs_dry_ - std::min(kLead, terms_.slice / 4);
+  if (submits_ == 0 || slice() <= Nanoseconds{}) return true;
+  if (predicted_ > slice() / 2) return false;
+  const TimePoint soon_dry = runs_dry_ - std::min(kLead, slice() / 4);
   if (soon_dry > now) room_at_ = soon_dry;
   return soon_dry <= now;
 }
+
+Nanoseconds RenderLoop::slice() const { return terms_.slice.value_or(usual_slice_); }
 
 void RenderLoop::handle(RenderEvent event, TimePoint now) {
   std::visit([&](const auto& e) { on(e, now); }, event);
@@ -104,9 +108,9 @@ TimePoint RenderLoop::wake_at() const {
 ShareReport RenderLoop::shares() { return account_.report(*scheduler_); }
 
 void RenderLoop::on(const ViewRequest& view, TimePoint now) {
-  if (stopping_) return metrics_.report(Fault::view_draining);
+  if (stopping_) return metrics_.report(view.tenant, view.session, Fault::view_draining);
   const auto found = sessions_.find(view.session);
-  if (found == sessions_.end()) return metrics_.report(Fault::session_gone);
+  if (found == sessions_.end()) return metrics_.report(view.tenant, view.session, Fault::session_gone);
   RenderSession& session = found->second;
   ++session.arrived;
   session.coalesced += view.coalesced;
@@ -114,8 +118,21 @@ void RenderLoop::on(const ViewRequest& view, TimePoint now) {
     ++session.coalesced;
     metrics_.coalesced(session.opened.tenant);
   }
-  session.newest = view;
+  // A session that has moved may hear of an older view from the device where it was.
+  if (!session.newest || session.newest->frame.value <= view.frame.value) session.newest = view;
   if (!session.begun && !session.held) ask_when_allowed(session, now);
+}
+
+// Later, frames that find no memory become smaller than that. Who has none yet may find another node.
+void RenderLoop::on(const RoomAsked& asked, TimePoint now) {
+  if (lost_ || stopping_) return asked.answer({});
+  const double least = terms_.tenants[asked.tenant.value].degradation.least_size;
+  gpu::RenderJob like;
+  like.scene = asked.scene;
+  like.width = shrunk(asked.width, least);
+  like.height = shrunk(asked.height, least);
+  like.time = motion_.time_of(asked.scene, now);
+  asked.answer(device_.renderer().make_room(like));
 }
 
 void RenderLoop::on(const SessionOpened& opened, TimePoint) {
@@ -133,11 +150,24 @@ void RenderLoop::on(const SessionClosed& closed, TimePoint) {
   const auto found = sessions_.find(closed.session);
   if (found == sessions_.end()) return;
   RenderSession& session = found->second;
-  if (session.has_work()) metrics_.dropped(session.opened.tenant, Fault::session_gone);
+  if (session.has_work()) metrics_.dropped(session.opened.tenant, closed.session, Fault::session_gone);
+  forget(closed.session);
+}
+
+// What is on the device of its frames is sent; one of which not all bands were submitted is lost.
+void RenderLoop::on(const SessionLeaves& leaves, TimePoint) {
+  const auto found = sessions_.find(leaves.session);
+  if (found == sessions_.end()) return;
+  if (found->second.newest) leaves.to->push_view(*found->second.newest);
+  forget(leaves.session);
+}
+
+void RenderLoop::forget(SessionId id) {
+  RenderSession& session = sessions_.at(id);
   if (session.asked) account_.left_queue(session.opened.tenant);
   if (session.begun) abandon(session);
-  scheduler_->remove_session(closed.session);
-  sessions_.erase(found);
+  scheduler_->remove_session(id);
+  sessions_.erase(id);
 }
 
 void RenderLoop::on(const CodecChosen& chosen, TimePoint) {
@@ -146,19 +176,23 @@ void RenderLoop::on(const CodecChosen& chosen, TimePoint) {
 }
 
 void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
-  if (lost_) return arrived.resident(Error{"the device is being made anew"});
+  if (lost_) return waiting_.push_back(arrived);
   const auto added = device_.add_scene(arrived.scene);
   if (added) motion_.add(arrived.scene.id, arrived.name, arrived.scene);
   arrived.resident(added);
 }
 
 void RenderLoop::on(const SceneLeaves& leaves, TimePoint) {
-  if (!leaves.may_go()) return;
+  std::erase_if(waiting_, [&](const RenderEvent& event) {
+    const auto* arrived = std::get_if<SceneArrived>(&event);
+    return arrived && arrived->scene.id == leaves.scene;
+  });
   device_.remove_scene(leaves.scene);
   motion_.remove(leaves.scene);
 }
 
 void RenderLoop::on(const LightChanged& changed, TimePoint now) {
+  if (lost_) return waiting_.push_back(changed);
   motion_.change(changed.scene, changed.light, changed.change, now);
 }
 
@@ -168,11 +202,12 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
   runs_dry_ = now + predicted_;
   if (job.policy == policy_) scheduler_->charge(job.ticket, job.gpu, now);
   account_.finished(job.ticket.tenant, job.ticket.predicted, job.gpu, now);
-  metrics_.device_busy(job.ticket.tenant, job.gpu);
+  metrics_.device_busy(number_, job.ticket.tenant, job.gpu);
   if (job.device_lost) {
-    metrics_.dropped(job.ticket.tenant, Fault::device_lost, {{"session", job.ticket.session.value}});
+    metrics_.dropped(job.ticket.tenant, job.ticket.session, Fault::device_lost);
     return lose_device();
   }
+  if (job.out_of_memory) return not_afforded(job, now);
   scheduler::CostModel& model = models_[job.scene];
   const auto found = sessions_.find(job.ticket.session);
   if (found != sessions_.end()) found->second.view.learn(job.model_cost, {job.gpu - job.trace, job.trace});
@@ -180,6 +215,18 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
   model.learn(job.work, job.gpu, job.trace);
   const double after = to_seconds(model.predict(job.work).total());
   if (before > kSurprise * after || after > kSurprise * before) ask_anew(job.scene, now);
+}
+
+// The frame is lost with the band that was not started. Who gave it up before has counted it.
+void RenderLoop::not_afforded(const JobFinished& job, TimePoint now) {
+  const auto found = sessions_.find(job.ticket.session);
+  const bool begun = found != sessions_.end() && found->second.begun && found->second.begun->job == job.job;
+  if (!begun && !job.last) return;
+  metrics_.dropped(job.ticket.tenant, job.ticket.session, Fault::submit_failed, "no memory to start it");
+  if (!begun) return;
+  RenderSession& session = found->second;
+  give_up_begun(session);
+  if (session.newest && !session.held) ask_when_allowed(session, now);
 }
 
 // Those who wait stand in the queue with what was believed when they asked.
@@ -198,10 +245,13 @@ void RenderLoop::on(const BytesSent& sent, TimePoint now) {
 
 void RenderLoop::on(const TermsChanged& changed, TimePoint now) { apply(changed.terms, now); }
 
+void RenderLoop::on(const TenantPart& part, TimePoint) { account_.set_part(part.tenant, part.part); }
+
 void RenderLoop::on(const StopRendering&, TimePoint) {
   stopping_ = true;
+  refuse_waiting(Error{"the server is stopping"});
   for (auto& [id, session] : sessions_) {
-    if (session.has_work()) metrics_.dropped(session.opened.tenant, Fault::view_draining);
+    if (session.has_work()) metrics_.dropped(session.opened.tenant, id, Fault::view_draining);
     if (session.asked) account_.left_queue(session.opened.tenant);
     if (session.begun) abandon(session);
     scheduler_->remove_session(id);
@@ -248,7 +298,7 @@ void RenderLoop::release_held(TimePoint now) {
 }
 
 void RenderLoop::ask(RenderSession& session, TimePoint now) {
-  session.next = next_job(session, models_[session.opened.scene], terms_.slice);
+  session.next = next_job(session, models_[session.opened.scene], slice());
   const TimePoint deadline = session.begun ? session.begun->meta.deadline : session.newest->deadline;
   scheduler_->make_ready(session.opened.session, {session.next.cost, deadline, session.begun.has_value()}, now);
   if (!std::exchange(session.asked, true)) account_.asked(session.opened.tenant);
@@ -260,7 +310,7 @@ void RenderLoop::drop_hopeless(TimePoint now) {
     session.asked = false;
     session.newest.reset();
     account_.left_queue(session.opened.tenant);
-    metrics_.dropped(session.opened.tenant, Fault::view_hopeless);
+    metrics_.dropped(session.opened.tenant, *id, Fault::view_hopeless);
   }
 }
 
@@ -278,6 +328,7 @@ void RenderLoop::submit(RenderSession& session, const scheduler::Ticket& ticket,
 // The camera is the newest there is at this moment.
 void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   const ViewRequest view = *std::exchange(session.newest, std::nullopt);
+  if (session.memory.recover(now)) metrics_.degraded(false);
   if (session.wanted_grid() != session.grid()) adopt_size(session);
   choose_lights(session, view.camera);
   const uint32_t all_rows = session.grid().tiles_y();
@@ -286,14 +337,17 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
     session.next = next_job(session, models_[session.opened.scene], Nanoseconds{});
   }
   const uint32_t rows = session.next.rows.count;
-  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, now), 0, std::make_shared<Nanoseconds>()};
+  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, number_, now), 0, std::make_shared<Nanoseconds>()};
   gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
   job.untraced = session.untraced;
   if (rows < all_rows) job.tile_rows = rows;
   job.time = motion_.time_of(session.opened.scene, now);
   if (session.opened.wants_moments) frame.meta.moment = motion_.moment_of(session.opened.scene, now);
   const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
-  if (!submitted) return not_started(session, ticket, now, submitted.error());
+  if (!submitted) {
+    if (shrink(session, ticket, view, now, submitted.error())) return;
+    return not_started(session, ticket, now, submitted.error());
+  }
   session.coalesced = 0;
   ++session.answered;
   session.rate.spend(1, now);
@@ -303,12 +357,30 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   started(session, ticket, now);
 }
 
+// No memory for a frame of this size: the same view is asked for again, smaller. False: it cannot be smaller.
+bool RenderLoop::shrink(RenderSession& session, const scheduler::Ticket& ticket, const ViewRequest& view,
+                        TimePoint now, const Error& error) {
+  do {
+    if (!session.memory.refuse(now)) return false;
+  } while (session.wanted_grid() == session.grid());
+  metrics_.degraded(true);
+  log::warning("smaller frames for a session", {{"session", ticket.session.value},
+                                                {"tenant", metrics_.name(ticket.tenant)},
+                                                {"width", session.wanted_grid().width},
+                                                {"height", session.wanted_grid().height},
+                                                {"why", error.message}});
+  scheduler_->charge(ticket, Nanoseconds{}, now);
+  session.newest = view;
+  ask_when_allowed(session, now);
+  return true;
+}
+
 // Frames change their size between two, never within one.
 void RenderLoop::adopt_size(RenderSession& session) {
   const TileGrid wanted = session.wanted_grid();
   session.opened.width = wanted.width;
   session.opened.height = wanted.height;
-  session.next = next_job(session, models_[session.opened.scene], terms_.slice);
+  session.next = next_job(session, models_[session.opened.scene], slice());
   tell(session);
 }
 
@@ -320,7 +392,7 @@ void RenderLoop::choose_lights(RenderSession& session, const gpu::CameraView& ca
       least_important(motion_.lights_of(session.opened.scene), camera.position, keep, session.untraced);
   if (untraced == session.untraced) return;
   session.untraced = untraced;
-  session.next = next_job(session, models_[session.opened.scene], terms_.slice);
+  session.next = next_job(session, models_[session.opened.scene], slice());
   tell(session);
 }
 
@@ -349,7 +421,9 @@ void RenderLoop::tell(const RenderSession& session) {
     if (session.untraced[light]) news.untraced_lights.push_back(light);
   }
   const bool full = session.degradation.point() == scheduler::OperatingPoint{};
-  if (session.link.size() < 1) {
+  if (session.memory.size() < 1) {
+    news.reason = "the device has no memory for more";
+  } else if (session.link.size() < 1) {
     news.reason = "the link cannot carry more";
   } else {
     news.reason = full ? "the device keeps up again" : "the device cannot keep up";
@@ -385,7 +459,6 @@ void RenderLoop::started(RenderSession& session, const scheduler::Ticket& ticket
   ++submits_;
   predicted_ += ticket.predicted;
   runs_dry_ = std::max(runs_dry_, now) + ticket.predicted;
-  failed_submits_ = 0;
   const scheduler::Work& work = session.next.work;
   account_.started(session.opened.tenant, work.begins, work.bits, now);
   session.begun->next_row += session.next.rows.count;
@@ -398,9 +471,7 @@ void RenderLoop::started(RenderSession& session, const scheduler::Ticket& ticket
 void RenderLoop::not_started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now,
                              const Error& error) {
   scheduler_->charge(ticket, Nanoseconds{}, now);
-  metrics_.dropped(ticket.tenant, Fault::submit_failed,
-                   {{"session", ticket.session.value}, {"why", error.message}});
-  if (++failed_submits_ >= kFailedSubmitsAreALoss) return lose_device();
+  metrics_.dropped(ticket.tenant, ticket.session, Fault::submit_failed, error.message);
   if (session.newest) ask_when_allowed(session, now);
 }
 
@@ -410,6 +481,7 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
                                                            const scheduler::Ticket& ticket,
                                                            const BegunFrame& frame) {
   JobFinished job;
+  job.job = frame.job;
   job.ticket = ticket;
   job.policy = policy_;
   job.scene = session.opened.scene;
@@ -420,6 +492,8 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
     job.gpu = Nanoseconds(done.gpu_ns);
     job.trace = trace_time(done);
     job.device_lost = done.device_lost;
+    job.out_of_memory = done.out_of_memory;
+    job.last = done.complete;
     *so_far += job.gpu;
     inbox.push(job);
     if (!done.complete) return;
@@ -429,7 +503,7 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
       slot->drop();
       inbox.push(LeaseDropped{});
     });
-    if (done.device_lost) return;
+    if (done.device_lost || done.out_of_memory) return;
     RenderedFrame whole{meta, std::move(lease)};
     whole.meta.rendered = Clock::now();
     whole.meta.gpu = *so_far;
@@ -446,31 +520,42 @@ void RenderLoop::abandon(RenderSession& session) {
   --in_flight_;
 }
 
+// And takes its session out of the queue, where it stands for the next band.
+void RenderLoop::give_up_begun(RenderSession& session) {
+  abandon(session);
+  if (!std::exchange(session.asked, false)) return;
+  account_.left_queue(session.opened.tenant);
+  scheduler_->withdraw(session.opened.session);
+}
+
 // Frames in bands are lost with it; whoever has a newer view asks again.
 void RenderLoop::lose_device() {
-  if (!lost_) metrics_.device_lost();
+  if (!lost_) metrics_.device_lost(number_);
   lost_ = true;
   for (auto& [id, session] : sessions_) {
     if (!session.begun) continue;
-    abandon(session);
-    if (std::exchange(session.asked, false)) {
-      account_.left_queue(session.opened.tenant);
-      scheduler_->withdraw(id);
-    }
+    give_up_begun(session);
     if (session.newest && !session.held) ask_when_allowed(session, TimePoint::max());
   }
 }
 
+void RenderLoop::refuse_waiting(const Error& why) {
+  for (const RenderEvent& event : std::exchange(waiting_, {})) {
+    if (const auto* arrived = std::get_if<SceneArrived>(&event)) arrived->resident(why);
+  }
+}
+
 void RenderLoop::recover(TimePoint now) {
-  log::error("device lost: making it anew");
+  log::error("device lost: making it anew", {{"number", number_}});
   if (auto rebuilt = device_.rebuild(now); !rebuilt) {
     failure_ = rebuilt.error();
+    refuse_waiting(*failure_);
     return;
   }
   lost_ = false;
-  failed_submits_ = 0;
   motion_.restore();
-  log::info("device is back", {{"device", device_.renderer().device_name()}});
+  log::info("device is back", {{"number", number_}, {"device", device_.renderer().device_name()}});
+  for (RenderEvent& event : std::exchange(waiting_, {})) handle(std::move(event), now);
 }
 
 }  // namespace gnomon::daemon

@@ -23,11 +23,13 @@ namespace gnomon::daemon {
 
 class RenderLoop {
  public:
-  // `rendered` is called from the renderer's completion thread. All references outlive the loop and its leases.
+  // `device_number`: among the daemon's. `rendered` is called from the renderer's completion threads. All references
+  // outlive the loop and its leases.
   RenderLoop(
       const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
       std::function<void(RenderedFrame)> rendered,
-      std::function<void(const SessionDegraded&)> degraded = [](const SessionDegraded&) {});
+      std::function<void(const SessionDegraded&)> degraded = [](const SessionDegraded&) {},
+      uint32_t device_number = 0);
 
   void start(TimePoint now);                      // start what capacity allows
   void handle(RenderEvent event, TimePoint now);  // then react to one event
@@ -46,21 +48,25 @@ class RenderLoop {
 
  private:
   void on(const ViewRequest& view, TimePoint now);
+  void on(const RoomAsked& asked, TimePoint now);
   void on(const SessionOpened& opened, TimePoint now);
   void on(const SessionClosed& closed, TimePoint now);
   void on(const CodecChosen& chosen, TimePoint now);
+  void on(const SessionLeaves& leaves, TimePoint now);
   void on(const SceneArrived& arrived, TimePoint now);
   void on(const SceneLeaves& leaves, TimePoint now);
   void on(const JobFinished& finished, TimePoint now);
   void on(const LeaseDropped&, TimePoint now);
   void on(const BytesSent& sent, TimePoint now);
   void on(const TermsChanged& changed, TimePoint now);
+  void on(const TenantPart& part, TimePoint now);
   void on(const LightChanged& changed, TimePoint now);
   void on(const LinkReviewed& reviewed, TimePoint now);
   void on(const BackgroundDone&, TimePoint) {}  // start() looks after it
   void on(const StopRendering&, TimePoint now);
 
   void apply(const Terms& terms, TimePoint now);
+  Nanoseconds slice() const;
   bool has_room(TimePoint now);
   void ask(RenderSession& session, TimePoint now);
   void ask_anew(SceneId scene, TimePoint now);
@@ -76,9 +82,15 @@ class RenderLoop {
   void resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void not_started(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now, const Error& error);
+  bool shrink(RenderSession& session, const scheduler::Ticket& ticket, const ViewRequest& view, TimePoint now,
+              const Error& error);
+  void not_afforded(const JobFinished& job, TimePoint now);
   void abandon(RenderSession& session);
+  void give_up_begun(RenderSession& session);
   void lose_device();
   void recover(TimePoint now);
+  void refuse_waiting(const Error& why);
+  void forget(SessionId id);
   std::function<void(gpu::FrameDone)> completion(const RenderSession& session, const scheduler::Ticket& ticket,
                                                  const BegunFrame& frame);
 
@@ -87,6 +99,8 @@ class RenderLoop {
   Metrics& metrics_;
   std::function<void(RenderedFrame)> rendered_;
   std::function<void(const SessionDegraded&)> degraded_;
+  const Nanoseconds usual_slice_;  // of the device's kind
+  const uint32_t number_;
   SceneMotion motion_;
 
   Terms terms_;
@@ -96,6 +110,7 @@ class RenderLoop {
   CostModels models_;
   std::unordered_map<SessionId, RenderSession> sessions_;
   std::multimap<TimePoint, SessionId> held_;  // until then they may not ask
+  std::vector<RenderEvent> waiting_;          // for the device to be back: scenes, changed lights
 
   uint64_t next_job_ = 1;
   uint32_t in_flight_ = 0;                // frames whose lease has not come back, those begun included
@@ -104,7 +119,6 @@ class RenderLoop {
   Nanoseconds predicted_{};               // of these
   TimePoint runs_dry_{};                  // when they are done, as far as predictions go
   TimePoint room_at_ = TimePoint::max();  // then there is room if nothing happens before
-  uint32_t failed_submits_ = 0;           // in a row
   bool lost_ = false;
   bool stopping_ = false;
   std::optional<Error> failure_;

@@ -13,15 +13,15 @@ scheduler::Work work_of(const TileGrid& grid, uint32_t traced_lights, const Tile
   return {pixels, uint64_t{grid.width} * (bottom - top) * traced_lights, begins};
 }
 
+}  // namespace
+
 uint32_t shrunk(uint32_t side, double share) {
   if (share >= 1) return side;
   return std::max(kTileSize, static_cast<uint32_t>(side * share) / kTileSize * kTileSize);
 }
 
-}  // namespace
-
 TileGrid RenderSession::wanted_grid() const {
-  const double size = std::min(degradation.point().size, link.size());
+  const double size = std::min({degradation.point().size, link.size(), memory.size()});
   return {shrunk(granted_width, size), shrunk(granted_height, size), opened.lights};
 }
 

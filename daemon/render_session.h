@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "daemon/link_steps.h"
+#include "daemon/memory_steps.h"
 #include "daemon/render_inbox.h"
 #include "scheduler/cost_model.h"
 #include "scheduler/degradation.h"
@@ -42,6 +43,7 @@ struct RenderSession {
   scheduler::Degradation degradation;
   gpu::LightSet untraced;
   LinkSteps link;
+  MemorySteps memory;
   uint32_t granted_width = 0, granted_height = 0;
   uint32_t arrived = 0, answered = 0;  // views since the last review
 
@@ -53,6 +55,9 @@ struct RenderSession {
   TileGrid grid() const { return {opened.width, opened.height, opened.lights}; }
   bool has_work() const { return begun || newest; }
 };
+
+// That share of a side, in whole tiles where it is not all of it.
+uint32_t shrunk(uint32_t side, double share);
 
 // Pieces cost at most this part of a slice, uncut frames half of one: a newcomer waits for the rest of the job on the
 // device and for one that is before it by its virtual deadline, and together they are no more than a slice.

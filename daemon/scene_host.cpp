@@ -4,8 +4,8 @@
 
 namespace gnomon::daemon {
 
-SceneHost::SceneHost(const SceneCatalog& catalog, RenderInbox& inbox, Metrics& metrics)
-    : registry_(catalog.sources(), {}), inbox_(inbox), metrics_(metrics), loader_([this] {
+SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics)
+    : registry_(catalog.sources(), {}), devices_(devices), metrics_(metrics), loader_([this] {
         std::vector<Request> batch;
         for (requests_.take(batch); !batch.empty(); requests_.take(batch)) {
           for (Request& request : batch) {
@@ -40,14 +40,26 @@ void SceneHost::load(Request request) {
   arrived.scene = *loaded;
   arrived.name = request.name;
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
-    if (!on_device) return request.ready(on_device.error());
+    if (!on_device) return refuse(request, on_device.error());
     HostedScene hosted;
     hosted.loaded = scene;
     hosted.on_device = *on_device;
     hosted.lights = {request.name, 0, scene.scene->lights};
     request.ready(keep(request.name, hosted));
   };
-  if (!inbox_.push(std::move(arrived))) request.ready(Error{"the server is stopping"});
+  {
+    std::lock_guard lock(mutex_);
+    on_the_way_.insert(request.name);
+  }
+  if (!devices_.bring(arrived)) refuse(request, Error{"the server is stopping"});
+}
+
+void SceneHost::refuse(const Request& request, const Error& why) {
+  {
+    std::lock_guard lock(mutex_);
+    on_the_way_.erase(on_the_way_.find(request.name));
+  }
+  request.ready(why);
 }
 
 SceneForUse SceneHost::keep(const std::string& name, const HostedScene& scene) {
@@ -57,35 +69,22 @@ SceneForUse SceneHost::keep(const std::string& name, const HostedScene& scene) {
                                {"build_seconds", scene.on_device.tracer_build_seconds},
                                {"from_cache", scene.on_device.tracer_from_cache}});
   std::lock_guard lock(mutex_);
+  on_the_way_.erase(on_the_way_.find(name));
   const HostedScene& kept = resident_.emplace(name, scene).first->second;
   return {kept.loaded, kept.use};
 }
 
-void SceneHost::unload(const std::string& name, std::function<void(Result<void>)> done) {
-  SceneLeaves leaves;
-  {
-    std::lock_guard lock(mutex_);
-    const auto found = resident_.find(name);
-    if (found != resident_.end()) leaves.scene = found->second.loaded.id;
-    if (found == resident_.end()) return done(Error{"no such scene is resident"});
-  }
-  leaves.may_go = [this, name, done] {
-    const auto gone = let_go(name);
-    done(gone);
-    return gone.has_value();
-  };
-  if (!inbox_.push(std::move(leaves))) done(Error{"the server is stopping"});
-}
-
-// On the render thread, where scenes also come to the device: whoever got the scene before is seen here as a user, and
-// whoever asks after this has it brought again.
-Result<void> SceneHost::let_go(const std::string& name) {
+// Whoever got the scene before is seen here as a user, and whoever asks after this has it brought again: the devices
+// hear of both in this order.
+Result<void> SceneHost::unload(const std::string& name) {
   {
     std::lock_guard lock(mutex_);
     const auto found = resident_.find(name);
     if (found == resident_.end()) return Error{"no such scene is resident"};
     const long users = found->second.use.use_count() - 1;
     if (users > 0) return Error{"sessions use it: " + std::to_string(users)};
+    if (on_the_way_.contains(name)) return Error{"it is being loaded"};
+    devices_.take_away(found->second.loaded.id);
     resident_.erase(found);
   }
   registry_.forget(name);
@@ -104,7 +103,9 @@ Result<void> SceneHost::fetch_now(const std::string& name) {
 
 void SceneHost::keep_lights(const LightsNews& news) {
   std::lock_guard lock(mutex_);
-  if (const auto found = resident_.find(news.scene); found != resident_.end()) found->second.lights = news;
+  const auto found = resident_.find(news.scene);
+  // Of several devices the slower ones announce older versions.
+  if (found != resident_.end() && news.version >= found->second.lights.version) found->second.lights = news;
 }
 
 LightsNews SceneHost::lights_of(const std::string& name) const {

@@ -1,15 +1,16 @@
-// Brings scenes from disk to the device, each once: read on the loader's thread, made resident on the render thread.
+// Brings scenes from disk to the devices, each once: read on the loader's thread, made resident on the render threads.
 #pragma once
 
 #include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 
 #include "common/inbox.h"
+#include "daemon/device_pool.h"
 #include "daemon/metrics.h"
-#include "daemon/render_inbox.h"
 #include "daemon/scene_catalog.h"
 #include "daemon/scene_motion.h"
 
@@ -33,18 +34,18 @@ class SceneHost {
   using Ready = std::function<void(Result<SceneForUse>)>;
 
   // All references outlive the host.
-  SceneHost(const SceneCatalog& catalog, RenderInbox& inbox, Metrics& metrics);
+  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics);
   ~SceneHost();  // requests that still wait are not answered
 
-  // Any thread. `ready` is called once, on the caller's, the loader's or the render thread.
+  // Any thread. `ready` is called once, on the caller's, the loader's or a render thread.
   void fetch(const std::string& name, Ready ready);
 
-  // Blocking, for the start: the scene is resident, or why not. Needs a running render thread.
+  // Blocking, for the start: the scene is resident, or why not. Needs running render threads.
   Result<void> fetch_now(const std::string& name);
 
-  // Any thread: takes a scene that nobody uses off the device and out of memory; whoever asks for it next has its
-  // file read anew. `done` is called once, on the caller's or the render thread. Error: not resident, or in use.
-  void unload(const std::string& name, std::function<void(Result<void>)> done);
+  // Any thread: takes a scene that nobody uses off the devices and out of memory; whoever asks for it next has its
+  // file read anew. Error: not resident, or in use.
+  Result<void> unload(const std::string& name);
 
   std::map<std::string, HostedScene> resident() const;
 
@@ -59,14 +60,15 @@ class SceneHost {
   };
 
   void load(Request request);
-  Result<void> let_go(const std::string& name);
+  void refuse(const Request& request, const Error& why);
   SceneForUse keep(const std::string& name, const HostedScene& scene);
 
   scenes::Registry registry_;
-  RenderInbox& inbox_;
+  DevicePool& devices_;
   Metrics& metrics_;
   mutable std::mutex mutex_;
   std::map<std::string, HostedScene> resident_;  // guarded by mutex_
+  std::multiset<std::string> on_the_way_;        // to the devices; guarded by mutex_
   Inbox<Request> requests_;
   std::thread loader_;
 };

@@ -61,7 +61,7 @@ void SceneMotion::apply(SceneId id, State& state) {
     s.applying = false;
     if (!done) return log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
     s.applied = asked;
-    ++s.version;
+    s.version = asked;
     log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
     if (settings_.announce) settings_.announce({s.name, s.version, lights});
     report(id, s);

@@ -62,8 +62,8 @@ class SceneMotion {
     std::string name;
     scenes::LoadedScene loaded;
     std::vector<scenes::Light> wanted;  // lights
-    uint32_t version = 0;               // of the lights that frames are of
     uint32_t asked = 0, applied = 0;    // changes; counted
+    uint32_t version = 0;               // changes in the lights that frames are of: the same on every device
     bool applying = false, settling = false;
     std::optional<TimePoint> changed_at;  // nothing was built for these lights yet
   };

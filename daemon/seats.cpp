@@ -30,7 +30,7 @@ Seat::~Seat() {
   if (seats_) seats_->give_back(*this);
 }
 
-Seats::Seats(const Config& config) { set_limits(config); }
+Seats::Seats(const Config& config, size_t devices) : devices_(static_cast<double>(devices)) { set_limits(config); }
 
 void Seats::set_limits(const Config& config) {
   std::vector<scheduler::TenantLimits> limits;
@@ -41,7 +41,7 @@ void Seats::set_limits(const Config& config) {
   of_tenant_.resize(std::max(of_tenant_.size(), config.tenants.size()));
   max_of_tenant_.clear();
   for (const TenantConfig& tenant : config.tenants) max_of_tenant_.push_back(tenant.max_sessions);
-  admission_.set_limits(config.scheduler.admit_percent / 100.0, std::move(limits));
+  admission_.set_limits(devices_ * config.scheduler.admit_percent / 100.0, std::move(limits));
 }
 
 std::variant<Seat, protocol::Refused> Seats::take(TenantId tenant, const asio::ip::address& address) {

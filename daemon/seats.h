@@ -45,7 +45,8 @@ class Seat {
 // Any thread.
 class Seats {
  public:
-  explicit Seats(const Config& config);
+  // `devices`: how many there are to be booked.
+  explicit Seats(const Config& config, size_t devices = 1);
 
   // A seat, or why there is none.
   std::variant<Seat, protocol::Refused> take(TenantId tenant, const asio::ip::address& address);
@@ -63,6 +64,7 @@ class Seats {
   friend class Seat;
   void give_back(const Seat& seat);
 
+  const double devices_;
   mutable std::mutex mutex_;  // guards what follows
   uint32_t max_all_ = 0;
   uint32_t max_per_address_ = 0;

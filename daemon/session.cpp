@@ -86,12 +86,13 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   const bool again = newest_ == update.frame;
   if (newest_ && !again && !is_newer(update.frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
   if (references_) references_->client_has(update.have);
-  if (again) return {};
+  if (again && !link_.take_lost(update.frame, now)) return {};
   newest_ = update.frame;
   // The client's clock is not ours: its deadline counts from the arrival.
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
   ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
+  view.tenant = accepted_.tenant;
   ++window_.offered;
   if (kept_) view.coalesced = kept_->coalesced + 1;
   if (link_.takes_view(now)) return {released(view, now), std::nullopt};

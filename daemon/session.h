@@ -20,8 +20,8 @@
 
 namespace gnomon::daemon {
 
-// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is no news; a view
-// that the link has no room for is kept).
+// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is no news, unless all
+// of its answer was lost; a view that the link has no room for is kept).
 struct Received {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;

@@ -17,13 +17,25 @@ void ShareAccount::set_terms(const Terms& terms) {
   tenants_.resize(std::max(tenants_.size(), terms.tenants.size()));
   for (size_t i = 0; i < terms.tenants.size(); ++i) {
     Tenant& tenant = tenants_[i];
-    const TenantRates& rates = terms.tenants[i].rates;
+    tenant.rates = terms.tenants[i].rates;
     tenant.weight = terms.tenants[i].terms.weight;
-    tenant.buffers = RateLimit(rates.buffers_per_second, kBurst);
-    tenant.bits = RateLimit(rates.bits_per_second, kBurst);
-    tenant.bytes = RateLimit(rates.bytes_per_second, kBurst);
-    tenant.gpu = RateLimit(rates.gpu_share, kBurst);
+    tenant.buffers = RateLimit(tenant.part * tenant.rates.buffers_per_second, kBurst);
+    tenant.bits = RateLimit(tenant.part * tenant.rates.bits_per_second, kBurst);
+    tenant.bytes = RateLimit(tenant.part * tenant.rates.bytes_per_second, kBurst);
+    tenant.gpu = RateLimit(tenant.part * tenant.rates.gpu_share, kBurst);
   }
+}
+
+// What was spent before stays spent. A part of 0 would be no limit: nobody is there to be limited.
+void ShareAccount::set_part(TenantId id, double part) {
+  if (part <= 0) return;
+  tenants_.resize(std::max<size_t>(tenants_.size(), id.value + 1));
+  Tenant& tenant = tenants_[id.value];
+  tenant.part = part;
+  tenant.buffers.set(part * tenant.rates.buffers_per_second);
+  tenant.bits.set(part * tenant.rates.bits_per_second);
+  tenant.bytes.set(part * tenant.rates.bytes_per_second);
+  tenant.gpu.set(part * tenant.rates.gpu_share);
 }
 
 void ShareAccount::look() {

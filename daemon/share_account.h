@@ -28,6 +28,8 @@ struct ShareReport {
 class ShareAccount {
  public:
   void set_terms(const Terms& terms);
+  // Of the tenant's rates this device allows so much: 0 to 1. At first all.
+  void set_part(TenantId tenant, double part);
 
   void asked(TenantId tenant) { ++tenants_[tenant.value].waiting; }
   void left_queue(TenantId tenant) { --tenants_[tenant.value].waiting; }
@@ -46,6 +48,8 @@ class ShareAccount {
  private:
   struct Tenant {
     double weight = 1;
+    TenantRates rates;
+    double part = 1;
     scheduler::RateLimit buffers, bits, bytes, gpu;
     uint32_t waiting = 0;  // sessions in the scheduler's queue
     bool always_busy = true;

@@ -19,6 +19,8 @@ struct DeviceStatus {
   std::string name;
   std::string driver;
   std::string tracer;
+  std::string raster;
+  std::string pci_address;
 };
 
 // What is known of the scenes' costs.

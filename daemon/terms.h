@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ struct TenantRates {
   double buffers_per_second = 0;  // vbps
   double bits_per_second = 0;     // visibility bits
   double bytes_per_second = 0;    // of datagrams
-  double gpu_share = 0;           // of one device, 0 to 1
+  double gpu_share = 0;           // of all devices together; 1: as much as one has
 };
 
 struct TenantShare {
@@ -26,12 +27,17 @@ struct TenantShare {
   scheduler::DegradationTerms degradation;
 };
 
+// How long a slice is where the configuration leaves it to us. Each cut costs a CPU's frame far more than a GPU's, which
+// has work of others to overlap it with: in bands of 4 ms lavapipe lost a quarter of its throughput.
+inline constexpr Nanoseconds kSliceOfGpu = std::chrono::milliseconds(4);
+inline constexpr Nanoseconds kSliceOfCpu = std::chrono::milliseconds(100);
+
 struct Terms {
   std::string policy = "fair";
   double priority_floor = 0;
-  Nanoseconds slice = std::chrono::milliseconds(4);  // 0: frames are never cut
-  uint32_t frames_in_flight = 3;                     // on the device or waiting to be encoded
-  std::vector<TenantShare> tenants;                  // by TenantId
+  std::optional<Nanoseconds> slice = {};  // 0: frames are never cut; none: as long as is good for the device
+  uint32_t frames_in_flight = 3;          // on the device or waiting to be encoded
+  std::vector<TenantShare> tenants;       // by TenantId
 };
 
 Terms terms_of(const Config& config);

@@ -2,10 +2,9 @@
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "daemon/demo_certificate.h"
+#include "daemon/private_file.h"
 #include "protocol/messages.h"
 
 namespace gnomon::daemon {
@@ -20,17 +19,6 @@ Error library_error(const std::string& what) {
   const char* const reason = ERR_reason_error_string(ERR_get_error());
   ERR_clear_error();
   return Error{what + ": " + (reason ? reason : "cannot be read")};
-}
-
-// PostgreSQL's rule: nobody but its owner; or root's, readable by the group that the service runs in.
-Result<void> check_key_file(const fs::path& file) {
-  struct stat info {};
-  if (stat(file.c_str(), &info) != 0) return Error{"server.tls.key: " + file.string() + " cannot be read"};
-  const bool of_root = info.st_uid == 0 && geteuid() != 0;
-  if ((info.st_mode & (of_root ? 027u : 077u)) == 0) return {};
-  return Error{"server.tls.key: " + file.string() +
-               " may be read by others; allowed: mode 0600, or 0640 if it is " +
-               "root's. chmod go= " + file.string()};
 }
 
 void harden(SSL_CTX* context) {
@@ -60,7 +48,7 @@ Result<void> use_identity(SSL_CTX* context, const TlsConfig& tls) {
   if (SSL_CTX_use_certificate_chain_file(context, tls.certificate.c_str()) != 1) {
     return library_error("server.tls.certificate: " + tls.certificate.string());
   }
-  if (auto checked = check_key_file(tls.key); !checked) return checked;
+  if (auto checked = check_private("server.tls.key", tls.key); !checked) return checked;
   if (SSL_CTX_use_PrivateKey_file(context, tls.key.c_str(), SSL_FILETYPE_PEM) != 1) {
     return library_error("server.tls.key: " + tls.key.string());
   }

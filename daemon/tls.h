@@ -6,6 +6,7 @@
 
 #include "common/result.h"
 #include "daemon/config.h"
+#include "daemon/status.h"
 #include "protocol/pin.h"
 
 namespace gnomon::daemon {
@@ -18,5 +19,8 @@ struct Tls {
 // Reads the certificates that the configuration names, or, in demo mode, those that were made at the first start.
 // Error: the key, the file and what would help, as for a private key that others may read.
 Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config);
+
+// What new connections are met with. Connections that stand keep what they began with.
+using PublishedTls = Published<std::shared_ptr<Tls>>;
 
 }  // namespace gnomon::daemon

@@ -15,16 +15,22 @@ uint32_t frame_slots(const Config& config) {
 
 }  // namespace
 
-RendererFactory vulkan_renderers(const Config& config) {
+std::vector<RendererFactory> vulkan_renderers(const Config& config) {
   const RenderConfig& render = config.render;
   gpu::RendererOptions options;
-  if (render.device != "auto") options.device = render.device;
+  options.raster = render.raster;
   options.tracer = render.tracer;
   options.tracer_options.cache_folder = render.cache_folder;
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   if (!render.passes.empty()) options.passes = render.passes;
   options.frames_in_flight = frame_slots(config);
-  return [options] { return gpu::make_renderer(options); };
+  options.queues = render.queues;
+  std::vector<RendererFactory> factories;
+  for (const std::string& device : render.devices.empty() ? std::vector{render.device} : render.devices) {
+    options.device = device == "auto" ? "" : device;
+    factories.push_back([options] { return gpu::make_renderer(options); });
+  }
+  return factories;
 }
 
 }  // namespace gnomon::daemon

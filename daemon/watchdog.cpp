@@ -17,8 +17,8 @@ constexpr auto kStatusInterval = 5s;
 
 }  // namespace
 
-Watchdog::Watchdog(Heartbeat& heartbeat, std::function<std::string()> status)
-    : heartbeat_(heartbeat), status_(std::move(status)) {
+Watchdog::Watchdog(std::vector<Heartbeat*> heartbeats, std::function<std::string()> status)
+    : heartbeats_(std::move(heartbeats)), status_(std::move(status)) {
   const auto patience = supervisor::patience().value_or(std::chrono::hours(1));
   const auto interval = std::min<std::chrono::microseconds>(patience / 4, kLongestInterval);
   thread_ = std::thread([this, interval] { watch(interval); });
@@ -38,7 +38,10 @@ void Watchdog::watch(std::chrono::microseconds interval) {
   std::unique_lock lock(mutex_);
   while (!ending_.wait_for(lock, interval, [this] { return ended_; })) {
     const TimePoint now = Clock::now();
-    if (heartbeat_.lives(now)) supervisor::alive();
+    // All are asked: each remembers what was seen of it.
+    const auto living =
+        std::count_if(heartbeats_.begin(), heartbeats_.end(), [&](Heartbeat* h) { return h->lives(now); });
+    if (static_cast<size_t>(living) == heartbeats_.size()) supervisor::alive();
     if (now < next_status) continue;
     next_status = now + kStatusInterval;
     supervisor::status(status_());

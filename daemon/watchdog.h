@@ -1,4 +1,4 @@
-// Tells the supervisor that we live, as long as the render thread does: a hung device ends in a restart.
+// Tells the supervisor that we live, as long as every render thread does: a hung device ends in a restart.
 #pragma once
 
 #include <condition_variable>
@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "daemon/heartbeat.h"
 
@@ -14,13 +15,14 @@ namespace gnomon::daemon {
 class Watchdog {
  public:
   // `status`: a line for the supervisor, asked for once in a while. Both are used from a thread of its own.
-  Watchdog(Heartbeat& heartbeat, std::function<std::string()> status);
+  // Outlived by the heartbeats: each must beat.
+  Watchdog(std::vector<Heartbeat*> heartbeats, std::function<std::string()> status);
   ~Watchdog();
 
  private:
   void watch(std::chrono::microseconds interval);
 
-  Heartbeat& heartbeat_;
+  std::vector<Heartbeat*> heartbeats_;
   std::function<std::string()> status_;
   std::mutex mutex_;
   std::condition_variable ending_;

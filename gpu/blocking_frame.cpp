@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gpu/raster_choice.h"
+
 namespace gnomon::gpu {
 
 Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptions& options,
@@ -16,12 +18,25 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
     if (!tracer) return tracer.error();
     self->tracer_ = std::move(*tracer);
   }
-  auto lanes = Lanes::create(*device, passes, self->tracer_.get(), 1);
+  const auto raster = choose_raster(*device, options.raster);
+  if (!raster) return raster.error();
+  auto lanes = Lanes::create(*device, with_raster(passes, *raster), self->tracer_.get(), 1);
   if (!lanes) return lanes.error();
   self->lanes_ = std::move(*lanes);
   auto resident = ResidentScene::create(*device, scene, self->tracer_.get());
   if (!resident) return resident.error();
   self->scene_ = std::move(*resident);
+  return self;
+}
+
+Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const BlockingFrame& other,
+                                                                    const std::vector<std::string>& passes) {
+  std::unique_ptr<BlockingFrame> self(new BlockingFrame);
+  self->device_ = other.device_;
+  self->scene_ = other.scene_;
+  auto lanes = Lanes::create(self->device_, passes, nullptr, 1);
+  if (!lanes) return lanes.error();
+  self->lanes_ = std::move(*lanes);
   return self;
 }
 

@@ -20,6 +20,10 @@ class BlockingFrame {
                                                        const std::vector<std::string>& passes,
                                                        const scenes::ScenePtr& scene);
 
+  // The same device and scene for another list of passes, none of which traces. One thread with `other`.
+  static Result<std::unique_ptr<BlockingFrame>> create_beside(const BlockingFrame& other,
+                                                              const std::vector<std::string>& passes);
+
   const Device& device() const { return *device_; }
   const ResidentScene& scene() const { return *scene_; }
   ResidentScene& scene() { return *scene_; }
@@ -45,7 +49,7 @@ class BlockingFrame {
   std::optional<Lanes> lanes_;
   Lane* lane_ = nullptr;  // of the frame that was reserved last
   PosedScenePtr posed_;   // the same
-  std::unique_ptr<ResidentScene> scene_;
+  std::shared_ptr<ResidentScene> scene_;
 };
 
 }  // namespace gnomon::gpu

@@ -170,7 +170,7 @@ class Builder {
     group.first_chunk = out_.chunk_count();
     const auto end = static_cast<uint32_t>(out_.clusters.size());
     for (uint32_t c = first_cluster; c < end; c += kMaxClustersInChunk)
-      out_.chunks.push_back({c, std::min(end - c, kMaxClustersInChunk), group.double_sided});
+      out_.chunks.push_back({c, std::min(end - c, kMaxClustersInChunk), group.double_sided, group.masked});
     group.chunk_count = out_.chunk_count() - group.first_chunk;
   }
 

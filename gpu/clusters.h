@@ -27,6 +27,7 @@ struct ClusterChunk {
   uint32_t first_cluster = 0;
   uint32_t cluster_count = 0;  // at most 32
   uint32_t double_sided = 0;
+  uint32_t masked = 0;
 };
 
 // A contiguous range of clusters that one pipeline state draws.

@@ -1,19 +1,26 @@
 #include "gpu/device.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 namespace gnomon::gpu {
 namespace {
 
-Result<uint32_t> frame_queue_family(const DeviceInfo& info) {
+struct QueueFamily {
+  uint32_t index = 0;
+  uint32_t queues = 0;
+};
+
+Result<QueueFamily> frame_queue_family(const DeviceInfo& info) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(info.handle, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(info.handle, &count, families.data());
   constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
   for (uint32_t i = 0; i < count; ++i)
-    if ((families[i].queueFlags & needed) == needed && families[i].timestampValidBits > 0) return i;
+    if ((families[i].queueFlags & needed) == needed && families[i].timestampValidBits > 0)
+      return QueueFamily{i, families[i].queueCount};
   return Error{"device '" + info.name + "' has no queue for graphics and compute with timestamps"};
 }
 
@@ -60,12 +67,13 @@ Result<void> Device::open(const DeviceOptions& options) {
   const auto family = frame_queue_family(info_);
   if (!family) return family.error();
 
-  const float priority = 1.0f;
+  const uint32_t queue_count = std::clamp(options.queues, 1u, family->queues);
+  const std::vector<float> priorities(queue_count, 1.0f);
   VkDeviceQueueCreateInfo queue{};
   queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
-  queue.queueFamilyIndex = *family;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  queue.queueFamilyIndex = family->index;
+  queue.queueCount = queue_count;
+  queue.pQueuePriorities = priorities.data();
   const FeatureChain chain(features_);
   constexpr std::array ray_query_extensions{VK_KHR_RAY_QUERY_EXTENSION_NAME,
                                             VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
@@ -82,7 +90,11 @@ Result<void> Device::open(const DeviceOptions& options) {
   if (const VkResult r = vkCreateDevice(info_.handle, &create, nullptr, &device_); r != VK_SUCCESS)
     return vulkan_error(r, "opening device '" + info_.name + "'");
   memory_.open(info_.handle, device_, features_.unified_memory);
-  return queue_.open(device_, *family);
+  for (uint32_t i = 0; i < queue_count; ++i) {
+    queues_.push_back(std::make_unique<Queue>());
+    if (auto open = queues_.back()->open(device_, family->index, i); !open) return open;
+  }
+  return {};
 }
 
 Device::~Device() {
@@ -90,19 +102,25 @@ Device::~Device() {
   vkDeviceWaitIdle(device_);
   for (Parked& parked : parked_) parked.destroy();
   memory_.close();
-  queue_.close();
+  for (const auto& queue : queues_) queue->close();
   vkDestroyDevice(device_, nullptr);
 }
 
 void Device::retire(std::function<void()> destroy) {
   std::lock_guard lock(parking_);
-  parked_.push_back({queue_.submitted(), std::move(destroy)});
+  Parked parked{{}, std::move(destroy)};
+  for (const auto& queue : queues_) parked.values.push_back(queue->submitted());
+  parked_.push_back(std::move(parked));
 }
 
 void Device::collect() {
-  const uint64_t completed = queue_.completed();
+  std::vector<uint64_t> completed;
+  for (const auto& queue : queues_) completed.push_back(queue->completed());
+  const auto passed = [&](const Parked& parked) {
+    return std::equal(parked.values.begin(), parked.values.end(), completed.begin(), std::less_equal<>());
+  };
   std::lock_guard lock(parking_);
-  while (!parked_.empty() && parked_.front().value <= completed) {
+  while (!parked_.empty() && passed(parked_.front())) {
     parked_.front().destroy();
     parked_.pop_front();
   }

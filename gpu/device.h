@@ -1,4 +1,4 @@
-// A Vulkan device of ours: logical device, queue, memory, and the parking place of dropped objects.
+// A Vulkan device of ours: logical device, queues, memory, and the parking place of dropped objects.
 #pragma once
 
 #include <deque>
@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "common/result.h"
 #include "gpu/device_features.h"
@@ -18,6 +19,7 @@ namespace gnomon::gpu {
 struct DeviceOptions {
   std::string device;  // see choose_device
   ValidationOptions validation;
+  uint32_t queues = 1;  // for frames that overlap; fewer where the device has fewer
 };
 
 class Device;
@@ -34,18 +36,20 @@ class Device {
   VkDevice handle() const { return device_; }
   const DeviceInfo& info() const { return info_; }
   const DeviceFeatures& features() const { return features_; }
-  Queue& queue() { return queue_; }
+  // Queues of one family: frames are spread over them. The first one also takes what is no frame.
+  Queue& queue(size_t i = 0) { return *queues_[i]; }
+  size_t queue_count() const { return queues_.size(); }
   MemoryAllocator& memory() { return memory_; }
   uint64_t validation_messages() const { return instance_->validation_messages(); }
 
-  // Any thread. Parks what destroys an object until all work submitted so far has passed the queue's timeline.
+  // Any thread. Parks what destroys an object until all work submitted so far has passed the queues' timelines.
   void retire(std::function<void()> destroy);
   // Any thread. Destroys what was parked and has passed; every frame slot calls it as it comes into use again.
   void collect();
 
  private:
   struct Parked {
-    uint64_t value;
+    std::vector<uint64_t> values;  // of each queue
     std::function<void()> destroy;
   };
 
@@ -56,7 +60,7 @@ class Device {
   DeviceInfo info_;
   DeviceFeatures features_;
   VkDevice device_ = VK_NULL_HANDLE;
-  Queue queue_;
+  std::vector<std::unique_ptr<Queue>> queues_;
   MemoryAllocator memory_;
   std::mutex parking_;
   std::deque<Parked> parked_;  // values never decrease

@@ -1,6 +1,8 @@
 #include "gpu/device_features.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +32,16 @@ bool offers_ray_query(VkPhysicalDevice device) {
   features.pNext = &acceleration;
   vkGetPhysicalDeviceFeatures2(device, &features);
   return ray_query.rayQuery && acceleration.accelerationStructure;
+}
+
+bool offers_atomic_int64(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan12Features v12{};
+  v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+  VkPhysicalDeviceFeatures2 features{};
+  features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+  features.pNext = &v12;
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  return features.features.shaderInt64 && v12.shaderBufferInt64Atomics;
 }
 
 }  // namespace
@@ -75,6 +87,20 @@ std::string missing_features(VkPhysicalDevice device) {
   return missing;
 }
 
+std::string pci_address(VkPhysicalDevice device) {
+  if (!offers(device, VK_EXT_PCI_BUS_INFO_EXTENSION_NAME)) return {};
+  VkPhysicalDevicePCIBusInfoPropertiesEXT bus{};
+  bus.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PCI_BUS_INFO_PROPERTIES_EXT;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  properties.pNext = &bus;
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%04x:%02x:%02x.%x", bus.pciDomain, bus.pciBus, bus.pciDevice,
+                bus.pciFunction);
+  return text.data();
+}
+
 DeviceFeatures query_features(VkPhysicalDevice device) {
   VkPhysicalDeviceSubgroupProperties subgroup{};
   subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
@@ -84,6 +110,7 @@ DeviceFeatures query_features(VkPhysicalDevice device) {
   vkGetPhysicalDeviceProperties2(device, &properties);
   DeviceFeatures offered;
   offered.ray_query = offers_ray_query(device);
+  offered.atomic_int64 = offers_atomic_int64(device);
   const VkPhysicalDeviceType type = properties.properties.deviceType;
   offered.unified_memory = type == VK_PHYSICAL_DEVICE_TYPE_CPU || type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
   offered.subgroup_size = subgroup.subgroupSize;
@@ -98,9 +125,11 @@ FeatureChain::FeatureChain(const DeviceFeatures& offered) {
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &v12;
   features.features.multiDrawIndirect = VK_TRUE;
+  features.features.shaderInt64 = offered.atomic_int64;
   v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   v12.pNext = &v13;
   v12.bufferDeviceAddress = VK_TRUE;
+  v12.shaderBufferInt64Atomics = offered.atomic_int64;
   v12.timelineSemaphore = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
   v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;

@@ -10,6 +10,7 @@ namespace gnomon::gpu {
 
 struct DeviceFeatures {
   bool ray_query = false;
+  bool atomic_int64 = false;    // 64-bit atomic operations on buffers
   bool unified_memory = false;  // device memory is host memory: nothing needs staging
   uint32_t subgroup_size = 0;
   uint32_t max_image_side = 0;  // pixels
@@ -20,6 +21,9 @@ struct DeviceFeatures {
 std::string missing_features(VkPhysicalDevice device);
 
 DeviceFeatures query_features(VkPhysicalDevice device);
+
+// As sysfs names it; empty: the device is on no PCI bus or does not say where.
+std::string pci_address(VkPhysicalDevice device);
 
 // The feature chain that a VkDevice of ours is created with. Not copyable: the structs point at each other.
 struct FeatureChain {

@@ -43,16 +43,26 @@ Result<void> FrameSlot::add_recording(const FramePlan& plan) {
   return {};
 }
 
+bool FrameSlot::holds(const ResidentScene& scene, const TileGrid& grid) const {
+  return resources_ && resources_->capacity.holds(frame_size(scene, grid));
+}
+
 Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid) {
   device_->collect();
+  if (holds(scene, grid)) return {};
   const Capacity needed = frame_size(scene, grid);
-  if (resources_ && resources_->capacity.holds(needed)) return {};
   const Capacity old = resources_ ? resources_->capacity : Capacity{};
   resources_.reset();
-  auto grown = plan.allocate(old.grown_to(needed));
-  if (!grown) return grown.error();
-  resources_ = std::move(*grown);
-  return {};
+  auto made = plan.allocate(old.grown_to(needed));
+  if (!made) made = plan.allocate(needed);
+  if (made) {
+    resources_ = std::move(*made);
+    return {};
+  }
+  if (old.width > 0) {  // who needs no more than before does not suffer for who needs more
+    if (auto as_before = plan.allocate(old)) resources_ = std::move(*as_before);
+  }
+  return made.error();
 }
 
 void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) {

@@ -26,8 +26,10 @@ class FrameSlot {
   // `number`: among the frames in flight.
   static Result<FrameSlot> create(const DevicePtr& device, const FramePlan& plan, uint32_t number = 0);
 
-  // Makes room for frames of `scene` and `grid`: resources only grow. Precondition of this and of submit: the slot's
-  // last frame has passed. Error: out of memory; then only another reserve may follow.
+  // It has room for a frame of `scene` and `grid`.
+  bool holds(const ResidentScene& scene, const TileGrid& grid) const;
+  // Makes such room: resources only grow. Precondition of this and of submit: the slot's last frame has passed. Error:
+  // out of memory; then only another reserve may follow.
   Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
   // Records one frame of a grid that was reserved, of the scene as it is `posed`: all of it, or the first band of

@@ -75,6 +75,7 @@ DeviceInfo describe(VkPhysicalDevice handle) {
   info.handle = handle;
   info.name = properties.properties.deviceName;
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  info.pci_address = pci_address(handle);
   info.type = properties.properties.deviceType;
   info.api_version = properties.properties.apiVersion;
   info.missing = missing_features(handle);

@@ -47,6 +47,7 @@ struct DeviceInfo {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   std::string name;
   std::string driver;
+  std::string pci_address;  // as sysfs names it: "0000:65:00.0"; empty: on no such bus
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
   uint32_t api_version = 0;
   std::string missing;  // what Gnomon needs and the device lacks; empty: usable

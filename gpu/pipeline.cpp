@@ -67,11 +67,15 @@ struct RasterState {
 
 }  // namespace
 
-Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images) {
+Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images, uint32_t storage_images) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   bindings.push_back({0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, kStages, nullptr});
-  for (uint32_t i = 0; i < sampled_images; ++i)
-    bindings.push_back({i + 1, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1, kStages, nullptr});
+  const auto add = [&](VkDescriptorType type, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i)
+      bindings.push_back({static_cast<uint32_t>(bindings.size()), type, 1, kStages, nullptr});
+  };
+  add(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled_images);
+  add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, storage_images);
   VkDescriptorSetLayoutCreateInfo set{};
   set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
   set.bindingCount = static_cast<uint32_t>(bindings.size());

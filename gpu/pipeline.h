@@ -12,8 +12,8 @@ using DescriptorSetLayout = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetL
 using PipelineLayout = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
 using Pipeline = Owned<VkPipeline, vkDestroyPipeline>;
 
-// Every pass sees the same set: binding 0 the frame's uniforms, bindings 1 and up the images that it samples, in
-// the order in which it declares them. All else goes through device addresses in push constants.
+// Every pass sees the same set: binding 0 the frame's uniforms, then the images that it samples, then those
+// that compute writes, each in the order in which it declares them. All else goes through device addresses in push constants.
 struct PassLayout {
   DescriptorSetLayout set;
   PipelineLayout pipeline;
@@ -22,7 +22,7 @@ struct PassLayout {
 // What every device offers, lavapipe of Mesa 22 included.
 inline constexpr uint32_t kPushConstantBytes = 128;
 
-Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images);
+Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images, uint32_t storage_images = 0);
 
 Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,
                                        std::span<const uint32_t> shader);

@@ -4,10 +4,10 @@
 
 namespace gnomon::gpu {
 
-Result<void> Queue::open(VkDevice device, uint32_t family) {
+Result<void> Queue::open(VkDevice device, uint32_t family, uint32_t index) {
   device_ = device;
   family_ = family;
-  vkGetDeviceQueue(device, family, 0, &queue_);
+  vkGetDeviceQueue(device, family, index, &queue_);
   VkSemaphoreTypeCreateInfo type{};
   type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
   type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
@@ -24,7 +24,14 @@ void Queue::close() {
   timeline_ = VK_NULL_HANDLE;
 }
 
-Result<uint64_t> Queue::submit(std::span<const VkCommandBuffer> commands) {
+Result<uint64_t> Queue::submit(std::span<const VkCommandBuffer> commands, const Queue* other) {
+  VkSemaphoreSubmitInfo after{};
+  if (other && other != this) {
+    after.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
+    after.semaphore = other->timeline_;
+    after.value = other->completed();
+    after.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  }
   std::lock_guard lock(submitting_);
   const uint64_t first = submitted_ + 1;
   std::vector<VkCommandBufferSubmitInfo> buffers(commands.size());
@@ -43,8 +50,15 @@ Result<uint64_t> Queue::submit(std::span<const VkCommandBuffer> commands) {
     submits[i].signalSemaphoreInfoCount = 1;
     submits[i].pSignalSemaphoreInfos = &signals[i];
   }
+  if (after.semaphore && !submits.empty()) {
+    submits.front().waitSemaphoreInfoCount = 1;
+    submits.front().pWaitSemaphoreInfos = &after;
+  }
   const VkResult r = vkQueueSubmit2(queue_, static_cast<uint32_t>(submits.size()), submits.data(), VK_NULL_HANDLE);
-  if (r != VK_SUCCESS) return vulkan_error(r, "submitting work");
+  if (r != VK_SUCCESS) {
+    if (r != VK_ERROR_OUT_OF_HOST_MEMORY && r != VK_ERROR_OUT_OF_DEVICE_MEMORY) lost_ = true;
+    return vulkan_error(r, "submitting work");
+  }
   submitted_ = first + commands.size() - 1;
   return first;
 }

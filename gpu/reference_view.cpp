@@ -36,6 +36,12 @@ ShadingUniforms uniforms_of(const std::vector<scenes::Light>& lights, const Shad
   return out;
 }
 
+RgbaImage image_of(uint32_t width, uint32_t height, std::span<const std::byte> pixels) {
+  RgbaImage image{width, height, std::vector<uint8_t>(pixels.size())};
+  std::memcpy(image.rgba.data(), pixels.data(), pixels.size());
+  return image;
+}
+
 }  // namespace
 
 // A frame of gbuffer and shade, its host inputs filled in.
@@ -44,6 +50,7 @@ class ReferenceView::Shader {
   explicit Shader(std::unique_ptr<BlockingFrame> frame) : frame_(std::move(frame)) {}
 
   ResidentScene& scene() { return frame_->scene(); }
+  const BlockingFrame& frame() const { return *frame_; }
 
   // Four bytes a pixel, valid until the next call.
   Result<std::span<const std::byte>> render(const CameraView& camera, const TileMaskView& masks,
@@ -81,9 +88,26 @@ Result<RgbaImage> ReferenceView::render(const CameraView& camera, uint32_t width
     return Error{"a mask of another size than the picture's"};
   const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene().lights(), options), options.time);
   if (!pixels) return pixels.error();
-  RgbaImage image{width, height, std::vector<uint8_t>(pixels->size())};
-  std::memcpy(image.rgba.data(), pixels->data(), pixels->size());
-  return image;
+  return image_of(width, height, *pixels);
+}
+
+Result<Reprojection*> ReferenceView::reprojection() {
+  if (!reprojection_) {
+    auto made = Reprojection::create(shader_->frame());
+    if (!made) return made.error();
+    reprojection_ = std::move(*made);
+  }
+  return &*reprojection_;
+}
+
+Result<RgbaImage> ReferenceView::predict(const CameraView& camera, uint32_t width, uint32_t height,
+                                         const SeenMasks& seen, const ShadeOptions& options) {
+  const auto reprojected = reprojection();
+  if (!reprojected) return reprojected.error();
+  const auto shading = uniforms_of(shader_->scene().lights(), options);
+  const auto pixels = (*reprojected)->shade(camera, width, height, seen, std::as_bytes(std::span(&shading, 1)));
+  if (!pixels) return pixels.error();
+  return image_of(width, height, *pixels);
 }
 
 Result<void> ReferenceView::set_lights(const std::vector<scenes::Light>& lights) {

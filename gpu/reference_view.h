@@ -10,6 +10,7 @@
 
 #include "common/result.h"
 #include "common/tile_mask.h"
+#include "gpu/reprojection.h"
 #include "gpu/vulkan_renderer.h"
 #include "scenes/motion.h"
 #include "scenes/scene.h"
@@ -48,6 +49,13 @@ class ReferenceView {
   Result<RgbaImage> render(const CameraView& camera, uint32_t width, uint32_t height, const TileMaskView& masks,
                            const ShadeOptions& options = {});
 
+  // The same for a camera whose masks have not come: with those of another one, by reprojection. The time is that of
+  // `seen`, not of the options. Error: as render.
+  Result<RgbaImage> predict(const CameraView& camera, uint32_t width, uint32_t height, const SeenMasks& seen,
+                            const ShadeOptions& options = {});
+  // Made at the first call. Error: out of memory.
+  Result<Reprojection*> reprojection();
+
   // The lights of pictures from now on, as many as the scene has. Error: another number.
   Result<void> set_lights(const std::vector<scenes::Light>& lights);
 
@@ -58,6 +66,7 @@ class ReferenceView {
   class Shader;
   explicit ReferenceView(std::unique_ptr<Shader> shader);
   std::unique_ptr<Shader> shader_;
+  std::optional<Reprojection> reprojection_;
 };
 
 }  // namespace gnomon::gpu

@@ -98,6 +98,7 @@ struct SceneFootprint {
 struct FrameDone {
   JobId id;
   bool device_lost = false;       // then there is no mask
+  bool out_of_memory = false;     // the driver had no memory to start it: the same, and the device is well
   uint64_t gpu_ns = 0;            // from the first command to the last, by the device's timestamps
   uint64_t readback_ns = 0;       // of these, writing to host memory
   std::vector<StageTime> stages;  // every pass, in order
@@ -115,6 +116,9 @@ class Renderer {
   virtual std::string device_name() const = 0;
   virtual std::string driver_name() const { return {}; }
   virtual std::string tracer_name() const { return {}; }
+  virtual std::string pci_address() const { return {}; }  // "0000:65:00.0"; empty: on no such bus
+  virtual bool on_cpu() const { return false; }           // the device is the host's processor
+  virtual std::string raster_name() const { return {}; }
 
   // Uploads a scene and builds what the tracer needs; blocking. Twice is no news.
   virtual Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) = 0;
@@ -141,12 +145,17 @@ class Renderer {
   // How many submits will be accepted now. Grows when leases are dropped.
   virtual uint32_t free_slots() const = 0;
 
-  // Precondition: free_slots() > 0 and the scene is resident. `on_done` is called once, from the completion
-  // thread, also when the device is lost. Error: out of memory or device lost; then `on_done` is not called.
+  // There is memory for a frame of this scene and size, at this time: a slot holds one, or a free one does from now on.
+  // Without a free slot nothing is known, which is no error. Error: there is none, a smaller one may pass.
+  virtual Result<void> make_room(const RenderJob&) { return {}; }
+
+  // Precondition: free_slots() > 0 and the scene is resident. `on_done` is called once, from the completion thread, also
+  // when the device is lost. Error: no memory for a frame of this size; then `on_done` is not called.
   virtual Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) = 0;
 
   // The next `tile_rows` of a frame that was begun with fewer than it has; the bands before may still be on the
-  // device. `on_done` as above; the mask comes with the last band. On an error the frame is still begun.
+  // device. `on_done` as above; the mask comes with the last band. On an error, as when a band before was not started,
+  // the frame is still begun.
   virtual Result<void> resume(JobId frame, uint32_t tile_rows, std::function<void(FrameDone)> on_done) = 0;
   // Gives a begun frame up. Its slot is free when the bands on the device are done.
   virtual void abandon(JobId frame) = 0;

@@ -9,6 +9,7 @@
 #include "gpu/background.h"
 #include "gpu/lanes.h"
 #include "gpu/passes/passes.h"
+#include "gpu/raster_choice.h"
 #include "gpu/tracers/tracer.h"
 
 namespace gnomon::gpu {
@@ -16,8 +17,8 @@ namespace {
 
 // What leases share with the renderer and keep alive after it.
 struct SlotPool {
-  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, Lanes l)
-      : device(std::move(d)), tracer(std::move(t)), lanes(std::move(l)) {
+  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, std::string r, Lanes l)
+      : device(std::move(d)), tracer(std::move(t)), raster(std::move(r)), lanes(std::move(l)) {
     for (size_t i = 0; i < lanes.slots(); ++i) free.push_back(i);
   }
 
@@ -38,6 +39,7 @@ struct SlotPool {
 
   DevicePtr device;
   std::unique_ptr<Tracer> tracer;
+  std::string raster;
   Lanes lanes;  // the render loop's
   mutable std::mutex mutex;
   std::vector<size_t> free;
@@ -55,6 +57,7 @@ struct InFlight {
   uint64_t timeline = kNeverStarted;
   TileGrid grid;
   std::function<void(FrameDone)> on_done;
+  bool out_of_memory = false;  // why it was never started
 };
 
 // A frame of which not all rows were submitted.
@@ -64,21 +67,35 @@ struct Begun {
   SceneId scene;
   TileGrid grid;
   uint32_t next_row = 0;
+  bool holed = false;  // one of its bands was never started
+};
+
+// One queue of the device: what waits to be started on it, and who waits for its end. Slots have their queue for ever.
+struct Line {
+  std::vector<InFlight> pending;  // submitted, not started
+  std::vector<VkCommandBuffer> commands;
+  Inbox<InFlight> in_flight;
+  std::thread completion;
 };
 
 class VulkanRenderer : public Renderer {
  public:
   explicit VulkanRenderer(std::shared_ptr<SlotPool> pool)
-      : pool_(std::move(pool)), completion_([this] { complete(); }) {}
+      : pool_(std::move(pool)), lines_(pool_->device->queue_count()) {
+    for (Line& line : lines_) line.completion = std::thread([this, &line] { complete(line); });
+  }
   ~VulkanRenderer() override {
     start_pending();
-    in_flight_.close();
-    completion_.join();
+    for (Line& line : lines_) line.in_flight.close();
+    for (Line& line : lines_) line.completion.join();
   }
 
   std::string device_name() const override { return pool_->device->info().name; }
   std::string driver_name() const override { return pool_->device->info().driver; }
+  std::string pci_address() const override { return pool_->device->info().pci_address; }
+  bool on_cpu() const override { return pool_->device->info().type == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   std::string tracer_name() const override { return std::string(pool_->tracer->name()); }
+  std::string raster_name() const override { return pool_->raster; }
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
     if (scenes_.contains(id)) return {};
@@ -147,6 +164,24 @@ class VulkanRenderer : public Renderer {
 
   uint32_t free_slots() const override { return pool_->free_count(); }
 
+  Result<void> make_room(const RenderJob& job) override {
+    const auto found = scenes_.find(job.scene);
+    if (found == scenes_.end()) return not_resident(job.scene);
+    if (auto fits = check_size(*pool_->device, job.width, job.height); !fits) return fits;
+    const ResidentScene& scene = *found->second;
+    const TileGrid grid{job.width, job.height, scene.light_count()};
+    const auto lane = pool_->lanes.lane_for(*scene.pose(job.time));
+    if (!lane) return lane.error();
+    std::vector<FrameSlot>& slots = (*lane)->slots;
+    const bool held =
+        std::any_of(slots.begin(), slots.end(), [&](const FrameSlot& slot) { return slot.holds(scene, grid); });
+    if (held || free_slots() == 0) return {};
+    const size_t free = pool_->take();
+    const auto room = slots[free].reserve((*lane)->plan, scene, grid);
+    pool_->give_back(free);
+    return room;
+  }
+
   Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) override {
     const auto scene = scenes_.find(job.scene);
     if (scene == scenes_.end()) return not_resident(job.scene);
@@ -173,6 +208,7 @@ class VulkanRenderer : public Renderer {
     const auto found = begun_.find(id);
     if (found == begun_.end()) return Error{"frame " + std::to_string(id.value) + " was not begun"};
     Begun& frame = found->second;
+    if (frame.holed) return Error{"a band of frame " + std::to_string(id.value) + " was not started"};
     const auto scene = scenes_.find(frame.scene);
     if (scene == scenes_.end()) return not_resident(frame.scene);
     const uint32_t rows = std::min(tile_rows, frame.grid.tiles_y() - frame.next_row);
@@ -190,7 +226,8 @@ class VulkanRenderer : public Renderer {
     const auto found = begun_.find(id);
     if (found == begun_.end()) return;
     start_pending();  // what is recorded of it refers to its slot
-    in_flight_.push({id, found->second.slot, nullptr, VK_NULL_HANDLE, true, 0, {}, nullptr});
+    const size_t slot = found->second.slot;
+    line_of(slot).in_flight.push({id, slot, nullptr, VK_NULL_HANDLE, true, 0, {}, nullptr});
     begun_.erase(found);
   }
 
@@ -208,15 +245,30 @@ class VulkanRenderer : public Renderer {
     return found != scenes_.end() && found->second->scene_ptr() == scene ? found->second.get() : nullptr;
   }
 
+  Line& line_of(size_t slot) { return lines_[slot % lines_.size()]; }
+  Queue& queue_of(size_t slot) const { return pool_->device->queue(slot % lines_.size()); }
+
   void start_pending() {
-    if (pending_.empty()) return;
-    const auto first = pool_->device->queue().submit(pending_commands_);
-    for (size_t i = 0; i < pending_.size(); ++i) {
-      if (first) pending_[i].timeline = *first + i;
-      in_flight_.push(std::move(pending_[i]));
+    for (Line& line : lines_) {
+      if (line.pending.empty()) continue;
+      const size_t slot = line.pending.front().slot;
+      const auto first = queue_of(slot).submit(line.commands, &pool_->device->queue());
+      for (size_t i = 0; i < line.pending.size(); ++i) {
+        if (first) {
+          line.pending[i].timeline = *first + i;
+        } else {
+          not_started(line.pending[i]);
+        }
+        line.in_flight.push(std::move(line.pending[i]));
+      }
+      line.pending.clear();
+      line.commands.clear();
     }
-    pending_.clear();
-    pending_commands_.clear();
+  }
+
+  void not_started(InFlight& band) {
+    band.out_of_memory = !queue_of(band.slot).lost();
+    if (const auto frame = begun_.find(band.id); frame != begun_.end()) frame->second.holed = true;
   }
 
   static Result<RecordedBand> record(Lane& lane, size_t number, const ResidentScene& scene,
@@ -227,14 +279,15 @@ class VulkanRenderer : public Renderer {
   }
 
   void pend(const RecordedBand& band, InFlight frame) {
-    pending_commands_.push_back(band.commands);
-    pending_.push_back(std::move(frame));
+    Line& line = line_of(frame.slot);
+    line.commands.push_back(band.commands);
+    line.pending.push_back(std::move(frame));
     if (!batching_) start_pending();
   }
 
-  void complete() {
+  void complete(Line& line) {
     std::vector<InFlight> batch;
-    for (in_flight_.take(batch); !batch.empty(); in_flight_.take(batch))
+    for (line.in_flight.take(batch); !batch.empty(); line.in_flight.take(batch))
       for (InFlight& frame : batch) {
         if (frame.on_done) {
           frame.on_done(finish(frame));
@@ -252,11 +305,12 @@ class VulkanRenderer : public Renderer {
     done.complete = frame.last;
     auto release = [pool = pool_, slot = frame.slot] { pool->give_back(slot); };
     const auto passed = frame.timeline == kNeverStarted ? Result<void>(Error{"the device took no work"})
-                                                        : pool_->device->queue().wait(frame.timeline);
+                                                        : queue_of(frame.slot).wait(frame.timeline);
     auto timing = passed ? slot.timing(plan, frame.timestamps) : Result<FrameTiming>(passed.error());
     if (!timing) {
       if (frame.last) release();
-      done.device_lost = true;
+      done.out_of_memory = frame.out_of_memory;
+      done.device_lost = !frame.out_of_memory;
       return done;
     }
     done.gpu_ns = timing->total_ns;
@@ -272,10 +326,7 @@ class VulkanRenderer : public Renderer {
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;  // the render loop's
   std::map<JobId, Begun> begun_;
   bool batching_ = false;
-  std::vector<InFlight> pending_;  // submitted, not started
-  std::vector<VkCommandBuffer> pending_commands_;
-  Inbox<InFlight> in_flight_;
-  std::thread completion_;
+  std::vector<Line> lines_;
   Background background_;  // ends first
 };
 
@@ -283,15 +334,18 @@ class VulkanRenderer : public Renderer {
 
 Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) {
   if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};
-  auto device = Device::create({options.device, options.validation});
+  auto device = Device::create({options.device, options.validation, options.queues});
   if (!device) return device.error();
   auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
   if (!tracer) return tracer.error();
-  auto lanes = Lanes::create(*device, options.passes, tracer->get(), options.frames_in_flight);
+  const auto raster = choose_raster(*device, options.raster);
+  if (!raster) return raster.error();
+  auto lanes =
+      Lanes::create(*device, with_raster(options.passes, *raster), tracer->get(), options.frames_in_flight);
   if (!lanes) return lanes.error();
   if (std::find(options.passes.begin(), options.passes.end(), "readback") == options.passes.end())
     return Error{"the pass list has no 'readback': no mask would reach the host"};
-  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*lanes));
+  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), *raster, std::move(*lanes));
   return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool)));
 }
 

@@ -1,4 +1,4 @@
-// The real Renderer: one Vulkan device, several frames in flight, a completion thread.
+// The real Renderer: one Vulkan device, several frames in flight, a completion thread for each queue.
 #pragma once
 
 #include <memory>
@@ -15,9 +15,11 @@ namespace gnomon::gpu {
 struct RendererOptions {
   std::string device;           // "" the best one, an index, a type (cpu, discrete, ...) or part of a name
   std::string tracer = "auto";  // see make_tracer
+  std::string raster = "auto";  // see choose_raster
   TracerOptions tracer_options;
   std::vector<std::string> passes{"gbuffer", "trace", "pack", "readback"};
   uint32_t frames_in_flight = 3;
+  uint32_t queues = 1;  // that frames are spread over: they overlap on the device; fewer where it has fewer
   ValidationOptions validation;
 };
 

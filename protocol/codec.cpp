@@ -203,19 +203,20 @@ Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size
   workspace_->frame = frame;
   if (codec == CodecId::tiles_lz4) workspace_->coded.code(frame.words);
   if (codec == CodecId::tiles_context) workspace_->framed.take(frame);
-  workspace_->framed.reference = nullptr;
+  workspace_->framed.refer_to(nullptr, {});
   return cut(codec, max_payload_bytes, out);
 }
 
 Result<void> FrameEncoder::encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes,
-                                  EncodedFrame& out, const MaskReference* reference) {
+                                  EncodedFrame& out, const MaskReference* reference,
+                                  const std::optional<CameraView>& camera) {
   Workspace& work = *workspace_;
   work.frame = {frame.grid, {}};
   if (codec == CodecId::tiles_lz4) {
     work.coded.code(frame);
   } else if (codec == CodecId::tiles_context) {
     work.framed.take(frame);
-    work.framed.reference = reference;
+    work.framed.refer_to(reference, camera);
   } else {
     work.words.resize(frame.grid.word_count());
     unpack(frame, work.words);
@@ -250,12 +251,13 @@ struct SplitFrame::Parts {
   std::vector<EncodedFrame> encoded;  // for each unit
 };
 
-SplitFrame::SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference)
+SplitFrame::SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference,
+                       const std::optional<CameraView>& camera)
     : parts_(std::make_unique<Parts>()) {
   assert(max_payload_bytes >= kMinPayloadBytes);
   parts_->limit = max_payload_bytes;
   parts_->tiles.take(frame);
-  parts_->tiles.reference = reference.get();
+  parts_->tiles.refer_to(reference.get(), camera);
   parts_->reference = std::move(reference);
   parts_->units = context::plan_units(parts_->tiles, max_payload_bytes);
   parts_->encoded.resize(parts_->units.size());

@@ -40,9 +40,9 @@ class FrameEncoder {
   // A frame without lights has no slices at all.
   Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
   // The same of the frame unpacked, in less time; of tiles_context in fewer bytes, as free tiles become what is likely.
-  // `reference`, of the same grid, is for tiles_context alone: a frame that the decoder has.
+  // `reference`, of the same grid, is for tiles_context alone: a frame that the decoder has. `camera`: this frame's.
   Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out,
-                      const MaskReference* reference = nullptr);
+                      const MaskReference* reference = nullptr, const std::optional<CameraView>& camera = {});
 
  private:
   struct Workspace;
@@ -55,8 +55,9 @@ class FrameEncoder {
 // are the same however many threads take part, and the same as FrameEncoder's.
 class SplitFrame {
  public:
-  // Copies what it needs of `frame`. `reference`: of the same grid, or null.
-  SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference);
+  // Copies what it needs of `frame`. `reference`: of the same grid, or null. `camera`: the frame's, if that is known.
+  SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference,
+             const std::optional<CameraView>& camera = {});
   ~SplitFrame();
 
   size_t unit_count() const;

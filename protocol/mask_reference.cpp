@@ -7,9 +7,10 @@
 
 namespace gnomon::protocol {
 
-MaskReference::MaskReference(FrameId frame, const TileMaskView& mask)
+MaskReference::MaskReference(FrameId frame, const TileMaskView& mask, const std::optional<CameraView>& camera)
     : frame_(frame),
       grid_(mask.grid),
+      camera_(camera),
       checksum_(static_cast<uint32_t>(XXH3_64bits(mask.words.data(), mask.words.size_bytes()))),
       lights_(mask.grid.lights) {
   assert(mask.words.size() == grid_.word_count());

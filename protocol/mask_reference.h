@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/ids.h"
 #include "common/tile_mask.h"
 #include "protocol/context/bit_rows.h"
+#include "protocol/types.h"
 
 namespace gnomon::protocol {
 
@@ -16,10 +18,12 @@ namespace gnomon::protocol {
 class MaskReference {
  public:
   // `mask`: every word as it is coded, bits that do not matter included.
-  MaskReference(FrameId frame, const TileMaskView& mask);
+  // `camera`: what it was seen through, where that is known; the encoder looks for what has moved by it.
+  MaskReference(FrameId frame, const TileMaskView& mask, const std::optional<CameraView>& camera = {});
 
   FrameId frame() const { return frame_; }
   const TileGrid& grid() const { return grid_; }
+  const std::optional<CameraView>& camera() const { return camera_; }
   // Of all words; travels with every slice that refers to this, so that a damaged one is noticed.
   uint32_t checksum() const { return checksum_; }
   const context::BitRows& rows(uint32_t light) const { return lights_[light]; }
@@ -27,6 +31,7 @@ class MaskReference {
  private:
   FrameId frame_;
   TileGrid grid_;
+  std::optional<CameraView> camera_;
   uint32_t checksum_;
   std::vector<context::BitRows> lights_;
 };

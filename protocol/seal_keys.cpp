@@ -49,17 +49,22 @@ int size_of(std::span<const uint8_t> bytes) { return static_cast<int>(bytes.size
 
 void Aead::Free::operator()(evp_cipher_ctx_st* context) const { EVP_CIPHER_CTX_free(context); }
 
-Aead::Aead(CipherId cipher, const Secret& secret, bool sealing) : context_(EVP_CIPHER_CTX_new()) {
-  std::array<uint8_t, 32> key;
-  const auto used = std::span(key).first(cipher == CipherId::chacha20_poly1305 ? 32 : 16);
-  expand(secret, "gnomon 2 key", used);
-  expand(secret, "gnomon 2 iv", base_);
-  must(EVP_CipherInit_ex(context_.get(), algorithm(cipher), nullptr, key.data(), base_.data(), sealing ? 1 : 0));
-  OPENSSL_cleanse(key.data(), key.size());
+AeadKey::AeadKey(CipherId cipher, const Secret& secret) : size(cipher == CipherId::chacha20_poly1305 ? 32 : 16) {
+  expand(secret, "gnomon 2 key", std::span(bytes).first(size));
+  expand(secret, "gnomon 2 iv", iv);
 }
 
-Aead::Nonce Aead::nonce(uint64_t sequence) const {
-  Nonce made = base_;
+AeadKey::~AeadKey() { OPENSSL_cleanse(bytes.data(), bytes.size()); }
+
+Aead::Aead(CipherId cipher, const Secret& secret, bool sealing) : context_(EVP_CIPHER_CTX_new()) {
+  const AeadKey made(cipher, secret);
+  iv_ = made.iv;
+  must(EVP_CipherInit_ex(context_.get(), algorithm(cipher), nullptr, made.bytes.data(), iv_.data(),
+                         sealing ? 1 : 0));
+}
+
+AeadKey::Nonce Aead::nonce(uint64_t sequence) const {
+  AeadKey::Nonce made = iv_;
   for (size_t i = 0; i < 8; ++i) made[4 + i] ^= static_cast<uint8_t>(sequence >> (8 * i));
   return made;
 }

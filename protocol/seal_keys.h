@@ -21,12 +21,25 @@ inline constexpr uint64_t kEpochDatagrams = uint64_t{1} << 22;
 
 using Secret = std::array<uint8_t, 32>;
 
+// Of one epoch, from its secret. The key has 16 bytes for AES-128-GCM and 32 for ChaCha20-Poly1305.
+struct AeadKey {
+  using Nonce = std::array<uint8_t, 12>;
+
+  AeadKey(CipherId cipher, const Secret& secret);
+  ~AeadKey();  // wipes it
+  AeadKey(const AeadKey&) = delete;
+  std::span<const uint8_t> key() const { return std::span(bytes).first(size); }
+
+  std::array<uint8_t, 32> bytes{};
+  size_t size;
+  Nonce iv{};  // a datagram's nonce is this, its last bytes XORed with the sequence number
+};
+
 // An AEAD with one key. One direction and one thread; its context is made once, and used without allocating.
 class Aead {
  public:
   static constexpr size_t kTagBytes = 16;
 
-  // Derives key and nonce base from the epoch's secret.
   Aead(CipherId cipher, const Secret& secret, bool sealing);
 
   // `out` has room for text and tag, and is text.data() or does not overlap it.
@@ -40,11 +53,10 @@ class Aead {
   struct Free {
     void operator()(evp_cipher_ctx_st* context) const;
   };
-  using Nonce = std::array<uint8_t, 12>;
-  Nonce nonce(uint64_t sequence) const;
+  AeadKey::Nonce nonce(uint64_t sequence) const;
 
   std::unique_ptr<evp_cipher_ctx_st, Free> context_;
-  Nonce base_{};
+  AeadKey::Nonce iv_{};
 };
 
 // The secret of the next epoch.

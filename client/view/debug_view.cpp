@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "client/montage.h"
 #include "client/view/own_view.h"
 #include "gpu/tracers/light_buffer/builder.h"
 
@@ -9,13 +10,15 @@ namespace gnomon::client {
 
 namespace light_buffer = gpu::light_buffer;
 
-Result<DebugView> DebugView::create(const scenes::ScenePtr& scene, DebugKind kind, const std::string& device) {
+Result<DebugView> DebugView::create(const scenes::ScenePtr& scene, const ViewSize& size, DebugKind kind,
+                                    const std::string& device) {
   gpu::RendererOptions options;
   options.device = device;
   auto frame = gpu::BlockingFrame::create(options, {"gbuffer", "surface", "readback_surface"}, scene);
   if (!frame) return frame.error();
   DebugView view;
   view.kind_ = kind;
+  view.size_ = size;
   view.frame_ = std::move(*frame);
   for (const scenes::Light& light : scene->lights) view.lights_.push_back(gpu::traced_light(light, scene->bounds));
   if (kind == DebugKind::mask) return view;
@@ -24,7 +27,7 @@ Result<DebugView> DebugView::create(const scenes::ScenePtr& scene, DebugKind kin
   return view;
 }
 
-Result<std::vector<Picture>> DebugView::pictures(const FlownFrame& frame) {
+Result<std::vector<Picture>> DebugView::pictures(const Received& frame) {
   const scenes::SceneTime time(frame.mask.moment.scene_time_us);
   const auto grid = frame_->reserve(frame.mask.grid.width, frame.mask.grid.height, time);
   if (!grid) return grid.error();
@@ -33,11 +36,13 @@ Result<std::vector<Picture>> DebugView::pictures(const FlownFrame& frame) {
   const auto* samples = reinterpret_cast<const gpu::SurfaceSample*>(bytes.data());
   std::vector<Picture> pictures;
   const auto lights = std::min(frame.mask.grid.lights, static_cast<uint32_t>(lights_.size()));
-  for (uint32_t light = 0; light < lights; ++light) pictures.push_back(picture(frame, light, samples));
+  const BorderPlace place = place_of(frame.camera, size_);
+  for (uint32_t light = 0; light < lights; ++light)
+    pictures.push_back(crop(picture(frame, light, samples), place.left, place.top, size_.width, size_.height));
   return pictures;
 }
 
-Picture DebugView::picture(const FlownFrame& frame, uint32_t light, const gpu::SurfaceSample* samples) const {
+Picture DebugView::picture(const Received& frame, uint32_t light, const gpu::SurfaceSample* samples) const {
   const TileMaskView mask = frame.mask.mask();
   const auto& eye = frame.camera.position;
   const glm::vec3 camera(eye[0], eye[1], eye[2]);

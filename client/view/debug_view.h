@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "client/png.h"
+#include "client/thin_client.h"
 #include "client/view/debug_colours.h"
-#include "client/view/flight.h"
 #include "gpu/blocking_frame.h"
 #include "gpu/passes/passes.h"
 
@@ -18,16 +18,18 @@ namespace gnomon::client {
 class DebugView {
  public:
   // Builds light buffers unless `kind` is mask, which may take long. `device`: as OwnView::create.
-  static Result<DebugView> create(const scenes::ScenePtr& scene, DebugKind kind, const std::string& device);
+  static Result<DebugView> create(const scenes::ScenePtr& scene, const ViewSize& size, DebugKind kind,
+                                  const std::string& device);
 
-  // One for each light, of the traced size.
-  Result<std::vector<Picture>> pictures(const FlownFrame& frame);
+  // One for each light, without the border: of the camera that the masks are of.
+  Result<std::vector<Picture>> pictures(const Received& frame);
 
  private:
-  Picture picture(const FlownFrame& frame, uint32_t light, const gpu::SurfaceSample* samples) const;
+  Picture picture(const Received& frame, uint32_t light, const gpu::SurfaceSample* samples) const;
   Colour colour(const gpu::exact::ShadowSegment& segment, uint32_t light) const;
 
   DebugKind kind_ = DebugKind::mask;
+  ViewSize size_;
   std::unique_ptr<gpu::BlockingFrame> frame_;  // rasterises surface points
   std::vector<gpu::exact::TracedLight> lights_;
   scenes::WorldMesh mesh_;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
+
+#include "client/balance.h"
 
 namespace gnomon::client {
 namespace {
@@ -17,26 +20,38 @@ PaceOptions pace_of(const FlightOptions& options, float granted_hz) {
   return {.rate_hz = rate, .max_in_flight = max_in_flight(options.mode)};
 }
 
+ThinClientOptions client_options(const FlightOptions& options) {
+  ThinClientOptions client;
+  client.stream = options.stream;
+  client.mode = options.mode;
+  client.ahead = options.ahead;
+  client.automatic =
+      std::make_unique<Balance>(BalanceOptions{.size = options.size, .cost_per_s = options.cost_per_s});
+  return client;
+}
+
 Error size_changed(const TileGrid& grid) {
   return Error{"the server offers " + std::to_string(grid.width) + "x" + std::to_string(grid.height) +
                " (border included) at the moment: ask for that size"};
 }
 
+bool fits(const TileGrid& grid, const ViewSize& size) {
+  return grid.width == size.traced_width() && grid.height == size.traced_height();
+}
+
 }  // namespace
 
-Flight::Flight(const FlightOptions& options)
-    : options_(options),
+Flight::Flight(FlightOptions options)
+    : options_(std::move(options)),
       pacer_({}, Clock::now()),
-      stream_(loop_, options.stream, {.answer = [this](const Answer& answer) { on_answer(answer); }}) {}
+      client_(loop_, client_options(options_),
+              {.received = [this](const Received& received) { on_received(received); }}) {}
 
 Result<void> Flight::open() {
-  if (auto opened = stream_.wait_open(); !opened) return opened;
-  const TileGrid& grid = stream_.grid();
-  if (grid.width != options_.size.traced_width() || grid.height != options_.size.traced_height()) {
-    return size_changed(grid);
-  }
-  if (grid.lights == 0)
-    return Error{"scene '" + stream_.scene().name + "' has no lights: there is nothing to ask for"};
+  if (auto opened = client_.wait_open(); !opened) return opened;
+  if (!fits(client_.grid(), options_.size)) return size_changed(client_.grid());
+  if (client_.grid().lights == 0)
+    return Error{"scene '" + client_.scene().name + "' has no lights: there is nothing to ask for"};
   return {};
 }
 
@@ -44,74 +59,100 @@ Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& pro
   started_ = Clock::now();
   pacer_ = Pacer(pace_of(options_, welcome().rate_hz), started_);
   for (TimePoint now = started_; !finished(now); now = Clock::now()) {
-    if (const auto& failure = stream_.connection().failure()) return *failure;
-    const bool may_ask = options_.mode != Mode::sequential || to_draw_.empty();
-    if (may_ask && !all_asked() && pacer_.next_send(stream_.in_flight()) <= now) ask_next(path, now);
+    if (client_.failure()) return *client_.failure();
+    const bool ask = may_ask(now);
+    if (ask) ask_next(path, now);
     if (progress.due(now)) progress.show(progress_line(now), now);
-    if (to_draw_.empty()) {
-      loop_.run_until(next_event(now), [this] { return !to_draw_.empty() || stream_.connection().failure(); });
+    if (ask || draws_on_masks()) {
+      loop_.poll();
+      if (const auto drawn = draw_next(draw); !drawn) return drawn;
       continue;
     }
-    loop_.poll();
-    if (auto drawn = draw_next(draw); !drawn) return drawn;
+    loop_.run_until(next_event(now), [this] {
+      return client_.failure() || draws_on_masks() || (new_masks_ && may_ask(Clock::now()));
+    });
   }
   ended_ = Clock::now();
   return {};
 }
 
+// A client that predicts draws at each of its cameras, one that waits when masks have come; at the end all do.
+bool Flight::draws_on_masks() const { return new_masks_ && (waits_for_masks(options_.mode) || all_asked()); }
+
+bool Flight::may_ask(TimePoint now) const {
+  if (all_asked() || !client_.online()) return false;
+  if (options_.mode == Mode::sequential && new_masks_) return false;
+  return pacer_.next_send(client_.in_flight()) <= now;
+}
+
+// The border goes where the camera will be when the masks come, if it moves on as between the last two steps.
+BorderPlace Flight::border_place(const CameraPath& path, double seconds, double step) const {
+  if (!options_.border_by_motion) return centred(options_.size);
+  const scenes::CameraPose now = path.at(seconds), before = path.at(std::max(0.0, seconds - step));
+  const auto frames_away = static_cast<float>(client_.in_flight() + 1);
+  return towards(options_.size, now, extrapolate(before, now, frames_away));
+}
+
 void Flight::ask_next(const CameraPath& path, TimePoint now) {
-  const double step = static_cast<double>(stream_.counters().asked) / options_.frames;
-  stream_.ask(view_of(path.at(step * path.duration_seconds()), options_.size));
+  const double step = path.duration_seconds() / options_.frames;
+  const double seconds = step * asked_++;
+  client_.look(view_of(path.at(seconds), options_.size, border_place(path, seconds, step)));
   pacer_.sent(now);
   last_asked_ = now;
 }
 
-void Flight::on_answer(const Answer& answer) {
-  pacer_.answered(answer.response);
-  if (answer.mask.complete()) latencies_.add(answer.response);
-  to_draw_.push_back({answer.mask.frame.value - 1, answer.camera, answer.mask, answer.lights});
-  covered_ += cover_.cover(to_draw_.back().mask);
+void Flight::on_received(const Received& received) {
+  pacer_.answered(received.response);
+  if (received.mask.complete()) figures_.latencies.add(received.response);
+  new_masks_ = true;
 }
 
 Result<void> Flight::draw_next(const Draw& draw) {
-  const FlownFrame frame = std::move(to_draw_.front());
-  to_draw_.pop_front();
-  if (frame.mask.grid.width != options_.size.traced_width() ||
-      frame.mask.grid.height != options_.size.traced_height()) {
-    return size_changed(frame.mask.grid);
-  }
+  new_masks_ = false;
+  const auto showing = client_.next();
+  if (!showing) return {};
+  if (!fits(showing->seen->mask.grid, options_.size)) return size_changed(showing->seen->mask.grid);
+  figures_.ages.add(showing->age);
+  figures_.frames_ahead += showing->ahead();
+  ++figures_.shown;
   const TimePoint before = Clock::now();
-  auto drawn = draw(frame);
+  const auto drawn = draw(*showing);
   drawing_ += Clock::now() - before;
   return drawn;
 }
 
+// Without a server the loop has to run: it is what finds one again.
 TimePoint Flight::next_event(TimePoint now) const {
-  return all_asked() ? now + kTurn : std::min(now + kTurn, pacer_.next_send(stream_.in_flight()));
+  if (all_asked() || !client_.online()) return now + kTurn;
+  return std::min(now + kTurn, pacer_.next_send(client_.in_flight()));
 }
 
 // The last camera's answer may never come: it is waited for as long as others took.
 bool Flight::finished(TimePoint now) const {
-  if (!all_asked() || !to_draw_.empty()) return false;
-  return stream_.in_flight() == 0 || now - last_asked_ > pacer_.answer_patience();
+  if (!all_asked() || new_masks_) return false;
+  return client_.in_flight() == 0 || now - last_asked_ > pacer_.answer_patience();
 }
 
 FlightFigures Flight::figures() const {
-  return {.counters = stream_.counters(),
-          .latencies = latencies_,
-          .seconds = to_seconds(ended_ - started_),
-          .bytes = stream_.connection().data_counters().received_bytes,
-          .draw_seconds = to_seconds(drawing_),
-          .covered_words = covered_};
+  FlightFigures figures = figures_;
+  figures.counters = client_.counters();
+  figures.seconds = to_seconds(ended_ - started_);
+  figures.bytes = client_.received_bytes();
+  figures.draw_seconds = to_seconds(drawing_);
+  figures.reconnects = client_.reconnects();
+  return figures;
 }
 
 std::string Flight::progress_line(TimePoint now) const {
-  const auto& counters = stream_.counters();
-  char line[160];
-  std::snprintf(line, sizeof line, "%5.1f s  %llu of %u frames asked for, %llu answered, p50 %.1f ms",
-                to_seconds(now - started_), static_cast<unsigned long long>(counters.asked), options_.frames,
+  const StreamCounters counters = client_.counters();
+  char line[200];
+  std::snprintf(line, sizeof line,
+                "%5.1f s  %u of %u frames asked for, %llu answered, p50 %.1f ms; shown %llu, %.1f ms old, x %.1f%s",
+                to_seconds(now - started_), asked_, options_.frames,
                 static_cast<unsigned long long>(counters.complete + counters.incomplete),
-                to_milliseconds(latencies_.percentile(0.5)));
+                to_milliseconds(figures_.latencies.percentile(0.5)),
+                static_cast<unsigned long long>(figures_.shown), to_milliseconds(figures_.ages.percentile(0.5)),
+                figures_.mean_ahead(), client_.online() ? "" : "; no server, trying again");
   return line;
 }
 

@@ -1,88 +1,95 @@
-// Flies a camera path with a server's visibility: asks for cameras as the mode says, has every answer drawn.
+// Flies a camera path with a server's visibility: looks through its cameras as the mode says, has what is to be shown
+// drawn.
 #pragma once
 
-#include <deque>
 #include <functional>
 
 #include "client/camera_path.h"
 #include "client/latency.h"
-#include "client/mode.h"
 #include "client/pacer.h"
 #include "client/progress.h"
-#include "client/tile_cover.h"
-#include "client/visibility_stream.h"
+#include "client/thin_client.h"
 
 namespace gnomon::client {
 
 struct FlightOptions {
   StreamOptions stream;  // its Hello asks for the traced size
   Mode mode = Mode::sequential;
-  double rate_hz = 0;  // cameras a second at most; 0: as the mode allows
+  size_t ahead = 4;               // x of mode predicted
+  double cost_per_s = 0.15;       // of mode auto, as BalanceOptions
+  bool border_by_motion = false;  // the border lies where the camera turns to
+  double rate_hz = 0;             // cameras a second at most; 0: as the mode allows
   ViewSize size;
   uint32_t frames = 60;  // the whole path in this many steps
-};
-
-struct FlownFrame {
-  uint32_t index = 0;  // of the path's steps
-  protocol::CameraView camera;
-  AssembledFrame mask;
-  std::vector<protocol::LightInfo> lights;
 };
 
 struct FlightFigures {
   StreamCounters counters;
   Latencies latencies;  // of complete frames; of reading them off the socket, drawing comes after
+  Latencies ages;       // of what was shown, when its drawing began: the dissertation's response time
   double seconds = 0;
   uint64_t bytes = 0;  // received datagrams'
   double draw_seconds = 0;
-  uint64_t covered_words = 0;  // tiles of one light that did not arrive and were shown as in the picture before
+  uint64_t shown = 0;         // pictures
+  uint64_t frames_ahead = 0;  // x, summed over them
+  uint32_t reconnects = 0;
 
   uint64_t frames() const { return counters.complete + counters.incomplete; }
-  double vbps() const { return seconds > 0 ? static_cast<double>(counters.complete) / seconds : 0; }
+  double per_second(uint64_t count) const { return seconds > 0 ? static_cast<double>(count) / seconds : 0; }
+  double vbps() const { return per_second(counters.complete); }
+  double fps() const { return per_second(shown); }
+  double mean_ahead() const { return shown ? static_cast<double>(frames_ahead) / static_cast<double>(shown) : 0; }
   double bytes_per_frame() const {
     return frames() ? static_cast<double>(bytes) / static_cast<double>(frames()) : 0;
   }
 };
 
-// One thread, its loop within. In mode `sequential` a frame is drawn before the next is asked for; in mode `queued`
-// drawing overlaps with the server's work, and a frame that arrives meanwhile is read when the drawing is done.
+// One thread, its loop within. In mode `sequential` a frame is drawn before the next is asked for; in the others
+// drawing overlaps with the server's work, and masks that arrive meanwhile are read when the drawing is done.
 class Flight {
  public:
-  using Draw = std::function<Result<void>(const FlownFrame&)>;
+  using Draw = std::function<Result<void>(const Showing&)>;
 
-  explicit Flight(const FlightOptions& options);
+  explicit Flight(FlightOptions options);
 
   // Connects. Error: one line, also when the server offers another size than asked for.
   Result<void> open();
-  const protocol::Welcome& welcome() const { return stream_.connection().welcome(); }
+  const protocol::Welcome& welcome() const { return client_.welcome(); }
 
   // Until every step has been asked for and answered, or given up. Error: of the connection or of `draw`.
   Result<void> fly(const CameraPath& path, const Draw& draw, Progress& progress);
-  void close() { stream_.close("flight over"); }
+  void close() { client_.close("flight over"); }
+
+  // See ThinClient::observe; within fly.
+  void observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) {
+    client_.observe(earlier, later, error);
+  }
 
   FlightFigures figures() const;
 
  private:
-  void on_answer(const Answer& answer);
+  void on_received(const Received& received);
+  bool may_ask(TimePoint now) const;
   void ask_next(const CameraPath& path, TimePoint now);
+  BorderPlace border_place(const CameraPath& path, double seconds, double step) const;
+  bool draws_on_masks() const;
   Result<void> draw_next(const Draw& draw);
   TimePoint next_event(TimePoint now) const;
-  bool all_asked() const { return stream_.counters().asked == options_.frames; }
+  bool all_asked() const { return asked_ == options_.frames; }
   bool finished(TimePoint now) const;
   std::string progress_line(TimePoint now) const;
 
   FlightOptions options_;
   Pacer pacer_;
+  uint32_t asked_ = 0;
+  bool new_masks_ = false;  // since the last drawing
   TimePoint started_{};
   TimePoint last_asked_{};
   TimePoint ended_{};
   Nanoseconds drawing_{};
-  Latencies latencies_;
-  TileCover cover_;
-  uint64_t covered_ = 0;  // words
-  std::deque<FlownFrame> to_draw_;
+  FlightFigures figures_;
   Loop loop_;
-  VisibilityStream stream_;
+  ThinClient client_;
 };
 
 }  // namespace gnomon::client

@@ -15,13 +15,12 @@ std::string numbered(const char* kind, uint32_t index) {
 
 }  // namespace
 
-Result<Gallery> Gallery::open(const fs::path& folder, const ViewSize& size, uint32_t frames, uint32_t pictures) {
+Result<Gallery> Gallery::open(const fs::path& folder, uint32_t frames, uint32_t pictures) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return Error{"cannot make folder " + folder.string() + ": " + error.message()};
   Gallery gallery;
   gallery.folder_ = folder;
-  gallery.size_ = size;
   gallery.frames_ = frames;
   gallery.pictures_ = std::min(pictures, frames);
   return gallery;
@@ -32,27 +31,22 @@ bool Gallery::wants(uint32_t index) const {
   return taken_ < pictures_ && index >= (2 * uint64_t{taken_} + 1) * frames_ / (2 * pictures_);
 }
 
-Result<void> Gallery::add(const FlownFrame& frame, const Picture& shaded,
-                          const std::vector<Picture>& seen_by_lights) {
+Result<void> Gallery::add(uint32_t index, const Picture& shaded, const std::vector<Picture>& seen_by_lights) {
   ++taken_;
-  const Picture shown = crop_centre(shaded, size_.width, size_.height);
-  std::vector<Picture> panels;
-  for (const Picture& seen : seen_by_lights) panels.push_back(crop_centre(seen, size_.width, size_.height));
-  const fs::path frame_file = folder_ / numbered("frame", frame.index);
-  const fs::path lights_file = folder_ / numbered("lights", frame.index);
-  if (auto written = write_png(frame_file, shown); !written) return written;
-  if (auto written = write_png(lights_file, montage(panels, shown)); !written) return written;
+  const fs::path frame_file = folder_ / numbered("frame", index);
+  const fs::path lights_file = folder_ / numbered("lights", index);
+  if (auto written = write_png(frame_file, shaded); !written) return written;
+  if (auto written = write_png(lights_file, montage(seen_by_lights, shaded)); !written) return written;
   files_.insert(files_.end(), {frame_file, lights_file});
   return {};
 }
 
-Result<void> Gallery::add_views(const FlownFrame& frame, const char* kind, const std::vector<Picture>& pictures) {
+Result<void> Gallery::add_views(uint32_t index, const char* kind, const std::vector<Picture>& pictures) {
   for (size_t light = 0; light < pictures.size(); ++light) {
     char name[64];
-    std::snprintf(name, sizeof name, "%s_%04u_light%zu.png", kind, frame.index, light);
+    std::snprintf(name, sizeof name, "%s_%04u_light%zu.png", kind, index, light);
     const fs::path file = folder_ / name;
-    if (auto written = write_png(file, crop_centre(pictures[light], size_.width, size_.height)); !written)
-      return written;
+    if (auto written = write_png(file, pictures[light]); !written) return written;
     files_.push_back(file);
   }
   return {};

@@ -5,31 +5,27 @@
 #include <vector>
 
 #include "client/montage.h"
-#include "client/view/flight.h"
 
 namespace gnomon::client {
 
 class Gallery {
  public:
   // Makes the folder. At most `pictures` of `frames` are kept.
-  static Result<Gallery> open(const std::filesystem::path& folder, const ViewSize& size, uint32_t frames,
-                              uint32_t pictures);
+  static Result<Gallery> open(const std::filesystem::path& folder, uint32_t frames, uint32_t pictures);
 
   // Whether this frame is to be kept; the first at or after each of the chosen steps is, as some are never answered.
   bool wants(uint32_t index) const;
 
-  // Writes frame_NNNN.png (shaded) and lights_NNNN.png (a panel for each light beside it). All are of the traced size
-  // and lose their border here.
-  Result<void> add(const FlownFrame& frame, const Picture& shaded, const std::vector<Picture>& seen_by_lights);
+  // Writes frame_NNNN.png (shaded) and lights_NNNN.png (a panel for each light beside it).
+  Result<void> add(uint32_t index, const Picture& shaded, const std::vector<Picture>& seen_by_lights);
 
-  // Writes KIND_NNNN_lightL.png for each of `pictures`, which are of the traced size and lose their border here.
-  Result<void> add_views(const FlownFrame& frame, const char* kind, const std::vector<Picture>& pictures);
+  // Writes KIND_NNNN_lightL.png for each of `pictures`.
+  Result<void> add_views(uint32_t index, const char* kind, const std::vector<Picture>& pictures);
 
   const std::vector<std::filesystem::path>& files() const { return files_; }
 
  private:
   std::filesystem::path folder_;
-  ViewSize size_;
   uint32_t frames_ = 0;
   uint32_t pictures_ = 0;
   uint32_t taken_ = 0;

@@ -10,6 +10,7 @@
 #include "client/view/flight.h"
 #include "client/view/gallery.h"
 #include "client/view/own_view.h"
+#include "client/view/recording.h"
 
 namespace {
 
@@ -18,7 +19,10 @@ using namespace gnomon::client;
 
 struct Arguments {
   std::string server, tenant, token_file, scene, scene_folder, size, mode = "sequential", out, json, device;
-  std::string border = "0x0", view, codec;
+  std::string border = "0x0", view, codec, record, record_view = "shown";
+  size_t ahead = 4;
+  double cost_per_s = 0.15;
+  bool border_by_motion = false;
   Trust trust;
   std::string transport = "auto";
   uint32_t frames = 60;
@@ -41,7 +45,18 @@ void declare(CLI::App& app, Arguments& a) {
       ->type_name("N");
   app.add_option("--codec", a.codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
       ->type_name("NAME");
-  app.add_option("--mode", a.mode, "sequential, or queued: several cameras in flight")->type_name("MODE");
+  app.add_option(
+         "--mode", a.mode,
+         "sequential; queued: several cameras in flight; predicted: shows cameras whose masks have not come; "
+         "auto: the same, as far ahead as pays; non-sequential: old masks as they are")
+      ->type_name("MODE");
+  app.add_option("--ahead", a.ahead, "frames predicted ahead in mode predicted")
+      ->check(CLI::Range(size_t{0}, kMostAhead))
+      ->type_name("X");
+  app.add_option("--age-cost", a.cost_per_s, "in mode auto: share of wrong bits that a second of response is worth")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("SHARE");
+  app.add_flag("--border-by-motion", a.border_by_motion, "more of the border on the side that the camera turns to");
   app.add_option("--rate", a.rate_hz, "cameras a second at most; 0: as the mode allows")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("HZ");
@@ -49,6 +64,12 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--pictures", a.pictures, "how many frames to keep")
       ->check(CLI::Range(1u, 10000u))
       ->type_name("N");
+  app.add_option("--record", a.record, "a video of what was shown (H.264, through the program ffmpeg)")
+      ->type_name("FILE.mp4");
+  app.add_option(
+         "--record-view", a.record_view,
+         "of --record: shown; side-by-side, with what this machine traces itself; or their difference, times 4")
+      ->type_name("VIEW");
   app.add_option("--view", a.view, "also pictures of what the tracer does: mask, bounds or lists; see below")
       ->type_name("VIEW");
   app.footer(debug_legend());
@@ -68,6 +89,9 @@ Result<FlightOptions> flight_options(const Arguments& a) {
 
   FlightOptions flight;
   flight.mode = *mode;
+  flight.ahead = a.ahead;
+  flight.cost_per_s = a.cost_per_s;
+  flight.border_by_motion = a.border_by_motion;
   flight.rate_hz = a.rate_hz;
   flight.frames = a.frames;
   flight.size = {size->width, size->height, border->width, border->height};
@@ -104,20 +128,24 @@ Result<FlightOptions> flight_options(const Arguments& a) {
 
 void print_figures(const FlightFigures& f) {
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
+  const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   std::printf("frames      %llu complete, %llu with tiles missing, %llu cameras skipped, %llu unanswered\n",
               static_cast<unsigned long long>(f.counters.complete),
               static_cast<unsigned long long>(f.counters.incomplete),
               static_cast<unsigned long long>(f.counters.superseded),
               static_cast<unsigned long long>(f.counters.unanswered));
   std::printf("response    min %.1f  p50 %.1f  p99 %.1f  max %.1f ms\n", ms(0), ms(0.5), ms(0.99), ms(1));
-  std::printf("rate        %.2f visibility buffers a second; drawing took %.1f ms a frame\n", f.vbps(),
-              f.frames() ? 1000 * f.draw_seconds / static_cast<double>(f.frames()) : 0.0);
+  std::printf("shown       %llu pictures, %.2f a second, p50 %.1f  p99 %.1f ms after their cameras, x %.1f\n",
+              static_cast<unsigned long long>(f.shown), f.fps(), age_ms(0.5), age_ms(0.99), f.mean_ahead());
+  std::printf("rate        %.2f visibility buffers a second; drawing took %.1f ms a picture\n", f.vbps(),
+              f.shown ? 1000 * f.draw_seconds / static_cast<double>(f.shown) : 0.0);
   std::printf("network     %.0f bytes a frame, %llu slices lost, %llu wrong\n", f.bytes_per_frame(),
               static_cast<unsigned long long>(f.counters.lost_slices),
               static_cast<unsigned long long>(f.counters.wrong_frames));
 }
 
-Report report_of(const Arguments& a, const FlightFigures& f, const std::string& tracer) {
+Report report_of(const Arguments& a, const FlightFigures& f, uint64_t covered_words, const std::string& tracer) {
+  const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
   Report report{.suite = "client", .device = a.server, .driver = tracer};
   report.rows.push_back({{"scene", a.scene},
@@ -138,20 +166,56 @@ Report report_of(const Arguments& a, const FlightFigures& f, const std::string& 
                          {"bytes_per_frame", f.bytes_per_frame()},
                          {"lost_slices", f.counters.lost_slices},
                          {"rebuilt_slices", f.counters.rebuilt_slices},
-                         {"covered_words", f.covered_words},
+                         {"covered_words", covered_words},
+                         {"reconnects", f.reconnects},
+                         {"shown", f.shown},
+                         {"fps", f.fps()},
+                         {"mean_x", f.mean_ahead()},
+                         {"response_p50_ms", age_ms(0.5)},
+                         {"response_p99_ms", age_ms(0.99)},
                          {"wrong_frames", f.counters.wrong_frames}});
   return report;
 }
 
 // What --view asks for; empty without it.
-Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::ScenePtr& scene) {
+Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::ScenePtr& scene,
+                                            const ViewSize& size) {
   if (a.view.empty()) return std::optional<DebugView>();
   const auto kind = parse_debug_kind(a.view);
   if (!kind) return kind.error();
   if (a.out.empty()) return Error{"--view needs --out: a folder for its pictures"};
-  auto view = DebugView::create(scene, *kind, a.device);
+  auto view = DebugView::create(scene, size, *kind, a.device);
   if (!view) return view.error();
   return std::optional<DebugView>(std::move(*view));
+}
+
+// What --record asks for; empty without it.
+Result<std::optional<Recording>> recording(const Arguments& a, const scenes::ScenePtr& scene,
+                                           const ViewSize& size) {
+  if (a.record.empty()) return std::optional<Recording>();
+  const auto view = parse_record_view(a.record_view);
+  if (!view) return view.error();
+  constexpr double kUsualFps = 30;
+  auto opened = Recording::open({a.record, *view, a.rate_hz > 0 ? a.rate_hz : kUsualFps, a.device}, scene, size);
+  if (!opened) return opened.error();
+  return std::optional<Recording>(std::move(*opened));
+}
+
+// What draws: made before the server is asked, as it takes its time, and anew where the server moves parts of the scene.
+struct Views {
+  OwnView own;
+  std::optional<DebugView> debug;
+  std::optional<Recording> video;
+};
+
+Result<Views> make_views(const Arguments& a, const scenes::ScenePtr& scene, const ViewSize& size) {
+  auto own = OwnView::create(scene, size, a.device);
+  if (!own) return own.error();
+  auto debug = debug_view(a, scene, size);
+  if (!debug) return debug.error();
+  auto video = recording(a, scene, size);
+  if (!video) return video.error();
+  return Views{std::move(*own), std::move(*debug), std::move(*video)};
 }
 
 Result<void> run(const Arguments& a) {
@@ -161,50 +225,59 @@ Result<void> run(const Arguments& a) {
   if (!scene) return scene.error();
   std::optional<Gallery> gallery;
   if (!a.out.empty()) {
-    auto opened = Gallery::open(a.out, options->size, a.frames, a.pictures);
+    auto opened = Gallery::open(a.out, a.frames, a.pictures);
     if (!opened) return opened.error();
     gallery = std::move(*opened);
   }
-  auto view = OwnView::create(*scene, a.device);
-  if (!view) return view.error();
-  auto debug = debug_view(a, *scene);
-  if (!debug) return debug.error();
+  auto views = make_views(a, *scene, options->size);
+  if (!views) return views.error();
 
   Flight flight(*options);
   if (auto opened = flight.open(); !opened) return opened;
   if (const auto& motions = flight.welcome().motions; !motions.empty()) {
     scene = load_own_scene(a.scene, a.scene_folder, motions);
     if (!scene) return scene.error();
-    view = OwnView::create(*scene, a.device);
-    if (!view) return view.error();
-    debug = debug_view(a, *scene);
-    if (!debug) return debug.error();
+    views = make_views(a, *scene, options->size);
+    if (!views) return views.error();
   }
   if (auto same = check_same_scene(**scene, flight.welcome().scene); !same) return same;
 
-  const auto draw = [&](const FlownFrame& frame) -> Result<void> {
-    const auto shaded = view->shade(frame);
+  const auto draw = [&](const Showing& showing) -> Result<void> {
+    const auto shaded = views->own.shade(showing);
     if (!shaded) return shaded.error();
-    if (!gallery || !gallery->wants(frame.index)) return {};
-    const auto seen = view->seen_by_lights(frame);
+    if (views->video) {
+      if (auto added = views->video->add(showing, *shaded); !added) return added;
+    }
+    if (options->mode == Mode::automatic) {
+      const auto outcome = views->own.outcome(showing);
+      if (!outcome) return outcome.error();
+      if (*outcome) flight.observe((*outcome)->earlier, (*outcome)->later, (*outcome)->error);
+    }
+    if (!gallery || !gallery->wants(showing.index)) return {};
+    const auto seen = views->own.seen_by_lights(showing);
     if (!seen) return seen.error();
-    if (auto added = gallery->add(frame, *shaded, *seen); !added || !*debug) return added;
-    const auto pictures = (*debug)->pictures(frame);
+    if (auto added = gallery->add(showing.index, *shaded, *seen); !added || !views->debug) return added;
+    const auto pictures = views->debug->pictures(*showing.seen);
     if (!pictures) return pictures.error();
-    return gallery->add_views(frame, a.view.c_str(), *pictures);
+    return gallery->add_views(showing.index, a.view.c_str(), *pictures);
   };
   Progress progress;
   if (auto flown = flight.fly(CameraPath::of_scene(*scene), draw, progress); !flown) return flown;
   progress.clear();
   flight.close();
+  if (views->video) {
+    if (auto closed = views->video->close(); !closed) return closed;
+  }
 
   const FlightFigures figures = flight.figures();
   print_figures(figures);
   if (gallery) {
     for (const auto& file : gallery->files()) std::printf("picture     %s\n", file.c_str());
   }
+  if (!a.record.empty()) std::printf("video       %s\n", a.record.c_str());
   if (!a.json.empty()) {
-    const auto written = write_report(a.json, report_of(a, figures, flight.welcome().tracer));
+    const auto written =
+        write_report(a.json, report_of(a, figures, views->own.covered_words(), flight.welcome().tracer));
     if (!written) return written;
   }
   if (figures.frames() == 0) return Error{"no camera was answered"};

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include "client/montage.h"
+#include "client/prediction_error.h"
+
 namespace gnomon::client {
 
 gpu::CameraView to_gpu(const protocol::CameraView& camera) {
@@ -34,61 +37,140 @@ scenes::Light to_scene(const protocol::LightInfo& info) {
   return light;
 }
 
-Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const std::string& device) {
+Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device) {
   gpu::RendererOptions options;
   options.device = device;
   auto view = gpu::ReferenceView::create(options, scene);
   if (!view) return view.error();
   OwnView own;
   own.view_ = std::move(*view);
+  own.size_ = size;
   return own;
 }
 
-Result<Picture> OwnView::shade(const FlownFrame& frame) {
+Result<Picture> OwnView::shade(const Showing& showing) {
   if (!exposure_) {
-    const auto exposure = view_->suggest_exposure(to_gpu(frame.camera));
+    const auto exposure = view_->suggest_exposure(to_gpu(showing.camera));
     if (!exposure) return exposure.error();
     exposure_ = *exposure;
   }
   gpu::ShadeOptions options;
   options.exposure = *exposure_;
-  return render(frame, options);
+  return render(showing, options);
 }
 
-Result<std::vector<Picture>> OwnView::seen_by_lights(const FlownFrame& frame) {
+Result<std::vector<Picture>> OwnView::seen_by_lights(const Showing& showing) {
   gpu::ShadeOptions options;
   options.view = gpu::ShadeOptions::View::material;
   options.tonemap = gpu::ShadeOptions::Tonemap::clamp;
   std::vector<Picture> pictures;
-  for (uint32_t light = 0; light < frame.mask.grid.lights; ++light) {
+  for (uint32_t light = 0; light < showing.seen->mask.grid.lights; ++light) {
     options.only_light = light;
-    auto picture = render(frame, options);
+    auto picture = render(showing, options);
     if (!picture) return picture.error();
     pictures.push_back(std::move(*picture));
   }
   return pictures;
 }
 
-Result<void> OwnView::take_lights(const FlownFrame& frame) {
-  if (frame.lights == lights_ || frame.lights.empty()) return {};
-  std::vector<scenes::Light> lights;
-  for (const protocol::LightInfo& light : frame.lights) lights.push_back(to_scene(light));
-  if (auto set = view_->set_lights(lights); !set) return set;
-  lights_ = frame.lights;
-  return {};
-}
-
-Result<Picture> OwnView::render(const FlownFrame& frame, gpu::ShadeOptions options) {
-  if (auto taken = take_lights(frame); !taken) return taken.error();
-  options.time = scenes::SceneTime(frame.mask.moment.scene_time_us);
-  const TileGrid& grid = frame.mask.grid;
-  auto image = view_->render(to_gpu(frame.camera), grid.width, grid.height, frame.mask.mask(), options);
+Result<Picture> OwnView::render(const Showing& showing, gpu::ShadeOptions options) {
+  if (auto taken = take(*showing.seen); !taken) return taken.error();
+  options.time = scenes::SceneTime(masks_->mask.moment.scene_time_us);
+  const TileGrid& grid = masks_->mask.grid;
+  Result<gpu::RgbaImage> image = gpu::RgbaImage{};
+  if (showing.reprojected) {
+    const auto seen_masks = seen();
+    if (!seen_masks) return seen_masks.error();
+    image =
+        view_->predict(to_gpu(shown_part(showing.camera, size_)), size_.width, size_.height, **seen_masks, options);
+  } else {
+    image = view_->render(to_gpu(showing.camera), grid.width, grid.height, masks_->mask.mask(), options);
+  }
   if (!image) return image.error();
   Picture picture;
   picture.width = image->width;
   picture.height = image->height;
   picture.rgba = std::move(image->rgba);
-  return picture;
+  if (showing.reprojected) return picture;
+  const BorderPlace place = place_of(showing.camera, size_);
+  return crop(picture, place.left, place.top, size_.width, size_.height);
+}
+
+Result<void> OwnView::take(const Received& received) {
+  if (masks_ && masks_->index == received.index) return {};
+  if (auto taken = take_lights(received.lights); !taken) return taken;
+  Received next = received;
+  if (auto covered = cover(next); !covered) return covered;
+  masks_ = std::move(next);
+  seen_.reset();
+  return {};
+}
+
+Result<void> OwnView::take_lights(const std::vector<protocol::LightInfo>& given) {
+  if (given == lights_ || given.empty()) return {};
+  std::vector<scenes::Light> lights;
+  for (const protocol::LightInfo& light : given) lights.push_back(to_scene(light));
+  if (auto set = view_->set_lights(lights); !set) return set;
+  lights_ = given;
+  return {};
+}
+
+// Before anything has come, a missing tile is lit: the assembler's choice.
+Result<void> OwnView::cover(Received& received) {
+  AssembledFrame& mask = received.mask;
+  if (mask.complete() || !masks_ || masks_->mask.grid.lights != mask.grid.lights) return {};
+  const auto before = seen();
+  if (!before) return before.error();
+  gpu::Reprojection& reprojection = **view_->reprojection();
+  const auto raster = reprojection.rasterise(to_gpu(received.camera), mask.grid.width, mask.grid.height,
+                                             scenes::SceneTime(mask.moment.scene_time_us));
+  if (!raster) return raster.error();
+  const auto sources = reprojection.sources(*raster, (*before)->raster);
+  if (!sources) return sources.error();
+  const auto words = gpu::masks_by_sources(**before, *sources, mask.grid.width, mask.grid.height);
+  for (size_t word = 0; word < mask.words.size(); ++word) {
+    if (mask.arrived[word]) continue;
+    mask.words[word] = words[word];
+    ++covered_words_;
+  }
+  return {};
+}
+
+Result<const gpu::SeenMasks*> OwnView::seen() {
+  if (seen_) return &*seen_;
+  const auto reprojection = view_->reprojection();
+  if (!reprojection) return reprojection.error();
+  auto seen =
+      (*reprojection)
+          ->see(to_gpu(masks_->camera), masks_->mask.mask(), scenes::SceneTime(masks_->mask.moment.scene_time_us));
+  if (!seen) return seen.error();
+  seen_ = std::move(*seen);
+  return &*seen_;
+}
+
+Result<std::optional<OwnView::Outcome>> OwnView::outcome(const Showing& showing) {
+  if (auto taken = take(*showing.seen); !taken) return taken.error();
+  if (!trial_) {
+    const auto now = seen();
+    if (!now) return now.error();
+    trial_ = Trial{**now, masks_->camera, showing.newest};
+    return std::optional<Outcome>();
+  }
+  if (masks_->index < trial_->index || !masks_->mask.complete()) return std::optional<Outcome>();
+  const Trial trial = std::move(*trial_);
+  trial_.reset();
+  if (trial.seen.grid != masks_->mask.grid) return std::optional<Outcome>();
+  gpu::Reprojection& reprojection = **view_->reprojection();
+  const auto raster = reprojection.rasterise(to_gpu(shown_part(masks_->camera, size_)), size_.width, size_.height,
+                                             trial.seen.raster.time);
+  if (!raster) return raster.error();
+  const auto sources = reprojection.sources(*raster, trial.seen.raster);
+  if (!sources) return sources.error();
+  const BorderPlace place = place_of(masks_->camera, size_);
+  const PredictionError error =
+      compare(LightBits(trial.seen.mask()), *sources, {0, 0, trial.seen.grid.width, trial.seen.grid.height},
+              LightBits(masks_->mask.mask()), {}, {place.left, place.top, size_.width, size_.height});
+  return std::optional<Outcome>(Outcome{trial.camera, masks_->camera, error.share()});
 }
 
 }  // namespace gnomon::client

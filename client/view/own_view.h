@@ -1,12 +1,13 @@
-// The client's own half of a frame: rasterises its copy of the scene, as it is at the frame's moment, and shades it with
-// the masks and lights it received.
+// The client's own half of a frame: rasterises its copy of the scene, as it is at the masks' moment, and shades it with
+// the masks and lights it received; where these are of an earlier camera, by reprojection. Tiles that did not arrive
+// are reprojected from the masks before.
 #pragma once
 
 #include <memory>
 #include <string>
 
 #include "client/png.h"
-#include "client/view/flight.h"
+#include "client/thin_client.h"
 #include "gpu/reference_view.h"
 #include "scenes/scene.h"
 
@@ -16,21 +17,44 @@ namespace gnomon::client {
 class OwnView {
  public:
   // `device`: as gpu::RendererOptions::device; empty: the best one.
-  static Result<OwnView> create(const scenes::ScenePtr& scene, const std::string& device);
+  static Result<OwnView> create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device);
 
-  // All are of the traced size. The exposure is chosen at the first frame and stays.
-  Result<Picture> shade(const FlownFrame& frame);
+  // The picture, without the border. The exposure is chosen at the first frame and stays.
+  Result<Picture> shade(const Showing& showing);
   // What each light sees: base colours, black elsewhere.
-  Result<std::vector<Picture>> seen_by_lights(const FlownFrame& frame);
+  Result<std::vector<Picture>> seen_by_lights(const Showing& showing);
+
+  // How wrong a prediction was (mode `auto` learns from it): masks that are shown are kept until those of the camera of
+  // that moment have come, which are predicted from them and compared; then the next are. Mostly: nothing to tell yet.
+  struct Outcome {
+    protocol::CameraView earlier, later;
+    double error = 0;  // share of the picture's bits
+  };
+  Result<std::optional<Outcome>> outcome(const Showing& showing);
+
+  uint64_t covered_words() const { return covered_words_; }  // that did not arrive
 
  private:
-  Result<Picture> render(const FlownFrame& frame, gpu::ShadeOptions options);
+  struct Trial {
+    gpu::SeenMasks seen;
+    protocol::CameraView camera;  // of `seen`
+    uint32_t index = 0;           // whose masks are awaited
+  };
 
-  Result<void> take_lights(const FlownFrame& frame);
+  Result<Picture> render(const Showing& showing, gpu::ShadeOptions options);
+  Result<void> take(const Received& received);
+  Result<void> take_lights(const std::vector<protocol::LightInfo>& lights);
+  Result<void> cover(Received& received);
+  Result<const gpu::SeenMasks*> seen();
 
   std::unique_ptr<gpu::ReferenceView> view_;
+  ViewSize size_;
   std::vector<protocol::LightInfo> lights_;  // that the view has; empty: the scene's own
   std::optional<float> exposure_;
+  std::optional<Received> masks_;       // the newest, complete: missing tiles covered
+  std::optional<gpu::SeenMasks> seen_;  // the same, rasterised when needed
+  std::optional<Trial> trial_;
+  uint64_t covered_words_ = 0;
 };
 
 gpu::CameraView to_gpu(const protocol::CameraView& camera);

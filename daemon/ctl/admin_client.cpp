@@ -24,7 +24,9 @@ Result<std::string> text_of(const httplib::Result& answer, const std::string& ur
 
 }  // namespace
 
-AdminClient::AdminClient(std::string url) : url_(std::move(url)), http_(std::make_unique<httplib::Client>(url_)) {
+AdminClient::AdminClient(std::string url, const std::string& token)
+    : url_(std::move(url)), http_(std::make_unique<httplib::Client>(url_)) {
+  if (!token.empty()) http_->set_bearer_token_auth(token);
   http_->set_connection_timeout(kConnectTime);
   http_->set_read_timeout(kPostTime);
 }

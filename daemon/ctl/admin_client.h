@@ -15,8 +15,8 @@ namespace gnomon::ctl {
 
 class AdminClient {
  public:
-  // `url` as http://HOST:PORT.
-  explicit AdminClient(std::string url);
+  // `url` as http://HOST:PORT. `token`: what the daemon's admin.token_file holds, for post(); may be empty.
+  explicit AdminClient(std::string url, const std::string& token = {});
   ~AdminClient();
 
   Result<nlohmann::json> status();

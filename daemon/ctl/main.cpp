@@ -1,6 +1,7 @@
 // gnomonctl: what an operator asks of a running gnomond, from a shell.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 
 #include "daemon/ctl/admin_client.h"
@@ -13,10 +14,12 @@ namespace {
 
 struct Arguments {
   std::string admin = "http://127.0.0.1:7601";
+  std::string token_file;
   bool json = false;
   std::string session;
   std::string why;
   std::string scene;
+  uint32_t device = 0;
   double interval_s = 1;
   uint32_t count = 0;
   CertsRequest certs;
@@ -40,7 +43,12 @@ Command show(View view, std::string key) {
 
 Result<void> post(const Arguments& arguments, const std::string& path,
                   const nlohmann::json& body = nlohmann::json::object()) {
-  const auto answer = AdminClient(arguments.admin).post(path, body);
+  std::string token;
+  if (!arguments.token_file.empty()) {
+    std::ifstream file(arguments.token_file);
+    if (!std::getline(file, token)) return Error{arguments.token_file + ": cannot be read"};
+  }
+  const auto answer = AdminClient(arguments.admin, token).post(path, body);
   if (!answer) return answer.error();
   print(arguments.json ? nlohmann::json{{"answer", *answer}}.dump() + "\n" : *answer + "\n");
   return {};
@@ -84,6 +92,19 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   }
 }
 
+void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
+  CLI::App* device = add(app, chosen, "device", "Take sessions off a device, or let it take some again", nullptr);
+  device->require_subcommand(1);
+  for (const std::string what : {"drain", "resume"}) {
+    const char* help = what == "drain" ? "Its sessions move to the others, and it gets no new ones"
+                                       : "It takes sessions again, and some of the others'";
+    CLI::App* sub = add(*device, chosen, what.c_str(), help, [what](const Arguments& a) {
+      return post(a, "/devices/" + std::to_string(a.device) + "/" + what);
+    });
+    sub->add_option("NUMBER", arguments.device, "Its place in render.devices, as `status` shows it")->required();
+  }
+}
+
 void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   add(app, chosen, "status", "Devices, scenes and tenants", show(status_text, ""));
   add(app, chosen, "sessions", "Open sessions with their latencies", show(sessions_text, "sessions"));
@@ -99,6 +120,7 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   kick_command->add_option("SESSION", arguments.session, "Its id, as `sessions` shows it")->required();
   kick_command->add_option("--why", arguments.why, "What the client is told");
   add_scene_commands(app, chosen, arguments);
+  add_device_commands(app, chosen, arguments);
 }
 
 void add_secret_commands(CLI::App& app, Command& chosen, CertsRequest& request) {
@@ -126,6 +148,8 @@ int run(int argc, char** argv) {
   Command chosen;
   CLI::App app{"Asks a running gnomond, or tells it what to do."};
   app.add_option("--admin", arguments.admin, "gnomond's admin server")->envname("GNOMON_ADMIN");
+  app.add_option("--token-file", arguments.token_file, "Its token, for what changes something")
+      ->envname("GNOMON_TOKEN_FILE");
   app.add_flag("--json", arguments.json, "For programs");
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);

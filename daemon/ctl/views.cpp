@@ -72,9 +72,13 @@ std::string status_text(const json& status) {
   std::string out = "gnomond " + text(status, "version") + ": " + state_of(status) + ", policy " +
                     text(status, "policy") + ", " + std::to_string(list(status, "sessions").size()) +
                     " sessions, Jain index " + fixed(number(status, "jain"), 3) + "\n";
+  int device_number = 0;
   for (const json& device : list(status, "devices")) {
-    out += std::string("device ") + text(device, "name") + " (" + text(device, "driver") + "), tracer " +
-           text(device, "tracer") + ": " + (device.value("up", false) ? "up" : "down") + "\n";
+    out += "device " + std::to_string(device_number++) + ": " + text(device, "name") + " (" +
+           text(device, "driver") + "), tracer " + text(device, "tracer") + ", raster " + text(device, "raster") +
+           ": " + (device.value("up", false) ? "up" : "down") +
+           (device.value("drained", false) ? ", drained" : "") + ", " +
+           std::to_string(device.value("sessions", 0)) + " sessions\n";
   }
   Table tenants({"TENANT", ">WEIGHT", ">SESSIONS", ">SHARE", ">BY WEIGHT", ">GPU s"});
   for (const json& tenant : list(status, "tenants")) {

@@ -12,7 +12,8 @@ using protocol::DatagramKind;
 
 constexpr Nanoseconds kLongestSpread = 4ms;  // of a frame's datagrams, where the rate allows more
 constexpr Nanoseconds kDeliveredOver = 100ms;
-constexpr double kPlenty = 2;  // a rate of so many times what is sent leaves room for padding
+constexpr Nanoseconds kSilence = 200ms;  // beyond four round trips
+constexpr double kPlenty = 2;            // a rate of so many times what is sent leaves room for padding
 constexpr size_t kSealBytes = protocol::kHeaderBytes + protocol::kTagBytes;
 
 DatagramKind kind_of(Cargo cargo) {
@@ -41,14 +42,14 @@ size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline,
   if (frames_.size() == kFrames) frames_.pop_front();
   const bool plenty =
       feedback() && rate() > kPlenty * static_cast<double>(slices.bytes.size()) / to_seconds(interval_);
-  StoredFrame& frame = frames_.emplace_back(slices, deadline, plenty);
+  StoredFrame& frame = frames_.emplace_back(slices, ++answers_, deadline, plenty);
   gate_.answered(frame.frame(), frame.bytes(), now);
-  if (worth_parity(deadline, now)) frame.protect(std::min(0.4, loss()));
+  if (made_anew_ != frame.frame() && worth_parity(deadline, now)) frame.protect(std::min(0.4, loss()));
   for (uint16_t i = 0; i < frame.slice_count(); ++i) {
-    push(fresh_, {frame.frame(), Cargo::slice, i, frame.body(i).size() + kSealBytes});
+    push(fresh_, {answers_, frame.frame(), Cargo::slice, i, frame.body(i).size() + kSealBytes});
   }
   for (uint16_t i = 0; i < frame.parity_count(); ++i) {
-    push(fresh_, {frame.frame(), Cargo::parity, i, frame.parity_body(i).size() + kSealBytes});
+    push(fresh_, {answers_, frame.frame(), Cargo::parity, i, frame.parity_body(i).size() + kSealBytes});
   }
   spread_rate_ = static_cast<double>(backlog_) / to_seconds(std::min(kLongestSpread, interval_ / 2));
   return backlog_ - before;
@@ -73,11 +74,11 @@ void LinkSender::pop(std::deque<Item>& queue) {
 }
 
 void LinkSender::pop_fresh(bool sent) {
-  const FrameId frame = fresh_.front().frame;
+  const Item item = fresh_.front();
   pop(fresh_);
   whole_ = whole_ && sent;
-  if (!fresh_.empty() && fresh_.front().frame == frame) return;
-  ends_.push_back({frame, whole_});
+  if (!fresh_.empty() && fresh_.front().answer == item.answer) return;
+  ends_.push_back({item.frame, whole_});
   whole_ = true;
 }
 
@@ -88,16 +89,16 @@ std::optional<FrameEnd> LinkSender::take_end() {
   return end;
 }
 
-StoredFrame* LinkSender::find(FrameId frame) {
+StoredFrame* LinkSender::find(uint64_t answer) {
   for (StoredFrame& stored : frames_) {
-    if (stored.frame() == frame) return &stored;
+    if (stored.answer() == answer) return &stored;
   }
   return nullptr;
 }
 
 // Empty: it has lost its use.
 std::optional<Outgoing> LinkSender::offer(const Item& item, TimePoint now) {
-  const StoredFrame* frame = find(item.frame);
+  const StoredFrame* frame = find(item.answer);
   if (!frame || now >= frame->useful_until()) {
     ++counters_.too_late;
     return std::nullopt;
@@ -117,7 +118,7 @@ std::optional<Outgoing> LinkSender::next(TimePoint now) {
   if (feedback()) {
     if (const auto size = mtu_.probe_due(now); size && rtt().count() > 0) {
       probe_.assign(*size - kSealBytes, 0);
-      offered_ = {{}, Cargo::probe, 0, *size};
+      offered_ = {0, {}, Cargo::probe, 0, *size};
       return Outgoing{DatagramKind::probe, probe_};
     }
   }
@@ -145,13 +146,13 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
     ++counters_.retransmitted;
     extra_bytes_ += datagram_bytes;
   } else {
-    if (StoredFrame* frame = find(item.frame)) frame->sent(now);
+    if (StoredFrame* frame = find(item.answer)) frame->sent(now);
     counters_.parity += item.cargo == Cargo::parity;
     pop_fresh(true);
   }
   if (!feedback()) return;
   pacer_.sent(datagram_bytes, pace(), now);
-  log_.sent(sequence, {now, static_cast<uint32_t>(datagram_bytes), item.cargo, item.frame, item.number});
+  log_.sent(sequence, {now, static_cast<uint32_t>(datagram_bytes), item.cargo, item.answer, item.number});
 }
 
 void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
@@ -180,7 +181,7 @@ void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint 
       continue;
     }
     mtu_.arrived(a.sent.bytes);
-    StoredFrame* frame = find(a.sent.frame);
+    StoredFrame* frame = find(a.sent.answer);
     if (frame && a.sent.cargo == Cargo::slice) frame->slice_arrived(a.sent.number);
   }
   while (!deliveries_.empty() && deliveries_.back().arrived - deliveries_.front().arrived > kDeliveredOver) {
@@ -215,12 +216,12 @@ void LinkSender::handle_tail(const SentDatagram& tail, TimePoint now) {
 }
 
 void LinkSender::send_again(const SentDatagram& datagram, TimePoint now) {
-  StoredFrame* frame = find(datagram.frame);
+  StoredFrame* frame = find(datagram.answer);
   if (!frame) return;
   if (datagram.cargo == Cargo::parity) return frame->parity_lost(datagram.number);
   const bool in_time = now + rtt() / 2 < frame->useful_until();
   if (frame->slice_lost(datagram.number) && in_time) {
-    push(again_, {datagram.frame, Cargo::slice, datagram.number, datagram.bytes});
+    push(again_, {datagram.answer, frame->frame(), Cargo::slice, datagram.number, datagram.bytes});
   }
 }
 
@@ -235,7 +236,20 @@ TimePoint LinkSender::wake_at(TimePoint now) const {
   return std::min(paced, log_.tail_due());
 }
 
+bool LinkSender::take_lost(FrameId frame, TimePoint now) {
+  if (!feedback() || frames_.empty()) return false;
+  const StoredFrame& newest = frames_.back();
+  // Parity of one answer and slices of another would rebuild nonsense, if some came of which we have not heard.
+  if (newest.frame() != frame || newest.parity_count() > 0) return false;
+  if (newest.any_arrived() || now < newest.useful_until()) return false;
+  frames_.pop_back();
+  made_anew_ = frame;
+  return true;
+}
+
+// The frame will be cut for datagrams as long as they may be now.
 bool LinkSender::takes_view(TimePoint now) {
+  if (feedback() && log_.silence(now) > 4 * rtt() + kSilence) mtu_.silent(now);
   if (!feedback() || gate_.open(backlog_, rate(), now)) return true;
   limited_ = true;
   return false;

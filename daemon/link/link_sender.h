@@ -72,6 +72,9 @@ class LinkSender {
   std::optional<FrameEnd> take_end();
   size_t take_extra_bytes() { return std::exchange(extra_bytes_, 0); }  // beside frames' first sending
 
+  // A frame of which nothing is known to have arrived has lost its use: it may be made anew. True once a frame.
+  bool take_lost(FrameId frame, TimePoint now);
+
   bool takes_view(TimePoint now);
   void view_taken(FrameId frame, TimePoint now) { gate_.asked(frame, now); }
   TimePoint takes_view_at(TimePoint now) const;
@@ -89,6 +92,7 @@ class LinkSender {
 
  private:
   struct Item {
+    uint64_t answer = 0;
     FrameId frame;
     Cargo cargo = Cargo::slice;
     uint16_t number = 0;
@@ -101,7 +105,7 @@ class LinkSender {
   void push(std::deque<Item>& queue, const Item& item);
   void pop(std::deque<Item>& queue);
   void pop_fresh(bool sent);
-  StoredFrame* find(FrameId frame);
+  StoredFrame* find(uint64_t answer);
   std::optional<Outgoing> offer(const Item& item, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
   void handle_tail(const SentDatagram& tail, TimePoint now);
@@ -115,6 +119,8 @@ class LinkSender {
 
   uint64_t features_;
   std::deque<StoredFrame> frames_;
+  uint64_t answers_ = 0;
+  std::optional<FrameId> made_anew_;  // the last one: its second answer goes without parity, as the first
   std::deque<Item> again_, fresh_;
   size_t backlog_ = 0;  // bytes of both
   double spread_rate_ = 0;

@@ -2,7 +2,7 @@
 //
 // Packetization layer path MTU discovery for datagrams (RFC 8899): padded probes of growing size, each tried three
 // times; the largest that was acknowledged counts. Their loss is no sign of congestion. Should long datagrams stop to
-// arrive while time goes on (a black hole: the path has changed), the base size counts again.
+// arrive (a black hole: the path has changed), the base size counts again, and the search begins anew a little later.
 #pragma once
 
 #include <array>
@@ -21,6 +21,7 @@ class PathMtu {
                                                 protocol::kMaxProbedBytes};
   static constexpr uint32_t kTries = 3;
   static constexpr Nanoseconds kSearchAgain = std::chrono::seconds(600);
+  static constexpr Nanoseconds kAfterBlackHole = std::chrono::seconds(10);
   static constexpr Nanoseconds kBetweenProbes = std::chrono::milliseconds(50);
   static constexpr uint32_t kBlackHole = 10;  // long datagrams lost in a row
 
@@ -53,12 +54,21 @@ class PathMtu {
   }
   void lost(size_t size, TimePoint now) {
     if (level_ == 0 || size <= kSizes[0] || ++lost_in_row_ < kBlackHole) return;
-    level_ = 0;
-    lost_in_row_ = tries_ = 0;
-    next_probe_ = now + kSearchAgain;
+    begin_anew(now);
+  }
+
+  // Nothing at all has arrived for long: where all datagrams are long ones, no other would tell of their loss.
+  void silent(TimePoint now) {
+    if (level_ > 0) begin_anew(now);
   }
 
  private:
+  void begin_anew(TimePoint now) {
+    level_ = 0;
+    lost_in_row_ = tries_ = 0;
+    next_probe_ = now + kAfterBlackHole;
+  }
+
   size_t level_ = 0;
   uint32_t tries_ = 0;
   uint32_t lost_in_row_ = 0;

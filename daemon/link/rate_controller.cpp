@@ -11,7 +11,9 @@ using namespace std::chrono_literals;
 constexpr double kDatagram = 1200;       // bytes: what TCP calls a segment
 constexpr Nanoseconds kLeastRtt = 10ms;  // reports come no faster
 constexpr double kStartGrowth = 1.25;    // in a round trip
-constexpr double kMildFall = 0.85;       // of what the path delivers
+// At the start a queue grows for another round trip after it was seen, and fast: the first sign of one ends it.
+constexpr Nanoseconds kFirstSign = RateController::kTarget / 4;
+constexpr double kMildFall = 0.85;  // of what the path delivers
 constexpr double kDeepFall = 0.3;
 constexpr double kHarder = 0.1;     // growth grows by this in each round trip without a queue
 constexpr uint32_t kVainFalls = 3;  // then somebody else fills the queue
@@ -37,10 +39,10 @@ void RateController::observe(const PathReport& report, TimePoint now) {
     hold_until_ = now + rtt;
   }
   if (now < hold_until_) return;
-  if (report.queue > (starting_ ? kTarget / 2 : kTarget)) return fall(report, now);
+  if (report.queue > (starting_ ? kFirstSign : kTarget)) return fall(report, now);
   if (loss_ > kHighLoss && shed_load(now, rtt)) return;
   if (loss_ < kHighLoss / 2) shed_ = 0;
-  if (report.limited && !draining_ && report.queue <= kTarget / 2) grow(report, step);
+  if (report.limited && !draining_ && report.queue <= (starting_ ? kFirstSign : kTarget) / 2) grow(report, step);
 }
 
 void RateController::count_losses(const PathReport& report) {

@@ -25,8 +25,10 @@ void SentLog::sent(uint64_t sequence, const SentDatagram& datagram) {
   if (sequence != first_ + entries_.size()) {  // the sequence began elsewhere: nothing before it is ours
     entries_.clear();
     first_ = unsettled_ = sequence;
+    unheard_ = 0;
   }
   entries_.push_back({datagram});
+  if (unheard_++ == 0) silent_since_ = datagram.at;
   if (entries_.size() <= kMaxEntries) return;
   entries_.pop_front();
   ++first_;
@@ -50,7 +52,11 @@ PathNews SentLog::take(const protocol::Feedback& feedback, TimePoint now) {
     const Nanoseconds waited = std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
     news.rtt = std::max<Nanoseconds>(1us, now - datagram.at - waited);
   }
-  if (!news.arrived.empty()) tails_ = 0;
+  if (!news.arrived.empty()) {
+    tails_ = 0;
+    unheard_ = first_ + entries_.size() - 1 - newest_;
+    silent_since_ = now;
+  }
   if (news.rtt.count() > 0) measure(news.rtt);
   find_losses(now, news.lost);
   settle();
@@ -97,6 +103,10 @@ std::optional<SentDatagram> SentLog::take_tail(TimePoint now) {
 TimePoint SentLog::tail_due() const {
   if (unsettled_ >= first_ + entries_.size()) return TimePoint::max();
   return std::max(entries_.back().datagram.at, last_tail_) + tail_patience();
+}
+
+Nanoseconds SentLog::silence(TimePoint now) const {
+  return unheard_ < kLaterOnes ? Nanoseconds{} : now - silent_since_;
 }
 
 Nanoseconds SentLog::rtt_or_guess() const { return smoothed_.count() > 0 ? smoothed_ : kFirstRtt; }

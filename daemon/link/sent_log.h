@@ -22,7 +22,7 @@ struct SentDatagram {
   TimePoint at{};
   uint32_t bytes = 0;  // of the UDP payload
   Cargo cargo = Cargo::slice;
-  FrameId frame;
+  uint64_t answer = 0;  // to the client's cameras, counted from 1: a camera can be answered twice
   uint16_t number = 0;  // of the slice, or of the parity's group
 };
 
@@ -50,6 +50,9 @@ class SentLog {
 
   Nanoseconds rtt() const { return smoothed_; }  // 0: not known
 
+  // How long nothing has arrived although several were sent; 0: too few were to say.
+  Nanoseconds silence(TimePoint now) const;
+
  private:
   enum class State : uint8_t { flying, arrived, lost };
   struct Entry {
@@ -73,6 +76,8 @@ class SentLog {
   uint64_t newest_ = 0;  // highest that arrived
   TimePoint newest_sent_{};
   uint64_t unsettled_ = 1;  // all before are arrived or lost
+  uint64_t unheard_ = 0;    // sent after the newest that arrived
+  TimePoint silent_since_{};
   TimePoint last_tail_{};
   uint32_t tails_ = 0;  // since something arrived
   Nanoseconds smoothed_{}, variance_{};

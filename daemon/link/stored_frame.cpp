@@ -18,8 +18,8 @@ size_t longest_payload(const protocol::EncodedFrame& slices) {
 
 }  // namespace
 
-StoredFrame::StoredFrame(const protocol::EncodedFrame& slices, TimePoint deadline, bool pad)
-    : frame_(slices.slices.front().frame), deadline_(deadline), state_(slices.slices.size()) {
+StoredFrame::StoredFrame(const protocol::EncodedFrame& slices, uint64_t answer, TimePoint deadline, bool pad)
+    : frame_(slices.slices.front().frame), answer_(answer), deadline_(deadline), state_(slices.slices.size()) {
   bytes_.reserve(slices.bytes.size() +
                  slices.slices.size() * (protocol::kSliceHeaderBytes + protocol::kMomentBytes));
   const size_t longest = longest_payload(slices);

@@ -14,9 +14,10 @@ class StoredFrame {
  public:
   // The slices' headers are complete. `pad`: slices that are nearly as long as the longest become as long, so that the
   // kernel can cut them from one buffer.
-  StoredFrame(const protocol::EncodedFrame& slices, TimePoint deadline, bool pad = false);
+  StoredFrame(const protocol::EncodedFrame& slices, uint64_t answer, TimePoint deadline, bool pad = false);
 
   FrameId frame() const { return frame_; }
+  uint64_t answer() const { return answer_; }  // the link's number for it
   // The client's deadline; where it has said none, as long as it will wait for more after the last datagram.
   TimePoint useful_until() const;
   void sent(TimePoint now) { last_sent_ = now; }
@@ -31,7 +32,11 @@ class StoredFrame {
   size_t parity_count() const { return parity_.size(); }
   std::span<const uint8_t> parity_body(uint16_t number) const { return parity_[number].body; }
 
-  void slice_arrived(uint16_t slice) { state_[slice] = State::arrived; }
+  void slice_arrived(uint16_t slice) {
+    state_[slice] = State::arrived;
+    any_arrived_ = true;
+  }
+  bool any_arrived() const { return any_arrived_; }
   void parity_lost(uint16_t number) { parity_[number].lost = true; }
   // True: the client can no longer rebuild it and it should go again.
   bool slice_lost(uint16_t slice);
@@ -45,11 +50,13 @@ class StoredFrame {
   };
 
   FrameId frame_;
+  uint64_t answer_;
   TimePoint deadline_;
   TimePoint last_sent_ = TimePoint::max();
   std::vector<uint8_t> bytes_;
   std::vector<size_t> offsets_{0};
   std::vector<State> state_;  // of each slice
+  bool any_arrived_ = false;
   uint16_t groups_ = 1;
   std::vector<Parity> parity_;
 };

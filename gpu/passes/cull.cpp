@@ -97,23 +97,16 @@ class CullHiddenPass : public Pass {
   ComputeStep step_;
 };
 
-template <class Made>
-Result<std::unique_ptr<Pass>> make(const DevicePtr& device, uint32_t images, std::span<const uint32_t> shader) {
-  auto step = make_compute_step(device, images, shader);
-  if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<Made>(std::move(*step)));
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_cull_pass(const DevicePtr& device) {
-  return make<CullPass>(device, 0, cull_comp);
+  return pass_of<CullPass>(make_compute_step(device, 0, cull_comp));
 }
 Result<std::unique_ptr<Pass>> make_depth_tiles_pass(const DevicePtr& device) {
-  return make<DepthTilesPass>(device, 1, depth_tiles_comp);
+  return pass_of<DepthTilesPass>(make_compute_step(device, 1, depth_tiles_comp));
 }
 Result<std::unique_ptr<Pass>> make_cull_hidden_pass(const DevicePtr& device) {
-  return make<CullHiddenPass>(device, 0, cull_comp);
+  return pass_of<CullHiddenPass>(make_compute_step(device, 0, cull_comp));
 }
 
 }  // namespace gnomon::gpu

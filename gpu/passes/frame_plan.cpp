@@ -44,6 +44,10 @@ LastUse touch(Use use) {
     case Use::indirect:
       return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
               VK_IMAGE_LAYOUT_UNDEFINED, false};
+    case Use::indirect_read:
+      return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+              VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
+              VK_IMAGE_LAYOUT_UNDEFINED, false};
     case Use::vertex_read:
       return {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
               false};
@@ -52,6 +56,9 @@ LastUse touch(Use use) {
               false};
     case Use::copy_target:
       return {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+              true};
+    case Use::fill_target:
+      return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
               true};
   }
   return {};
@@ -69,9 +76,9 @@ VkImageUsageFlags image_usage(Use use) {
 }
 
 VkBufferUsageFlags buffer_usage(Use use) {
-  if (use == Use::indirect) return VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+  if (use == Use::indirect || use == Use::indirect_read) return VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
   if (use == Use::copy_source) return VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  if (use == Use::copy_target) return VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (use == Use::copy_target || use == Use::fill_target) return VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   return 0;
 }
 
@@ -171,14 +178,21 @@ Result<FrameResources> FramePlan::allocate(const Capacity& capacity) const {
   return out;
 }
 
+bool FramePlan::is_storage_image(size_t pass, size_t port) const {
+  return ports_[pass][port].use == Use::storage_write && is_image(resources_[wiring_[pass][port]].spec);
+}
+
 Result<void> FramePlan::bind(FrameResources& out) const {
   const uint32_t passes = static_cast<uint32_t>(passes_.size());
-  uint32_t images = 1;
-  for (const auto& ports : ports_)
-    images += static_cast<uint32_t>(
-        std::count_if(ports.begin(), ports.end(), [](const Port& p) { return p.use == Use::sampled; }));
+  uint32_t sampled_images = 1, storage_images = 1;  // none of a kind would be no valid size
+  for (size_t pass = 0; pass < passes_.size(); ++pass)
+    for (size_t port = 0; port < ports_[pass].size(); ++port) {
+      sampled_images += ports_[pass][port].use == Use::sampled;
+      storage_images += is_storage_image(pass, port);
+    }
   const std::array sizes{VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, passes},
-                         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, images}};
+                         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled_images},
+                         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, storage_images}};
   VkDescriptorPoolCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
   create.maxSets = passes;
@@ -191,7 +205,7 @@ Result<void> FramePlan::bind(FrameResources& out) const {
 
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
     std::vector<BoundPort> bound;
-    std::vector<VkDescriptorImageInfo> sampled;
+    std::vector<VkDescriptorImageInfo> sampled, stored;
     for (size_t port = 0; port < ports_[pass].size(); ++port) {
       const size_t resource = wiring_[pass][port];
       const FrameResources::Entry& entry = out.entries[resource];
@@ -199,6 +213,8 @@ Result<void> FramePlan::bind(FrameResources& out) const {
       bound.push_back({image ? &entry.image : nullptr, image ? nullptr : &entry.buffer});
       if (ports_[pass][port].use == Use::sampled)
         sampled.push_back({VK_NULL_HANDLE, entry.image.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+      if (is_storage_image(pass, port))
+        stored.push_back({VK_NULL_HANDLE, entry.image.view(), VK_IMAGE_LAYOUT_GENERAL});
     }
     out.ports.push_back(std::move(bound));
     out.sets.push_back(VK_NULL_HANDLE);
@@ -223,12 +239,16 @@ Result<void> FramePlan::bind(FrameResources& out) const {
     write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     write.pBufferInfo = &uniforms;
     std::vector<VkWriteDescriptorSet> all{write};
-    for (uint32_t i = 0; i < sampled.size(); ++i) {
-      write.dstBinding = i + 1;
-      write.descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
-      write.pImageInfo = &sampled[i];
-      all.push_back(write);
-    }
+    const auto add = [&](VkDescriptorType type, const std::vector<VkDescriptorImageInfo>& images) {
+      for (const VkDescriptorImageInfo& image : images) {
+        write.dstBinding = static_cast<uint32_t>(all.size());
+        write.descriptorType = type;
+        write.pImageInfo = &image;
+        all.push_back(write);
+      }
+    };
+    add(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled);
+    add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, stored);
     vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(all.size()), all.data(), 0, nullptr);
   }
   return {};

@@ -63,6 +63,7 @@ class FramePlan {
   void add_barrier(size_t pass, size_t resource, Use use, struct LastUse& last);
   void wait_for(VkCommandBuffer commands, const FrameResources& resources, size_t pass,
                 bool for_images = true) const;
+  bool is_storage_image(size_t pass, size_t port) const;
   Result<void> bind(FrameResources& resources) const;
 
   DevicePtr device_;

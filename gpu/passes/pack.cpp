@@ -106,23 +106,16 @@ class ReadbackPackedPass : public ComputePass {
   }
 };
 
-template <class Made>
-Result<std::unique_ptr<Pass>> make(const DevicePtr& device, std::span<const uint32_t> shader) {
-  auto step = make_compute_step(device, 0, shader);
-  if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<Made>(std::move(*step)));
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device) {
-  return make<PackClassesPass>(device, pack_classes_comp);
+  return pass_of<PackClassesPass>(make_compute_step(device, 0, pack_classes_comp));
 }
 Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device) {
-  return make<PackPlacesPass>(device, pack_places_comp);
+  return pass_of<PackPlacesPass>(make_compute_step(device, 0, pack_places_comp));
 }
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device) {
-  return make<ReadbackPackedPass>(device, readback_comp);
+  return pass_of<ReadbackPackedPass>(make_compute_step(device, 0, readback_comp));
 }
 
 }  // namespace gnomon::gpu

@@ -23,7 +23,7 @@ struct FrameView {
   LightSet untraced = {};
 };
 
-// How a pass touches a resource. The first four and `sampled` concern images where a format is given.
+// How a pass touches a resource. An image may be a target, sampled or (compute) storage_write.
 enum class Use {
   color_target,
   depth_target,
@@ -32,14 +32,16 @@ enum class Use {
   storage_write,
   storage_update,  // read and written
   indirect,
+  indirect_read,  // the same buffer also read by the shader
   vertex_read,
   copy_source,
-  copy_target
+  copy_target,
+  fill_target
 };
 
 constexpr bool writes(Use use) {
   return use == Use::color_target || use == Use::depth_target || use == Use::storage_write ||
-         use == Use::storage_update || use == Use::copy_target;
+         use == Use::storage_update || use == Use::copy_target || use == Use::fill_target;
 }
 
 // The largest frame that a slot's resources can hold.

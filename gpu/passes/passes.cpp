@@ -28,6 +28,12 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool 
        {[&] { return make_cull_pass(device); }, [&] { return make_occluders_pass(device); },
         [&] { return make_depth_tiles_pass(device); }, [&] { return make_cull_hidden_pass(device); },
         [&] { return make_gbuffer_pass(device); }}},
+      {"gbuffer_compute",
+       {[&] { return make_clear_visibility_pass(device); }, [&] { return make_cull_runs_pass(device); },
+        [&] { return make_occluder_runs_pass(device); }, [&] { return make_large_occluders_pass(device); },
+        [&] { return make_visibility_tiles_pass(device); }, [&] { return make_cull_hidden_runs_pass(device); },
+        [&] { return make_triangle_runs_pass(device); }, [&] { return make_large_triangles_pass(device); },
+        [&] { return make_resolve_pass(device); }}},
       {"gbuffer_all", {[&] { return make_gbuffer_all_pass(device); }}},
       {"pose", {[] { return make_pose_pass(); }}},
       {"trace", trace_steps},
@@ -39,6 +45,11 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool 
       {"readback_surface", {read("readback_surface", kSurface, kHostSurface)}},
       {"shade", {[&] { return make_shade_pass(device); }}},
       {"readback_color", {read("readback_color", kColor, kHostColor)}},
+      {"ids", {[&] { return make_ids_pass(device); }}},
+      {"readback_ids", {read("readback_ids", kIds, kHostIds)}},
+      {"predict", {[&] { return make_predict_pass(device); }}},
+      {"readback_sources", {read("readback_sources", kSources, kHostSources)}},
+      {"shade_predicted", {[&] { return make_shade_predicted_pass(device); }}},
       {"readback_draws",
        {read("readback_draws", kOccluderDraws, kHostOccluderDraws), read("readback_draws", kDraws, kHostDraws)}},
   };
@@ -63,8 +74,8 @@ Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const
 }
 
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
-                                      std::span<const uint32_t> shader) {
-  auto layout = make_pass_layout(device, sampled_images);
+                                      std::span<const uint32_t> shader, uint32_t storage_images) {
+  auto layout = make_pass_layout(device, sampled_images, storage_images);
   if (!layout) return layout.error();
   auto pipeline = make_compute_pipeline(device, *layout, shader);
   if (!pipeline) return pipeline.error();

@@ -10,6 +10,17 @@
 //     cull_hidden  depth_tiles -> draws, drawn: what of all others may show
 //     gbuffer      draws, drawn -> triangle_id, depth
 //   gbuffer_all  as gbuffer, bit for bit, but draws everything: for comparison
+//   gbuffer_compute  as gbuffer but for pixels at edges, without the graphics pipeline, in these steps
+//             (shaders/raster.glsl):
+//     clear        -> visibility (64 bits a pixel: depth, triangle), occluder_runs, occluder_large, runs, large
+//     cull         -> occluder_runs: clusters of the large triangles that may show
+//     occluders    occluder_runs -> visibility, occluder_large (what is too large for one invocation)
+//     occluders_large  occluder_large -> visibility
+//     depth_tiles  visibility -> depth_tiles
+//     cull_hidden  depth_tiles -> runs: clusters of all others that may show
+//     triangles    runs -> visibility, large; and what moves
+//     large        large -> visibility
+//     resolve      visibility -> triangle_id
 //   trace     triangle_id -> masks (tile words, see common/tile_mask.h), cares (words of the same layout: 1 where the
 //             pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever hides
 //             the light)
@@ -22,8 +33,13 @@
 //   readback  masks, cares, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
+//   ids       triangle_id -> ids (the same in a buffer): what a client keeps of a view
+//   predict   ids (of this frame or from the host), and from the host seen_view and seen_ids, another view -> sources
+//             (uint32 for each pixel: 0, or 1 + the pixel of that view that shows the same surface)
+//   shade_predicted  as shade, with given_masks of the seen view, by way of sources; where these are 0 all lights shine
 //   readback_masks  masks -> host_masks  readback_cares    cares -> host_cares
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
+//   readback_ids  ids -> host_ids  readback_sources  sources -> host_sources
 //   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
 #pragma once
 
@@ -41,6 +57,11 @@ inline constexpr std::string_view kDrawnOccluders = "drawn_occluders";
 inline constexpr std::string_view kDepthTiles = "depth_tiles";
 inline constexpr std::string_view kDraws = "draws";
 inline constexpr std::string_view kDrawn = "drawn";
+inline constexpr std::string_view kVisibility = "visibility";
+inline constexpr std::string_view kOccluderRuns = "occluder_runs";
+inline constexpr std::string_view kOccluderLarge = "occluder_large";
+inline constexpr std::string_view kRuns = "runs";
+inline constexpr std::string_view kLarge = "large";
 inline constexpr std::string_view kHostOccluderDraws = "host_occluder_draws";
 inline constexpr std::string_view kHostDraws = "host_draws";
 inline constexpr std::string_view kMasks = "masks";
@@ -58,6 +79,12 @@ inline constexpr std::string_view kGivenMasks = "given_masks";
 inline constexpr std::string_view kShading = "shading";
 inline constexpr std::string_view kColor = "color";
 inline constexpr std::string_view kHostColor = "host_color";
+inline constexpr std::string_view kIds = "ids";
+inline constexpr std::string_view kHostIds = "host_ids";
+inline constexpr std::string_view kSeenView = "seen_view";
+inline constexpr std::string_view kSeenIds = "seen_ids";
+inline constexpr std::string_view kSources = "sources";
+inline constexpr std::string_view kHostSources = "host_sources";
 }  // namespace resource
 
 // One pixel's surface as the tracers see it. triangle: as in triangle_id.
@@ -79,6 +106,16 @@ Result<std::unique_ptr<Pass>> make_depth_tiles_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_cull_hidden_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_gbuffer_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_gbuffer_all_pass(const DevicePtr& device);
+// Error: the device lacks 64-bit atomics.
+Result<std::unique_ptr<Pass>> make_clear_visibility_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_cull_runs_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_cull_hidden_runs_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_occluder_runs_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_large_occluders_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_visibility_tiles_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_triangle_runs_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_large_triangles_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_resolve_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
 Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device);
@@ -86,6 +123,9 @@ Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_shade_predicted_pass(const DevicePtr& device);
 
 // Copies as much of a buffer as this frame has written into cached host memory.
 Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::string_view source,
@@ -97,7 +137,14 @@ struct ComputeStep {
   uint32_t rows_at_once = 0;  // tile rows of one dispatch
 };
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
-                                      std::span<const uint32_t> shader);
+                                      std::span<const uint32_t> shader, uint32_t storage_images = 0);
+
+// The pass `Made` of that step, which its constructor takes first.
+template <class Made, class... More>
+Result<std::unique_ptr<Pass>> pass_of(Result<ComputeStep> step, More&&... more) {
+  if (!step) return step.error();
+  return std::unique_ptr<Pass>(std::make_unique<Made>(std::move(*step), std::forward<More>(more)...));
+}
 
 // Binds the step, the frame's descriptors and push constants.
 void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);

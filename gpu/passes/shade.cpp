@@ -1,44 +1,52 @@
-// The client's shading with given visibility bits (gpu/reference_view.h).
-#include <array>
+// The client's shading with given visibility bits (gpu/reference_view.h): of this very view, or of one seen before.
+#include <vector>
 
 #include "gpu/passes/passes.h"
 #include "gpu/shading_uniforms.h"
 #include "spirv/shade_comp.h"
+#include "spirv/shade_predicted_comp.h"
 
 namespace gnomon::gpu {
 namespace {
 
 class ShadePass : public Pass {
  public:
-  explicit ShadePass(ComputeStep step) : step_(std::move(step)) {}
+  ShadePass(ComputeStep step, bool predicted) : step_(std::move(step)), predicted_(predicted) {}
 
-  std::string_view name() const override { return "shade"; }
+  std::string_view name() const override { return predicted_ ? "shade_predicted" : "shade"; }
   const PassLayout* layout() const override { return &step_.layout; }
   std::vector<Port> ports() const override {
     const auto masks = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
     const auto shading = [](const Capacity&) { return sizeof(ShadingUniforms); };
     const auto color = [](const Capacity& c) { return uint64_t{c.width} * c.height * sizeof(uint32_t); };
-    return {{resource::kTriangleId, Use::sampled},
-            {resource::kGivenMasks, Use::storage_read, {{}, masks, MemoryUse::upload}},
-            {resource::kShading, Use::storage_read, {{}, shading, MemoryUse::upload}},
-            {resource::kColor, Use::storage_write, {{}, color}}};
+    std::vector<Port> ports{{resource::kTriangleId, Use::sampled},
+                            {resource::kGivenMasks, Use::storage_read, {{}, masks, MemoryUse::upload}},
+                            {resource::kShading, Use::storage_read, {{}, shading, MemoryUse::upload}},
+                            {resource::kColor, Use::storage_write, {{}, color}}};
+    if (predicted_) {
+      ports.push_back({resource::kSeenView, Use::storage_read});
+      ports.push_back({resource::kSources, Use::storage_read});
+    }
+    return ports;
   }
   void record(const FrameContext& frame) const override {
-    const std::array addresses{frame.ports[1].buffer->address(), frame.ports[2].buffer->address(),
-                               frame.ports[3].buffer->address()};
+    std::vector<VkDeviceAddress> addresses;  // the image aside
+    for (const BoundPort& port : frame.ports.subspan(1)) addresses.push_back(port.buffer->address());
     dispatch_tiles(frame, step_, std::as_bytes(std::span(addresses)));
   }
 
  private:
   ComputeStep step_;
+  bool predicted_;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device) {
-  auto step = make_compute_step(device, 1, shade_comp);
-  if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<ShadePass>(std::move(*step)));
+  return pass_of<ShadePass>(make_compute_step(device, 1, shade_comp), false);
+}
+Result<std::unique_ptr<Pass>> make_shade_predicted_pass(const DevicePtr& device) {
+  return pass_of<ShadePass>(make_compute_step(device, 1, shade_predicted_comp), true);
 }
 
 }  // namespace gnomon::gpu

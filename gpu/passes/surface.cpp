@@ -27,9 +27,7 @@ class SurfacePass : public Pass {
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device) {
-  auto step = make_compute_step(device, 1, surface_comp);
-  if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<SurfacePass>(std::move(*step)));
+  return pass_of<SurfacePass>(make_compute_step(device, 1, surface_comp));
 }
 
 }  // namespace gnomon::gpu

@@ -43,9 +43,7 @@ class TracePass : public Pass {
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
-  auto step = make_compute_step(device, 1, tracer.shader());
-  if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<TracePass>(std::move(*step), motion));
+  return pass_of<TracePass>(make_compute_step(device, 1, tracer.shader()), motion);
 }
 
 }  // namespace gnomon::gpu

@@ -60,9 +60,7 @@ class TraceMovingPass : public Pass {
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device) {
-  auto step = make_compute_step(device, 1, trace_moving_comp);
-  if (!step) return step.error();
-  return std::unique_ptr<Pass>(std::make_unique<TraceMovingPass>(std::move(*step)));
+  return pass_of<TraceMovingPass>(make_compute_step(device, 1, trace_moving_comp));
 }
 
 }  // namespace gnomon::gpu

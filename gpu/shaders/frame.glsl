@@ -1,4 +1,6 @@
 // What every shader of a frame sees: the view, the scene's buffers and the lights (gpu/frame_uniforms.h).
+#ifndef FRAME_GLSL
+#define FRAME_GLSL
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
@@ -45,6 +47,14 @@ layout(set = 0, binding = 0, scalar) uniform Frame {
   TracedLight lights[kMaxLights];
 } frame;
 
+float near_plane() { return frame.camera_to_clip[3][2]; }
+
+// Through the middle of the pixel; 1 long along frame.forward.
+vec3 pixel_ray(uvec2 pixel) {
+  precise vec3 ray = frame.ray_corner + (float(pixel.x) + 0.5) * frame.ray_dx + (float(pixel.y) + 0.5) * frame.ray_dy;
+  return ray;
+}
+
 // Nearest texel of level 0: the same rule as scenes::passes_alpha_test.
 uint wrap_texel(float u, uint wrap, uint size) {
   precise float within_two = u - 2.0 * floor(0.5 * u);
@@ -73,3 +83,4 @@ vec2 uv_at(uint triangle, vec3 weights) {
   return weights.x * frame.uvs.at[corners.x] + weights.y * frame.uvs.at[corners.y] +
          weights.z * frame.uvs.at[corners.z];
 }
+#endif

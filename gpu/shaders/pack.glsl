@@ -3,7 +3,10 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-layout(local_size_x = 64) in;
+#ifndef INVOCATIONS
+#define INVOCATIONS 64
+#endif
+layout(local_size_x = INVOCATIONS) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer TileWords { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };

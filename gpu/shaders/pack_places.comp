@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define INVOCATIONS 128  // what every device allows: one after the other waits for memory
 #include "pack.glsl"
 
 // Where each group's mixed words go: the sum of all counts before it; behind the last, of all. One workgroup, of
@@ -9,10 +10,10 @@ layout(push_constant, scalar) uniform Push {
   uint words;
 } push;
 
-shared uint sums[64];
+shared uint sums[INVOCATIONS];
 
 void main() {
-  uint groups = groups_of(push.words), share = (groups + 63u) / 64u;
+  uint groups = groups_of(push.words), share = (groups + INVOCATIONS - 1u) / INVOCATIONS;
   uint me = gl_LocalInvocationID.x, first = min(me * share, groups), end = min(first + share, groups);
   uint sum = 0u;
   for (uint g = first; g < end; ++g) sum += push.counts.at[g];
@@ -25,5 +26,5 @@ void main() {
     push.counts.at[g] = place;
     place += count;
   }
-  if (me == 63u) push.counts.at[groups] = place;
+  if (me == INVOCATIONS - 1u) push.counts.at[groups] = place;
 }

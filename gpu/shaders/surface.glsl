@@ -20,11 +20,6 @@ uint triangle_at(uvec2 pixel) {
   return texelFetch(triangle_ids, ivec2(pixel), 0).x;
 }
 
-vec3 pixel_ray(uvec2 pixel) {
-  precise vec3 ray = frame.ray_corner + (float(pixel.x) + 0.5) * frame.ray_dx + (float(pixel.y) + 0.5) * frame.ray_dy;
-  return ray;
-}
-
 SurfacePoint surface_of(uint triangle, uvec2 pixel) {
   uvec3 corners = frame.triangles.at[triangle];
   return surface_point(frame.camera, frame.forward, pixel_ray(pixel), frame.positions.at[corners.x],

@@ -50,6 +50,14 @@ class BitRows {
     return static_cast<uint32_t>(bits >> (x & 7));
   }
 
+  // The 64 pixels from x on.
+  uint64_t wide_window(int x, int y) const {
+    const uint8_t* from = at(0, y) + (x >> 3);
+    uint64_t bits;
+    std::memcpy(&bits, from, sizeof bits);
+    return bits >> (x & 7) | uint64_t{from[8]} << 1 << (63 - (x & 7));
+  }
+
   // Margins continue the picture's edges.
   void extend() {
     for (int y = 0; y < height(); ++y) {

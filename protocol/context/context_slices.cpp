@@ -63,6 +63,12 @@ void FrameTiles::take(const TileMaskView& mask) {
     classes[i] = words[i] == 0 ? PackedClass::dark : ~words[i] == 0 ? PackedClass::lit : PackedClass::mixed;
 }
 
+void FrameTiles::refer_to(const MaskReference* frame, const std::optional<CameraView>& now) {
+  reference = frame;
+  camera.reset();
+  if (frame && now && frame->camera()) camera.emplace(*now, *frame->camera(), frame->grid());
+}
+
 struct UnitEncoder::Memory {
   Kit<false> alone;
   Kit<true> referenced;
@@ -86,7 +92,8 @@ struct UnitEncoder::Memory {
     const uint32_t rows_of_block = grid.tiles_x() * kBlock;
     motions.resize(size_t{(grid.tiles_x() + kBlock - 1) / kBlock} * ((grid.tiles_y() + kBlock - 1) / kBlock));
     const LightTiles tiles = light(number);
-    find_motions(grid, tiles.classes, tiles.words, *tiles.reference, range.first_tile / rows_of_block,
+    find_motions(grid, tiles.classes, tiles.words, *tiles.reference, frame->camera ? &*frame->camera : nullptr,
+                 range.first_tile / rows_of_block,
                  (range.first_tile + range.tile_count + rows_of_block - 1) / rows_of_block, motions);
   }
 

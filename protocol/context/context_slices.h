@@ -2,10 +2,12 @@
 // the format; tile_walk.h the order; slice_model.h the probabilities.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "protocol/codec.h"
+#include "protocol/context/camera_motion.h"
 #include "protocol/mask_reference.h"
 #include "protocol/slice_layout.h"
 
@@ -17,7 +19,10 @@ struct FrameTiles {
   std::vector<PackedClass> classes;          // of each word
   std::vector<uint64_t> words;               // mixed ones; the others become what a decoder will have
   const MaskReference* reference = nullptr;  // of the same grid
+  std::optional<CameraMotion> camera;        // since the reference, where it is known
 
+  // `now`: the camera of this frame.
+  void refer_to(const MaskReference* frame, const std::optional<CameraView>& now);
   void take(const PackedMaskView& mask);
   void take(const TileMaskView& mask);
 };

@@ -1,5 +1,6 @@
 #include "protocol/context/motion_search.h"
 
+#include <array>
 #include <bit>
 
 #include "protocol/context/tile_walk.h"
@@ -7,9 +8,11 @@
 namespace gnomon::protocol::context {
 namespace {
 
-constexpr int kFirstStep = 4;
-constexpr int kAround = 48, kAroundStep = 4;  // pixels
-constexpr int kGoodFit = 0;                   // differing pixels of a tile
+constexpr float kAlongStep = 3;               // pixels, from one distance that is tried to the next
+constexpr float kNearest = 0.25f;             // metres
+constexpr int kMostTries = 64;                // of distances
+constexpr int kAround = 24, kAroundStep = 4;  // pixels; where nothing is known of cameras
+constexpr int kFirstStep = 2;
 
 // What a motion costs beside another that is foreseen, in pixels that differ: some 1.2 for each bit that it takes.
 int price(const Motion& motion, const Motion& predicted) {
@@ -19,31 +22,52 @@ int price(const Motion& motion, const Motion& predicted) {
   return motion == predicted ? 0 : (bits(motion.dx - predicted.dx) + bits(motion.dy - predicted.dy)) * 2;
 }
 
-struct MixedTile {
-  int x, y;  // of its first pixel
-  uint64_t word;
+// The mixed tiles of a block, as rows of 64 pixels.
+struct BlockPixels {
+  static constexpr int kSide = int{kBlock} * 8;
+
+  int x = 0, y = 0;                      // of its first pixel
+  std::array<uint64_t, kSide> rows;      // of rows of tiles that have some
+  std::array<uint64_t, kBlock> mixed{};  // which pixels, of each row of tiles
+  int tiles = 0;
+
+  void add(uint32_t tile_x, uint32_t tile_y, uint64_t word) {
+    if (mixed[tile_y] == 0) std::fill_n(&rows[tile_y * 8], 8, 0);
+    mixed[tile_y] |= uint64_t{0xff} << tile_x * 8;
+    for (uint32_t row = 0; row < 8; ++row) rows[tile_y * 8 + row] |= (word >> 8 * row & 0xff) << tile_x * 8;
+    ++tiles;
+  }
 };
 
 class BlockSearch {
  public:
-  BlockSearch(std::span<const MixedTile> tiles, const BitRows& reference, Motion predicted)
-      : tiles_(tiles), reference_(reference), predicted_(predicted) {
+  BlockSearch(const BlockPixels& block, const BitRows& reference, Motion predicted)
+      : block_(block), reference_(reference), predicted_(predicted) {
     try_motion(predicted);
   }
 
   void try_motion(const Motion& motion) {
     if (std::abs(motion.dx) > kMostMotion || std::abs(motion.dy) > kMostMotion) return;
     int cost = price(motion, predicted_);
-    for (const MixedTile& tile : tiles_) {
-      cost += differing(tile, motion);
-      if (cost >= least_) return;
-    }
+    for (size_t row = 0; row < kBlock && cost < least_; ++row)
+      if (block_.mixed[row] != 0) cost += differing(row, motion);
+    if (cost >= least_) return;
     least_ = cost;
     best_ = motion;
   }
-  // Looks further around where nothing near fits well: the camera may have turned.
+  // What stands still moves along a line as the camera does: the further the nearer it is.
+  void look_along(const CameraMotion& camera) {
+    const float x = static_cast<float>(block_.x) + BlockPixels::kSide / 2,
+                y = static_cast<float>(block_.y) + BlockPixels::kSide / 2;
+    const auto far = camera.at(x, y, 0);
+    if (far) try_motion(*far);
+    const float step = camera.nearness_step(x, y, kAlongStep);
+    for (int i = 1; i <= kMostTries && step * static_cast<float>(i) < 1 / kNearest; ++i) {
+      const auto motion = camera.at(x, y, step * static_cast<float>(i));
+      if (motion) try_motion(*motion);
+    }
+  }
   void look_around() {
-    if (least_ <= kGoodFit * static_cast<int>(tiles_.size())) return;
     for (int dy = -kAround; dy <= kAround; dy += kAroundStep)
       for (int dx = -kAround; dx <= kAround; dx += kAroundStep) try_motion({dx, dy});
   }
@@ -58,15 +82,34 @@ class BlockSearch {
   Motion best() const { return best_; }
 
  private:
-  int differing(const MixedTile& tile, Motion motion) const {
-    const int x = std::clamp(tile.x + motion.dx, -24, reference_.width() + 8);
-    const int y = std::clamp(tile.y + motion.dy, -24, reference_.height() + 8);
-    uint64_t word = 0;
-    for (int row = 0; row < 8; ++row) word |= uint64_t{reference_.window(x, y + row) & 0xff} << 8 * row;
-    return std::popcount(word ^ tile.word);
+  // Of a row of tiles.
+  int differing(size_t row, Motion motion) const {
+    const int x = block_.x + motion.dx, top = block_.y + static_cast<int>(row) * 8;
+    const int y = std::clamp(top + motion.dy, -24, reference_.height() + 8);
+    int count = 0;
+    if (x < -24 || x + BlockPixels::kSide - 8 > reference_.width() + 8) {
+      for (int tile = 0; tile < int{kBlock}; ++tile)
+        if ((block_.mixed[row] >> 8 * tile & 1) != 0) count += differing_tile(row, tile, y, motion.dx);
+      return count;
+    }
+    for (int line = 0; line < 8; ++line)
+      count +=
+          std::popcount((reference_.wide_window(x, y + line) ^ block_.rows[row * 8 + static_cast<size_t>(line)]) &
+                        block_.mixed[row]);
+    return count;
+  }
+  // The places of tiles are kept near the picture, one by one.
+  int differing_tile(size_t row, int tile, int y, int dx) const {
+    const int x = std::clamp(block_.x + tile * 8 + dx, -24, reference_.width() + 8);
+    int count = 0;
+    for (int line = 0; line < 8; ++line)
+      count += std::popcount((reference_.window(x, y + line) ^
+                              static_cast<uint32_t>(block_.rows[row * 8 + static_cast<size_t>(line)] >> 8 * tile)) &
+                             0xff);
+    return count;
   }
 
-  std::span<const MixedTile> tiles_;
+  const BlockPixels& block_;
   const BitRows& reference_;
   Motion predicted_, best_;
   int least_ = 1 << 30;
@@ -75,18 +118,19 @@ class BlockSearch {
 }  // namespace
 
 void find_motions(const TileGrid& grid, std::span<const PackedClass> classes, std::span<const uint64_t> words,
-                  const BitRows& reference, uint32_t first, uint32_t end, std::span<Motion> motions) {
+                  const BitRows& reference, const CameraMotion* camera, uint32_t first, uint32_t end,
+                  std::span<Motion> motions) {
   const uint32_t blocks_x = (grid.tiles_x() + kBlock - 1) / kBlock;
-  std::vector<MixedTile> tiles;
   std::vector<Motion> found(motions.size());  // what those without mixed tiles are foreseen to be, too
   for (uint32_t block_y = first; block_y < end; ++block_y) {
     for (uint32_t block_x = 0; block_x < blocks_x; ++block_x) {
-      tiles.clear();
+      BlockPixels block;
+      block.x = static_cast<int>(block_x) * BlockPixels::kSide;
+      block.y = static_cast<int>(block_y) * BlockPixels::kSide;
       for (uint32_t y = block_y * kBlock; y < std::min((block_y + 1) * kBlock, grid.tiles_y()); ++y)
         for (uint32_t x = block_x * kBlock; x < std::min((block_x + 1) * kBlock, grid.tiles_x()); ++x) {
           const size_t tile = size_t{y} * grid.tiles_x() + x;
-          if (classes[tile] == PackedClass::mixed)
-            tiles.push_back({static_cast<int>(x * 8), static_cast<int>(y * 8), words[tile]});
+          if (classes[tile] == PackedClass::mixed) block.add(x % kBlock, y % kBlock, words[tile]);
         }
       const size_t here = size_t{block_y} * blocks_x + block_x;
       const bool has_left = block_x > 0, has_above = block_y > first;
@@ -96,10 +140,14 @@ void find_motions(const TileGrid& grid, std::span<const PackedClass> classes, st
       const Motion predicted = has_left && has_above ? median(left, above, right) : has_left ? left : above;
       found[here] = predicted;
       motions[here] = kAnyMotion;
-      if (tiles.empty()) continue;
-      BlockSearch search(tiles, reference, predicted);
+      if (block.tiles == 0) continue;
+      BlockSearch search(block, reference, predicted);
       for (const Motion& motion : {left, above, right, Motion{}}) search.try_motion(motion);
-      search.look_around();
+      if (camera) {
+        search.look_along(*camera);
+      } else {
+        search.look_around();
+      }
       search.refine();
       motions[here] = found[here] = search.best();
     }

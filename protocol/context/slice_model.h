@@ -21,7 +21,7 @@ struct Motion {
   int dx = 0, dy = 0;
   friend bool operator==(const Motion&, const Motion&) = default;
 };
-inline constexpr int kMostMotion = 63;
+inline constexpr int kMostMotion = 511;
 inline constexpr Motion kAnyMotion{kMostMotion + 1, 0};  // of a block that has no use for one: what costs least
 
 inline Motion median(const Motion& a, const Motion& b, const Motion& c) {
@@ -109,10 +109,10 @@ class SliceModel {
     return bit;
   }
 
-  // Elias gamma of the size, with counts for its length; at most 127.
+  // Elias gamma of the size, with counts for its length; at most 1,023.
   template <class Coder>
   int number(Coder& coder, int value, size_t axis) {
-    constexpr uint32_t kMostBits = 7;
+    constexpr uint32_t kMostBits = 10;
     const auto size = static_cast<uint32_t>(std::abs(value));
     uint32_t bits = 0;
     while (bits < kMostBits && counted(coder, size >> bits != 0, sizes_[axis * (kMostBits + 1) + bits])) ++bits;
@@ -157,7 +157,7 @@ class SliceModel {
   Runs runs_;
   Quiet quiet_;
   Count same_motion_;
-  std::array<Count, 16> sizes_;
+  std::array<Count, 22> sizes_;
 };
 
 }  // namespace gnomon::protocol::context

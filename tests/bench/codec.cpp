@@ -34,11 +34,12 @@ class OwnCodec : public FrameCodec {
     references_.clear();
     if (!before_) return;
     const std::vector<uint64_t> words = unpacked(spot.before[*before_].packed.view());
-    references_.add(std::make_shared<protocol::MaskReference>(kBefore, TileMaskView{grid, words}));
+    references_.add(std::make_shared<protocol::MaskReference>(kBefore, TileMaskView{grid, words},
+                                                              spot.before[*before_].camera));
   }
   CodedSize encode() override {
     const auto done = encoder_.encode(spot_->now.packed.view(), codec_, protocol::kMaxSlicePayloadBytes, frame_,
-                                      references_.find(kBefore));
+                                      references_.find(kBefore), spot_->now.camera);
     if (!done) return {};
     return {frame_.bytes.size(), frame_.slices.size()};
   }

@@ -34,6 +34,24 @@ std::span<char> bytes_of(std::vector<uint64_t>& words) {
   return {reinterpret_cast<char*>(words.data()), words.size() * sizeof(uint64_t)};
 }
 
+// The cameras are made anew: only what is rendered is worth keeping.
+protocol::CameraView to_wire(const gpu::CameraView& camera) {
+  const glm::vec3& p = camera.position;
+  const glm::quat& q = camera.orientation;
+  return {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}, camera.tan_left,  camera.tan_right,
+          camera.tan_up,   camera.tan_down,      camera.near_plane};
+}
+
+void place_cameras(const scenes::Scene& scene, const PathPlan& plan, PathMasks& masks) {
+  for (uint32_t i = 0; i < plan.spots; ++i) {
+    PathSpot& spot = masks.spots[i];
+    const double seconds = path_seconds(scene) * (i + 0.5) / plan.spots;
+    spot.now.camera = to_wire(camera_on_path(scene, seconds, plan.size));
+    for (size_t age = 0; age < plan.ages_ms.size(); ++age)
+      spot.before[age].camera = to_wire(camera_on_path(scene, seconds - plan.ages_ms[age] / 1e3, plan.size));
+  }
+}
+
 bool read_kept(const std::filesystem::path& file, const PathPlan& plan, PathMasks& masks) {
   std::ifstream in(file, std::ios::binary);
   if (!in.read(reinterpret_cast<char*>(&masks.grid), sizeof masks.grid)) return false;
@@ -79,22 +97,19 @@ Result<void> render(gpu::BlockingFrame& frame, const gpu::CameraView& camera, co
   return {};
 }
 
-Result<PathMasks> render_all(const std::string& name, const PathPlan& plan) {
-  const auto scene = open_scene(name);
-  if (!scene) return scene.error();
+Result<PathMasks> render_all(const std::string& name, const scenes::ScenePtr& scene, const PathPlan& plan) {
   gpu::RendererOptions options;
   options.device = plan.device;
-  auto frame =
-      gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_cares"}, *scene);
+  auto frame = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_cares"}, scene);
   if (!frame) return frame.error();
   PathMasks masks;
   masks.spots.resize(plan.spots);
-  const double duration = path_seconds(**scene);
+  const double duration = path_seconds(*scene);
   for (uint32_t i = 0; i < plan.spots; ++i) {
     say(std::string("  ") + name + ": camera " + std::to_string(i + 1) + " of " + std::to_string(plan.spots));
     const double seconds = duration * (i + 0.5) / plan.spots;
     PathSpot& spot = masks.spots[i];
-    const auto at = [&](double when) { return camera_on_path(**scene, when, plan.size); };
+    const auto at = [&](double when) { return camera_on_path(*scene, when, plan.size); };
     if (auto r = render(**frame, at(seconds), plan, masks.grid, spot.now); !r) return r.error();
     for (const uint32_t age : plan.ages_ms) {
       PathFrame& before = spot.before.emplace_back();
@@ -114,10 +129,16 @@ Result<PathMasks> masks_along_path(const std::string& scene, const PathPlan& pla
   PathMasks kept;
   kept.device = "kept masks";
   kept.scene = scene;
-  if (!file.empty() && read_kept(file, plan, kept)) return kept;
-  auto rendered = render_all(scene, plan);
+  const auto opened = open_scene(scene);
+  if (!opened) return opened.error();
+  if (!file.empty() && read_kept(file, plan, kept)) {
+    place_cameras(**opened, plan, kept);
+    return kept;
+  }
+  auto rendered = render_all(scene, *opened, plan);
   if (!rendered) return rendered;
   rendered->scene = scene;
+  place_cameras(**opened, plan, *rendered);
   if (!file.empty())
     if (auto written = keep(file, plan, *rendered); !written) return written.error();
   return rendered;

@@ -7,6 +7,7 @@
 
 #include "common/packed_mask.h"
 #include "common/result.h"
+#include "protocol/types.h"
 #include "tests/bench/bench_scenes.h"
 
 namespace gnomon::bench {
@@ -15,6 +16,7 @@ struct PathFrame {
   std::vector<uint64_t> words;  // as common/tile_mask.h
   std::vector<uint64_t> cares;  // of the same layout: which bits matter
   PackedMask packed;            // the same as the daemon gets it
+  protocol::CameraView camera;  // that it was seen through
 };
 
 // One place of the path, and how it looked so long before.

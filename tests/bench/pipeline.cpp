@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <condition_variable>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -24,7 +26,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr uint32_t kSubmitted = 3;  // frames of the bare kernels on the device: what the daemon has at most
+constexpr int kSubmitted = 3;  // frames of the bare kernels on the device: what the daemon has at most
 constexpr SceneId kScene{0};
 
 double cpu_seconds(int who) {
@@ -92,6 +94,16 @@ class BareKernels {
   BareKernels(std::unique_ptr<gpu::Renderer> renderer, scenes::ScenePtr scene)
       : renderer_(std::move(renderer)), scene_(std::move(scene)) {}
 
+  // Means since the last call: a frame's time on the device, and of each of its passes.
+  void take_times(nlohmann::ordered_json& row) {
+    const double frames = 1e6 * static_cast<double>(std::max<uint64_t>(done_, 1));
+    row["bare_gpu_ms"] = static_cast<double>(gpu_ns_) / frames;
+    for (const auto& [pass, ns] : stage_ns_)
+      row["pass_" + std::string(pass) + "_ms"] = static_cast<double>(ns) / frames;
+    stage_ns_.clear();
+    gpu_ns_ = done_ = 0;
+  }
+
   Result<void> prepare() { return renderer_->make_resident(kScene, scene_); }
   const gpu::Renderer& renderer() const { return *renderer_; }
 
@@ -116,6 +128,9 @@ class BareKernels {
     auto submitted = renderer_->submit(job, [this](gpu::FrameDone done) {
       done.mask.drop();
       std::lock_guard lock(mutex_);
+      gpu_ns_ += done.gpu_ns;
+      ++done_;
+      for (const gpu::StageTime& stage : done.stages) stage_ns_[stage.pass] += stage.gpu_ns;
       --under_way_;
       changed_.notify_all();
     });
@@ -133,6 +148,8 @@ class BareKernels {
   std::unique_ptr<gpu::Renderer> renderer_;
   scenes::ScenePtr scene_;
   uint64_t jobs_ = 0;
+  std::map<std::string_view, uint64_t> stage_ns_;  // sums, as what follows; guarded by mutex_ once frames are out
+  uint64_t gpu_ns_ = 0, done_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   int under_way_ = 0;
@@ -147,8 +164,13 @@ class PipelineSuite : public Suite {
     command.add_option("--rate", rate_hz_, "cameras a second of each client; 0: as many as are answered")
         ->capture_default_str();
     command.add_option("--seconds", seconds_, "of each measurement")->capture_default_str();
+    command.add_option("--cache", cache_, "folder of what tracers build; default: one that is thrown away");
     command.add_option("--device", device_, "index, type or part of the name");
-    command.add_option("--slice-us", slice_us_, "scheduler.slice_us of the daemon")->capture_default_str();
+    command.add_option("--raster", raster_, "as render.raster of the configuration")->capture_default_str();
+    command.add_option("--queues", queues_, "as render.queues")->capture_default_str();
+    command.add_option("--frames-in-flight", frames_in_flight_, "as render.frames_in_flight")
+        ->capture_default_str();
+    command.add_option("--slice-us", slice_us_, "scheduler.slice_us of the daemon; default: auto");
     command.add_option("--encode-threads", encode_threads_, "encode.threads of the daemon")->capture_default_str();
     command.add_option("--load-threads", load_threads_, "of the clients")->capture_default_str();
     command.add_option("--net-threads", net_threads_, "server.net_threads of the daemon")->capture_default_str();
@@ -177,10 +199,13 @@ class PipelineSuite : public Suite {
     config.server.drain_timeout = std::chrono::milliseconds(0);
     config.scenes.list = {{name, file, ""}};
     if (!device_.empty()) config.render.device = device_;
-    config.render.cache_folder = scratch_.path();
+    config.render.raster = raster_;
+    config.render.queues = queues_;
+    config.render.frames_in_flight = frames_in_flight_;
+    config.render.cache_folder = cache_.empty() ? scratch_.path() : cache_;
     config.render.passes = gpu::RendererOptions{}.passes;
     config.encode.threads = encode_threads_;
-    config.scheduler.slice = std::chrono::microseconds(slice_us_);
+    if (slice_us_) config.scheduler.slice = std::chrono::microseconds(*slice_us_);
     config.scheduler.admit_percent = 0;
     return config;
   }
@@ -191,16 +216,16 @@ class PipelineSuite : public Suite {
     const auto scene = scenes::load_scene(*file);
     if (!scene) return scene.error();
     const daemon::Config config = this->config(file->stem().string(), *file);
-    const daemon::RendererFactory factory = daemon::vulkan_renderers(config);
+    const std::vector<daemon::RendererFactory> factories = daemon::vulkan_renderers(config);
     say("scene " + name + ": the bare kernels get ready");
-    auto renderer = factory();
+    auto renderer = factories.front()();
     if (!renderer) return renderer.error();
     BareKernels bare(std::move(*renderer), *scene);
     if (auto ready = bare.prepare(); !ready) return ready;
     report_.device = bare.renderer().device_name();
     report_.driver = bare.renderer().driver_name();
     say("scene " + name + ": the daemon gets ready");
-    auto daemon = daemon::Daemon::start({config, factory, "bench", {}, [](const Error& e) { say(e.message); }});
+    auto daemon = daemon::Daemon::start({config, factories, "bench", {}, [](const Error& e) { say(e.message); }});
     if (!daemon) return daemon.error();
     for (const std::string& size : sizes_) {
       for (const size_t clients : clients_) {
@@ -245,20 +270,22 @@ class PipelineSuite : public Suite {
     const double bare_vbps = (*before + *after) / 2;
     const double bits = static_cast<double>(size->width) * size->height * static_cast<double>(lights);
     const double frames = std::max<double>(1, static_cast<double>(flight->frames));
-    report_.rows.push_back({{"scene", name},
-                            {"size", size_text},
-                            {"clients", clients},
-                            {"rate_hz", rate_hz_},
-                            {"vbps", flight->vbps},
-                            {"gvis_per_s", flight->vbps * bits / 1e9},
-                            {"p50_ms", to_milliseconds(flight->server.percentile(0.5))},
-                            {"p99_ms", to_milliseconds(flight->server.percentile(0.99))},
-                            {"response_p50_ms", to_milliseconds(flight->response.percentile(0.5))},
-                            {"gpu_busy_share", busy_s / flight->seconds},
-                            {"cpu_ms_per_frame", 1e3 * cpu_s / frames},
-                            {"bytes_per_frame", static_cast<double>(flight->bytes) / frames},
-                            {"bare_vbps", bare_vbps},
-                            {"ratio_to_bare_kernels", flight->vbps / bare_vbps}});
+    ordered_json row{{"scene", name},
+                     {"size", size_text},
+                     {"clients", clients},
+                     {"rate_hz", rate_hz_},
+                     {"vbps", flight->vbps},
+                     {"gvis_per_s", flight->vbps * bits / 1e9},
+                     {"p50_ms", to_milliseconds(flight->server.percentile(0.5))},
+                     {"p99_ms", to_milliseconds(flight->server.percentile(0.99))},
+                     {"response_p50_ms", to_milliseconds(flight->response.percentile(0.5))},
+                     {"gpu_busy_share", busy_s / flight->seconds},
+                     {"cpu_ms_per_frame", 1e3 * cpu_s / frames},
+                     {"bytes_per_frame", static_cast<double>(flight->bytes) / frames},
+                     {"bare_vbps", bare_vbps},
+                     {"ratio_to_bare_kernels", flight->vbps / bare_vbps}};
+    bare.take_times(row);
+    report_.rows.push_back(std::move(row));
     return {};
   }
 
@@ -266,8 +293,10 @@ class PipelineSuite : public Suite {
   std::vector<std::string> sizes_{"1280x720", "1920x1080"};
   std::vector<size_t> clients_{1, 2, 4, 8, 16};
   double rate_hz_ = 0, seconds_ = 8;
-  std::string device_;
-  int64_t slice_us_ = 4000;
+  std::string device_, raster_ = "auto";
+  std::filesystem::path cache_;
+  uint32_t queues_ = 1, frames_in_flight_ = daemon::RenderConfig{}.frames_in_flight;
+  std::optional<int64_t> slice_us_;
   uint32_t encode_threads_ = 1, net_threads_ = 1;
   size_t load_threads_ = 1;
   ScratchFolder scratch_;

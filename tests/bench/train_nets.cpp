@@ -110,6 +110,7 @@ template <bool Referenced>
 void record(const PathFrame& frame, const protocol::MaskReference* reference, Recorder<Referenced>& recorder) {
   FrameTiles tiles;
   tiles.take(frame.packed.view());
+  tiles.refer_to(reference, frame.camera);
   const TileGrid& grid = tiles.grid;
   WalkMemory memory;
   memory.rows.reset(grid.tiles_x(), grid.tiles_y());
@@ -122,8 +123,8 @@ void record(const PathFrame& frame, const protocol::MaskReference* reference, Re
                               std::span(tiles.words).subspan(first, grid.tile_count()),
                               reference ? &reference->rows(light) : nullptr, motions};
     if (reference)
-      find_motions(grid, of_light.classes, of_light.words, *of_light.reference, 0,
-                   (grid.tiles_y() + kBlock - 1) / kBlock, motions);
+      find_motions(grid, of_light.classes, of_light.words, *of_light.reference,
+                   tiles.camera ? &*tiles.camera : nullptr, 0, (grid.tiles_y() + kBlock - 1) / kBlock, motions);
     for (uint32_t next = 0; next < grid.tile_count();) {
       if (next % (kRowsOfASlice * grid.tiles_x()) == 0) walk.begin(of_light, next);
       const uint32_t end = segment_end(next, grid.tiles_x());
@@ -225,7 +226,7 @@ Result<void> train_all(const std::vector<std::string>& scenes, const PathPlan& p
       record(spot.now, nullptr, alone);
       for (const PathFrame& before : spot.before) {
         const std::vector<uint64_t> words = unpacked(before.packed.view());
-        const protocol::MaskReference reference(FrameId{1}, {masks->grid, words});
+        const protocol::MaskReference reference(FrameId{1}, {masks->grid, words}, before.camera);
         record(spot.now, &reference, referenced);
       }
     }

@@ -10,7 +10,8 @@ namespace {
 
 std::vector<TransportCase> all_cases() {
   std::vector<TransportCase> all;
-  for (auto& cases : {seal_cases(), link_cases(), junk_cases()}) all.insert(all.end(), cases.begin(), cases.end());
+  for (auto& cases : {seal_cases(), send_cases(), link_cases(), junk_cases()})
+    all.insert(all.end(), cases.begin(), cases.end());
   return all;
 }
 

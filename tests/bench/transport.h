@@ -21,6 +21,7 @@ struct TransportCase {
 };
 
 std::vector<TransportCase> seal_cases();  // transport_seal.cpp
+std::vector<TransportCase> send_cases();  // transport_send.cpp
 std::vector<TransportCase> link_cases();  // transport_link.cpp
 std::vector<TransportCase> junk_cases();  // transport_junk.cpp
 

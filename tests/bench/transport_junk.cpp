@@ -23,7 +23,7 @@ namespace {
 using nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
-constexpr double kJunkPerSecond = 100e3;
+constexpr double kJunkPerSecond = 110e3;  // the promise is of 100,000; a thread that was kept waiting catches up
 constexpr size_t kBatch = 100;
 constexpr auto kFrameTime = 10ms;
 constexpr size_t kClients = 4;
@@ -108,9 +108,9 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   served.config.scheduler.slice = 0us;  // each piece of a frame would take the set time
   served.version = "bench";
   const auto lights = static_cast<uint32_t>((*scene)->lights.size());
-  served.make_renderer = [lights]() -> Result<std::unique_ptr<gpu::Renderer>> {
+  served.make_renderers = {[lights]() -> Result<std::unique_ptr<gpu::Renderer>> {
     return std::unique_ptr<gpu::Renderer>(std::make_unique<daemon::SelfRunningFakeRenderer>(3, lights, kFrameTime));
-  };
+  }};
   const auto daemon = daemon::Daemon::start(std::move(served));
   if (!daemon) return daemon.error();
 

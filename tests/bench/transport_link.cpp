@@ -65,10 +65,24 @@ Result<Rows> sharing(const TransportOptions&) {
   return rows;
 }
 
+Result<Rows> narrowing_path(const TransportOptions&) {
+  const tests::MtuFigures figures = tests::narrowing_path(kSeed);
+  return Rows{{{"case", "narrowing_path"},
+               {"seed", kSeed},
+               {"datagram_bytes", figures.found},
+               {"datagram_bytes_after", figures.after},
+               {"longest_gap_ms", to_milliseconds(figures.longest_gap)},
+               {"fresh_tiles_share", figures.fresh_share}}};
+}
+
 }  // namespace
 
 std::vector<TransportCase> link_cases() {
-  return {{"loss", random_loss}, {"heavy_loss", heavy_loss}, {"bottleneck", bottleneck}, {"sharing", sharing}};
+  return {{"loss", random_loss},
+          {"heavy_loss", heavy_loss},
+          {"bottleneck", bottleneck},
+          {"sharing", sharing},
+          {"narrowing_path", narrowing_path}};
 }
 
 }  // namespace gnomon::bench

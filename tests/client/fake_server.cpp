@@ -12,7 +12,6 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "daemon/certificates.h"
 #include "protocol/seal_exporter.h"
 #include "tests/client/sliced.h"
 
@@ -38,38 +37,31 @@ int bound_socket(int type, uint16_t& port) {
   return made;
 }
 
-const daemon::Identity& identity() {
-  static const daemon::Identity made =
-      daemon::make_certificate({.name = "fake", .hosts = {"localhost"}, .lasts = std::chrono::hours(1)}).value();
-  return made;
-}
-
-SSL_CTX* context() {
-  static SSL_CTX* const made = [] {
-    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to whatever its peer has left
-    SSL_CTX* const server = SSL_CTX_new(TLS_server_method());
-    const auto bio = [](const std::string& pem) {
-      return BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()));
-    };
-    BIO* const certificate = bio(identity().certificate);
-    BIO* const key = bio(identity().key);
-    SSL_CTX_use_certificate(server, PEM_read_bio_X509(certificate, nullptr, nullptr, nullptr));
-    SSL_CTX_use_PrivateKey(server, PEM_read_bio_PrivateKey(key, nullptr, nullptr, nullptr));
-    BIO_free(certificate);
-    BIO_free(key);
-    return server;
-  }();
-  return made;
+SSL_CTX* context_with(const daemon::Identity& identity) {
+  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to whatever its peer has left
+  SSL_CTX* const server = SSL_CTX_new(TLS_server_method());
+  const auto bio = [](const std::string& pem) { return BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())); };
+  BIO* const certificate = bio(identity.certificate);
+  BIO* const key = bio(identity.key);
+  X509* const read_certificate = PEM_read_bio_X509(certificate, nullptr, nullptr, nullptr);
+  EVP_PKEY* const read_key = PEM_read_bio_PrivateKey(key, nullptr, nullptr, nullptr);
+  SSL_CTX_use_certificate(server, read_certificate);
+  SSL_CTX_use_PrivateKey(server, read_key);
+  X509_free(read_certificate);
+  EVP_PKEY_free(read_key);
+  BIO_free(certificate);
+  BIO_free(key);
+  return server;
 }
 
 }  // namespace
 
-Peer::Peer(int listener) {
+Peer::Peer(int listener, SSL_CTX* tls) {
   if (!readable(listener)) return;
   stream_ = accept(listener, nullptr, nullptr);
   const timeval patience{kPatienceMs / 1000, 0};
   setsockopt(stream_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  tls_ = SSL_new(context());
+  tls_ = SSL_new(tls);
   SSL_set_fd(tls_, stream_);
   SSL_accept(tls_);
 }
@@ -171,22 +163,32 @@ void Peer::send_frame(FrameId frame, const TileMaskView& mask) {
   for (size_t i = 0; i < encoded.slices.size(); ++i) send_slice(encoded.slices[i], encoded.payload(i));
 }
 
-FakeServer::FakeServer(Script script) : address_{"127.0.0.1", 0} {
+FakeServer::FakeServer(Script script, int connections, const daemon::Identity& identity)
+    : tls_(context_with(identity)), address_{"127.0.0.1", 0} {
   listener_ = bound_socket(SOCK_STREAM, address_.port);
   listen(listener_, 1);
-  thread_ = std::thread([this, script = std::move(script)] {
-    Peer peer(listener_);
-    script(peer);
+  thread_ = std::thread([this, connections, script = std::move(script)] {
+    for (int i = 0; i < connections; ++i) {
+      Peer peer(listener_, tls_);
+      script(peer);
+    }
   });
 }
 
-client::Trust FakeServer::trust() {
-  return {.pin = protocol::to_string(daemon::pin_of_pem(identity().certificate).value())};
+client::Trust FakeServer::trust(const daemon::Identity& identity) {
+  return {.pin = protocol::to_string(daemon::pin_of_pem(identity.certificate).value())};
+}
+
+const daemon::Identity& FakeServer::usual_identity() {
+  static const daemon::Identity made =
+      daemon::make_certificate({.name = "fake", .hosts = {"localhost"}, .lasts = std::chrono::hours(1)}).value();
+  return made;
 }
 
 FakeServer::~FakeServer() {
   thread_.join();
   close(listener_);
+  SSL_CTX_free(tls_);
 }
 
 protocol::Welcome small_welcome(uint16_t width, uint16_t height, size_t lights) {

@@ -10,18 +10,20 @@
 
 #include "client/address.h"
 #include "client/trust.h"
+#include "daemon/certificates.h"
 #include "protocol/codec.h"
 #include "protocol/messages.h"
 #include "protocol/seal.h"
 
 struct ssl_st;
+struct ssl_ctx_st;
 
 namespace gnomon::tests {
 
 // The server's end of one connection. Everything waits five seconds at most and then gives nothing.
 class Peer {
  public:
-  explicit Peer(int listener);
+  Peer(int listener, ssl_ctx_st* tls);
   ~Peer();
 
   std::optional<protocol::Message> read();
@@ -54,14 +56,17 @@ class FakeServer {
  public:
   using Script = std::function<void(Peer&)>;
 
-  explicit FakeServer(Script script);  // runs on a thread of its own once a client has connected
-  ~FakeServer();                       // waits for the script's end
+  // The script runs on a thread of its own once a client has connected; so often, one connection after the other.
+  explicit FakeServer(Script script, int connections = 1, const daemon::Identity& identity = usual_identity());
+  ~FakeServer();  // waits for the script's end
 
   const client::Address& address() const { return address_; }
-  static client::Trust trust();  // for its certificate, the same for all
+  static client::Trust trust(const daemon::Identity& identity = usual_identity());  // pins its certificate
+  static const daemon::Identity& usual_identity();
 
  private:
   int listener_;
+  ssl_ctx_st* tls_;
   client::Address address_;
   std::thread thread_;
 };

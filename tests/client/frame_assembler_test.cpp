@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <random>
 
-#include "client/tile_cover.h"
 #include "tests/client/sliced.h"
 #include "tests/protocol/masks.h"
 
@@ -120,36 +119,6 @@ TEST(FrameAssembler, GivesUpTheOldestWhenTooManyAreOpen) {
   EXPECT_EQ(assembler.add(Sliced(96, 96).slice(1)), SliceOutcome::late);
   EXPECT_EQ(assembler.add(Sliced(9, 9).slice(1)), SliceOutcome::late);
   EXPECT_FALSE(assembler.take_finished());
-}
-
-TEST(TileCover, MissingTilesAreThoseOfThePictureBeforeAndLitWhereThereIsNone) {
-  const auto lost_first = [](uint32_t frame, uint32_t seed) {
-    FrameAssembler assembler(kGrid);
-    const Sliced sliced(frame, seed);
-    for (size_t i = 1; i < sliced.count(); ++i) assembler.add(sliced.slice(i));
-    assembler.give_up(FrameId{frame});
-    return *assembler.take_finished();
-  };
-  TileCover cover;
-  AssembledFrame first = lost_first(1, 1);
-  EXPECT_EQ(cover.cover(first), 0u);
-  EXPECT_EQ(first.words[0], ~uint64_t{0});
-  AssembledFrame whole = lost_first(2, 2);
-  whole.words = Sliced(2, 2).mask.words;
-  whole.words_missing = 0;
-  cover.cover(whole);
-  AssembledFrame third = lost_first(3, 3);
-  EXPECT_EQ(cover.cover(third), third.words_missing);
-  const auto& now = Sliced(3, 3).mask.words;
-  for (size_t i = 0; i < third.words.size(); ++i) {
-    EXPECT_EQ(third.words[i], third.arrived[i] ? now[i] : whole.words[i]) << i;
-  }
-  AssembledFrame other;
-  other.grid = {8, 8, 1};
-  other.words = {1};
-  other.arrived = {false};
-  other.words_missing = 1;
-  EXPECT_EQ(cover.cover(other), 0u) << "another size";
 }
 
 TEST(FrameAssembler, RefusesSlicesThatContradictGridOrFrame) {

@@ -53,10 +53,12 @@ TEST(Pacer, PatienceFollowsTheServer) {
 }
 
 TEST(Mode, NamesRoundTripAndOthersAreRefusedWithWhatIsAllowed) {
-  for (const Mode mode : {Mode::sequential, Mode::queued}) EXPECT_EQ(*parse_mode(to_string(mode)), mode);
+  for (const Mode mode : {Mode::sequential, Mode::non_sequential, Mode::queued, Mode::predicted, Mode::automatic})
+    EXPECT_EQ(*parse_mode(to_string(mode)), mode);
   const auto unknown = parse_mode("telepathic");
   ASSERT_FALSE(unknown);
-  EXPECT_EQ(unknown.error().message, "unknown mode 'telepathic': allowed are sequential, queued");
+  EXPECT_EQ(unknown.error().message,
+            "unknown mode 'telepathic': allowed are sequential, non-sequential, queued, predicted, auto");
   EXPECT_EQ(max_in_flight(Mode::sequential), 1u);
   EXPECT_GT(max_in_flight(Mode::queued), 1u);
 }

@@ -56,8 +56,8 @@ TEST_F(PngFile, ErrorsNameTheFile) {
   EXPECT_NE(read.error().message.find("no.png"), std::string::npos);
 }
 
-TEST(Montage, CropKeepsTheMiddle) {
-  const Picture shown = crop_centre(gradient(60, 40), 40, 20);
+TEST(Montage, CropKeepsItsPart) {
+  const Picture shown = crop(gradient(60, 40), 10, 10, 40, 20);
   EXPECT_EQ(shown.width, 40u);
   EXPECT_EQ(shown.pixel(0, 0)[0], 11);
   EXPECT_EQ(shown.pixel(0, 0)[1], 11);
@@ -88,6 +88,20 @@ TEST(Montage, HoldsAPanelForEachLightAndTheShadedPictureUnscaled) {
     }
     for (size_t i = 0; i < lights; ++i) EXPECT_TRUE(found[i]) << "panel " << i << " of " << lights;
   }
+}
+
+TEST(Comparison, BesideKeepsBothAndDifferenceShowsWhereTheyPart) {
+  const Picture a = gradient(20, 10);
+  Picture b = a;
+  b.pixel(7, 3)[1] += 9;
+  const Picture both = beside(a, b);
+  EXPECT_EQ(both.height, 10u);
+  EXPECT_EQ(crop(both, 0, 0, 20, 10), a);
+  EXPECT_EQ(crop(both, both.width - 20, 0, 20, 10), b);
+  const Picture off = difference(a, b, 4);
+  for (uint32_t y = 0; y < 10; ++y)
+    for (uint32_t x = 0; x < 20; ++x) EXPECT_EQ(off.pixel(x, y)[1], x == 7 && y == 3 ? 36 : 0);
+  EXPECT_EQ(difference(a, b, 100).pixel(7, 3)[1], 255) << "as strong as a byte can say";
 }
 
 }  // namespace

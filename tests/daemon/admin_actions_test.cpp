@@ -1,5 +1,6 @@
 // What operators tell a running daemon, through the library behind gnomonctl.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "daemon/ctl/admin_client.h"
 #include "daemon/ctl/views.h"
@@ -19,6 +20,11 @@ class AdminActions : public Served {
       return !id.empty();
     }));
     return id;
+  }
+  void write_token(const std::string& text) {
+    config_.admin.token_file = folder_ / "token";
+    std::ofstream(config_.admin.token_file) << text;
+    chmod(config_.admin.token_file.c_str(), 0600);
   }
   std::string refusal_of(const std::string& path) {
     const auto answer = admin().post(path);
@@ -77,6 +83,41 @@ TEST_F(AdminActions, WhatCannotBeLoadedSaysWhy) {
   EXPECT_EQ(refusal_of("/scenes/nothing/load"), "the configuration has no such scene");
   EXPECT_NE(refusal_of("/scenes/broken.gltf/load").find("broken.gltf"), std::string::npos);
   EXPECT_EQ(refusal_of("/scenes/dark.gltf/load"), "it has no lights: there is nothing to trace");
+}
+
+TEST_F(AdminActions, WhoChangesSomethingShowsTheTokenAndWhoLooksNeedsNone) {
+  const std::string token = "0123456789abcdef";
+  write_token(token + "\n");
+  start();
+  const std::string url = "http://127.0.0.1:" + std::to_string(daemon_->admin_port());
+  for (const char* path :
+       {"/reload", "/drain", "/sessions/1/kick", "/scenes/triangle/unload", "/scenes/triangle/load",
+        "/scenes/triangle/lights/0", "/devices/0/drain", "/devices/0/resume"}) {
+    for (const std::string& shown :
+         {std::string(), token.substr(1), token + "0", std::string("0123456789abcdeg")}) {
+      const auto answer = ctl::AdminClient(url, shown).post(path);
+      ASSERT_FALSE(answer) << path;
+      EXPECT_EQ(answer.error().message, "this needs the token of admin.token_file") << path;
+    }
+  }
+  EXPECT_FALSE(admin().status()->at("draining"));
+  EXPECT_EQ(admin().status()->at("scenes").size(), 1u) << "and looking needs none";
+  EXPECT_TRUE(ctl::AdminClient(url, token).post("/scenes/triangle/unload"));
+  EXPECT_TRUE(admin().status()->at("scenes").empty());
+}
+
+TEST_F(AdminActions, ATokenFileThatIsMissingShortOrReadByOthersStopsTheStart) {
+  const auto complaint = [&] {
+    const auto daemon = try_start();
+    return daemon ? "started" : daemon.error().message;
+  };
+  config_.admin.token_file = folder_ / "token";
+  EXPECT_NE(complaint().find("token cannot be read"), std::string::npos) << complaint();
+  write_token("012345678901234\n");
+  EXPECT_NE(complaint().find("shorter than 16"), std::string::npos) << complaint();
+  write_token("0123456789abcdef\n");
+  chmod(config_.admin.token_file.c_str(), 0644);
+  EXPECT_NE(complaint().find("may be read by others"), std::string::npos) << complaint();
 }
 
 TEST_F(AdminActions, DrainIsSeenAtOnce) {

@@ -40,12 +40,73 @@ class SlicedTest : public RenderLoopTest {
   }
 };
 
+// Where the configuration leaves the slice to us. Of 20 ms a frame, 200 us a row.
+class UsualSliceTest : public SlicedTest, public testing::WithParamInterface<bool> {
+ protected:
+  void SetUp() override {
+    cpu_ = GetParam();
+    SlicedTest::SetUp();
+    loop_->handle(TermsChanged{terms_of({})}, now_);
+  }
+  size_t pieces_of_a_frame(uint32_t frame) {
+    view(kA, frame);
+    size_t submits = 0;
+    for (settle(); fake_->waiting() > 0; settle(), ++submits) fake_->complete(fake_->rows(0) * 200us);
+    rendered_.clear();  // and with it its slot
+    settle();
+    return submits;
+  }
+};
+
+TEST_P(UsualSliceTest, OnACpuFramesAreCutLater) {
+  uint32_t frame = 100;
+  for (int i = 0; i < 40; ++i) pieces_of_a_frame(frame++);  // teaches what it costs
+  const size_t pieces = pieces_of_a_frame(frame);
+  if (GetParam()) {
+    EXPECT_EQ(pieces, 1u) << "less than half of 100 ms";
+  } else {
+    EXPECT_GE(pieces, 15u) << "each at most a third of 4 ms";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, UsualSliceTest, testing::Bool(),
+                         [](const auto& instance) { return instance.param ? "Cpu" : "Gpu"; });
+
 TEST_F(SlicedTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
   view(kA, 2);
   EXPECT_EQ(run_to_the_end(), 5u) << "100 us in pieces of at most a third of a slice";
   ASSERT_EQ(rendered_.size(), 1u);
   EXPECT_EQ(rendered_[0].meta.gpu, Nanoseconds(100us));
   EXPECT_EQ(rendered_[0].mask.mask().grid.height, kHeight);
+}
+
+TEST_F(SlicedTest, ABandThatCouldNotBeStartedCostsItsFrameAlone) {
+  view(kA, 2);
+  settle();
+  view(kA, 3);
+  fake_->refuse_to_start();
+  run_to_the_end();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{3});
+  EXPECT_EQ(metrics_.count_of(Fault::submit_failed), 1u);
+  rendered_.clear();
+  settle();
+  EXPECT_EQ(fake_->begun(), 0u);
+  EXPECT_EQ(fake_->free_slots(), slots_);
+  EXPECT_EQ(loop_->frames_out(), 0u);
+}
+
+TEST_F(SlicedTest, TheLastBandThatCouldNotBeStartedCostsItsFrameOnce) {
+  view(kA, 2);
+  settle();
+  for (uint32_t rows = 0; rows + fake_->rows(0) < kHeight / 8; settle()) {
+    rows += fake_->rows(0);
+    complete_one();
+  }
+  fake_->refuse_to_start();
+  settle();
+  EXPECT_TRUE(rendered_.empty());
+  EXPECT_EQ(metrics_.count_of(Fault::submit_failed), 1u);
+  EXPECT_EQ(fake_->free_slots(), slots_);
+  EXPECT_EQ(loop_->frames_out(), 0u);
 }
 
 TEST_F(SlicedTest, TheNextJobFollowsWhenTheDeviceIsAboutToRunDry) {

@@ -54,7 +54,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"quoted_number",
               "server: {control_port: \"80\"}\n",
               {"edge.yaml:1: server.control_port", "an integer"}},
-        Wrong{"fraction", "encode: {threads: 1.5}\n", {"edge.yaml:1: encode.threads: \"1.5\"", "1 to 64"}},
+        Wrong{"fraction",
+              "encode: {threads: 1.5}\n",
+              {"edge.yaml:1: encode.threads: \"1.5\"", "auto, or an integer from 1 to 64"}},
         Wrong{"too_large", "server: {data_port: 65536}\n", {"server.data_port: \"65536\"", "65535"}},
         Wrong{
             "beyond_64_bits", "server: {max_sessions: 99999999999999999999}\n", {"server.max_sessions", "1000000"}},
@@ -67,6 +69,9 @@ INSTANTIATE_TEST_SUITE_P(
               {"scheduler.policy: \"fairest\"", "fair, priority, deadline, round_robin"}},
         Wrong{"codec", "encode: {codec: zip}\n", {"encode.codec: \"zip\"", "tiles_lz4, tiles_context, raw32_lz4"}},
         Wrong{"address", "admin: {listen: localhost:80}\n", {"admin.listen: \"localhost:80\"", "IPv4 or IPv6"}},
+        Wrong{"open_admin",
+              "admin: {listen: 0.0.0.0}\n",
+              {"admin.listen: 0.0.0.0 can be reached", "admin.token_file"}},
         Wrong{"list_for_value", "log: {level: [info]}\n", {"log.level: a list", "debug, info"}},
         Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys mode"}},
         Wrong{"value_for_list",
@@ -257,6 +262,25 @@ TEST(ShippedConfig, DocumentsEveryKeyWithItsDefault) {
   EXPECT_EQ(config->render.max_height, defaults.render.max_height);
   EXPECT_EQ(config->encode.threads, defaults.encode.threads);
   EXPECT_EQ(config->log.level, defaults.log.level);
+  EXPECT_EQ(config->scheduler.slice, defaults.scheduler.slice);
+}
+
+TEST(Config, ASliceIsANumberOrAuto) {
+  const auto parse = [](const char* slice) {
+    return parse_config(std::string("scheduler: {slice_us: ").append(slice).append("}"), "edge.yaml");
+  };
+  EXPECT_EQ(parse("0")->scheduler.slice, std::chrono::microseconds(0));
+  EXPECT_EQ(parse("2500")->scheduler.slice, std::chrono::microseconds(2500));
+  EXPECT_EQ(parse("auto")->scheduler.slice, std::nullopt);
+  for (const char* wrong : {"-1", "1000001", "often", "''", "[4]"}) EXPECT_FALSE(parse(wrong)) << wrong;
+}
+
+TEST(Config, AnAdminServerWithATokenListensAnywhere) {
+  const auto config = parse_config("admin: {listen: '::', token_file: secret}\n", "edge.yaml");
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->admin.token_file, "secret");
+  EXPECT_TRUE(parse_config("admin: {listen: '::1'}\n", "edge.yaml"));
+  EXPECT_TRUE(parse_config("admin: {listen: 127.8.9.1}\n", "edge.yaml"));
 }
 
 TEST(ShippedConfig, EveryKeyInItIsKnownAndCommented) {

@@ -1,6 +1,7 @@
 // A renderer without a GPU: answers with masks that a test can tell apart.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -32,6 +33,8 @@ class FakeRenderer : public gpu::Renderer {
   explicit FakeRenderer(uint32_t slots, uint32_t lights = 2) : lights_(lights), free_(slots) {}
 
   std::string device_name() const override { return "fake"; }
+  bool on_cpu() const override { return cpu; }
+  bool cpu = false;  // set before it serves
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr&) override {
     std::lock_guard lock(mutex_);
@@ -48,9 +51,15 @@ class FakeRenderer : public gpu::Renderer {
     return free_;
   }
 
+  Result<void> make_room(const gpu::RenderJob& job) override {
+    if (job.width * job.height > most_pixels) return Error{"no memory, says the test"};
+    return {};
+  }
+
   Result<void> submit(const gpu::RenderJob& job, std::function<void(gpu::FrameDone)> on_done) override {
     std::lock_guard lock(mutex_);
     if (refuse_submits) return Error{"refused by the test"};
+    if (job.width * job.height > most_pixels) return Error{"no memory, says the test"};
     if (free_ == 0 || !resident_.contains(job.scene)) std::abort();  // a broken precondition is a bug
     --free_;
     const uint32_t all = TileGrid{job.width, job.height, 0}.tiles_y();
@@ -87,6 +96,8 @@ class FakeRenderer : public gpu::Renderer {
     std::lock_guard lock(mutex_);
     return waiting_.size();
   }
+  // Answers the oldest submit as one that the driver had no memory to start.
+  void refuse_to_start() { complete({}, false, std::nullopt, true); }
   gpu::RenderJob job(size_t index) const {
     std::lock_guard lock(mutex_);
     return waiting_.at(index).job;
@@ -107,7 +118,7 @@ class FakeRenderer : public gpu::Renderer {
   // Completes the oldest frame. The slot is free again when the lease is dropped.
   // `trace_time`: of its time, the trace pass's; none: nothing is said of passes.
   void complete(std::chrono::nanoseconds gpu_time = std::chrono::milliseconds(1), bool lost = false,
-                std::optional<std::chrono::nanoseconds> trace_time = std::nullopt) {
+                std::optional<std::chrono::nanoseconds> trace_time = std::nullopt, bool out_of_memory = false) {
     Waiting frame;
     {
       std::lock_guard lock(mutex_);
@@ -119,9 +130,10 @@ class FakeRenderer : public gpu::Renderer {
     done.gpu_ns = static_cast<uint64_t>(gpu_time.count());
     if (trace_time) done.stages = {{"trace", static_cast<uint64_t>(trace_time->count())}};
     done.device_lost = lost;
+    done.out_of_memory = out_of_memory;
     done.complete = frame.last;
     if (!frame.last) return frame.on_done(std::move(done));
-    if (lost) {
+    if (lost || out_of_memory) {
       free_slot();
     } else {
       done.mask = answer(frame.job);
@@ -129,7 +141,8 @@ class FakeRenderer : public gpu::Renderer {
     frame.on_done(std::move(done));
   }
 
-  bool refuse_submits = false;  // set it before the renderer is in use, or from the thread that submits
+  uint32_t most_pixels = UINT32_MAX;  // of a frame that it has memory for
+  bool refuse_submits = false;        // set it before the renderer is in use, or from the thread that submits
 
  protected:
   gpu::FrameLease answer(const gpu::RenderJob& job) {
@@ -157,11 +170,13 @@ class FakeRenderer : public gpu::Renderer {
   std::map<JobId, gpu::RenderJob> begun_;
 };
 
-// Completes every frame by itself, from a completion thread, each after `delay`.
+// Completes every frame by itself, from a completion thread, each after `delay`. `lose`: when it is true the device is
+// lost with the next frame.
 class SelfRunningFakeRenderer final : public FakeRenderer {
  public:
-  SelfRunningFakeRenderer(uint32_t slots, uint32_t lights, std::chrono::milliseconds delay)
-      : FakeRenderer(slots, lights), thread_([this, delay] { run(delay); }) {}
+  SelfRunningFakeRenderer(uint32_t slots, uint32_t lights, std::chrono::milliseconds delay,
+                          std::shared_ptr<std::atomic<bool>> lose = std::make_shared<std::atomic<bool>>(false))
+      : FakeRenderer(slots, lights), lose_(std::move(lose)), thread_([this, delay] { run(delay); }) {}
 
   ~SelfRunningFakeRenderer() override {
     {
@@ -181,10 +196,11 @@ class SelfRunningFakeRenderer final : public FakeRenderer {
         if (waiting_.empty()) return;
       }
       std::this_thread::sleep_for(delay);
-      complete(delay);
+      complete(delay, lose_->exchange(false));
     }
   }
 
+  const std::shared_ptr<std::atomic<bool>> lose_;
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -53,6 +53,17 @@ TEST(Metrics, EveryFaultHasItsOwnSeries) {
   }
 }
 
+TEST(Metrics, WhatIsLoggedOfASessionSaysWhose) {
+  Metrics metrics({"lab", "hall"}, {}, "test");
+  testing::internal::CaptureStderr();
+  metrics.dropped(TenantId{1}, SessionId{42}, Fault::encode_failed, "no reason");
+  metrics.report(TenantId{0}, SessionId{43}, Fault::device_lost);
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("frame could not be encoded session=42 tenant=hall why=\"no reason\""), std::string::npos)
+      << log;
+  EXPECT_NE(log.find("frame lost with the device session=43 tenant=lab\n"), std::string::npos) << log;
+}
+
 TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   Metrics metrics({"lab", "hall"}, {"room"}, "test");
   FrameMeta meta;
@@ -142,9 +153,9 @@ TEST_F(Served, RefusesToStartWithASceneWithoutLights) {
   config_.scenes.list.push_back({"night", folder_ / "night.gltf", "gnomond.yaml:7"});
   Daemon::Options options;
   options.config = config_;
-  options.make_renderer = []() -> Result<std::unique_ptr<gpu::Renderer>> {
+  options.make_renderers = {[]() -> Result<std::unique_ptr<gpu::Renderer>> {
     return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(1, 0, 0ms));
-  };
+  }};
   const auto daemon = Daemon::start(std::move(options));
   ASSERT_FALSE(daemon);
   EXPECT_EQ(daemon.error().message, "gnomond.yaml:7: scene night: it has no lights: there is nothing to trace");

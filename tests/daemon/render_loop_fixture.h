@@ -22,6 +22,7 @@ class RenderLoopTest : public testing::Test {
       ++renderers_made_;
       if (no_more_renderers_) return Error{"no device left"};
       auto made = std::make_unique<FakeRenderer>(slots_);
+      made->cpu = cpu_;
       fake_ = made.get();
       return std::unique_ptr<gpu::Renderer>(std::move(made));
     }));
@@ -75,6 +76,7 @@ class RenderLoopTest : public testing::Test {
   RenderInbox inbox_;
   int renderers_made_ = 0;
   bool no_more_renderers_ = false;
+  bool cpu_ = false;  // whether the device is one
   FakeRenderer* fake_ = nullptr;
   std::unique_ptr<RenderDevice> device_;
   std::vector<RenderedFrame> rendered_;

@@ -187,6 +187,47 @@ TEST_F(Secure, DoesNotStartInsecurely) {
   EXPECT_NE(failure().find("nobody could connect as nobodys"), std::string::npos) << failure();
 }
 
+TEST_F(Secure, AReloadReadsTheCertificatesAnewForNewConnections) {
+  start();
+  TestClient before = client();
+  ASSERT_TRUE(before.join(hello("studio", "s")));
+  write_identity("server", make("server", Use::server, &authority_));  // in the same files
+  ask_for_client_certificates();
+  ASSERT_TRUE(daemon_->reload(config_));
+  TestClient after = client_with("studio", make("studio", Use::client, &authority_));
+  EXPECT_NE(after.server_pin(), before.server_pin());
+  EXPECT_EQ(after.server_pin(), daemon_->pin());
+  ASSERT_TRUE(after.join(hello("", ""))) << "its certificate is asked for now";
+  for (TestClient* c : {&before, &after}) {
+    c->send_view(1, 1);
+    EXPECT_TRUE(is_frame_of(*c, c->receive_frame(1), 1));
+  }
+}
+
+TEST_F(Secure, AReloadWithCertificatesOfNoUseChangesNothing) {
+  start();
+  const protocol::Pin pin = daemon_->pin();
+  TestClient before = client();
+  ASSERT_TRUE(before.join(hello("studio", "s")));
+  Config next = config_;
+  next.tenants[0].token_sha256 = {hash_of("new")};
+  const auto why = [&] {
+    const auto done = daemon_->reload(next);
+    return done ? "reloaded" : done.error().message;
+  };
+  write_identity("server", make("server", Use::server, &authority_, -60s));
+  EXPECT_NE(why().find("has expired"), std::string::npos);
+  std::ofstream(folder_ / "server.pem") << "half a certificate";
+  EXPECT_NE(why().find("server.tls.certificate"), std::string::npos);
+  next.server.tls = {};
+  EXPECT_NE(why().find("gnomonctl make-certs"), std::string::npos);
+  TestClient after = client();
+  EXPECT_EQ(after.server_pin(), pin);
+  EXPECT_TRUE(after.join(hello("studio", "s"))) << "nor have the tenants changed";
+  before.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(before, before.receive_frame(1), 1));
+}
+
 TEST_F(Secure, DemoModeKeepsItsCertificate) {
   config_.server.mode = ServerMode::demo;
   config_.server.tls = {};

@@ -71,9 +71,12 @@ class Served : public testing::Test {
     options.config = config_;
     options.version = "test";
     options.on_drain = on_drain_;
-    options.make_renderer = [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
-      return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(3, kLights, frame_time_));
-    };
+    if (make_renderers_.empty()) {
+      make_renderers_ = {[this]() -> Result<std::unique_ptr<gpu::Renderer>> {
+        return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(3, kLights, frame_time_));
+      }};
+    }
+    options.make_renderers = make_renderers_;
     return Daemon::start(std::move(options));
   }
 
@@ -110,6 +113,7 @@ class Served : public testing::Test {
 
   std::filesystem::path folder_;
   Config config_;
+  std::vector<RendererFactory> make_renderers_;  // empty: one, of a fake that runs by itself
   std::chrono::milliseconds frame_time_{0};
   std::function<void()> on_drain_;
   std::unique_ptr<Daemon> daemon_;

@@ -215,6 +215,30 @@ TEST_F(Served, ARefusedSizeSaysWhatWouldFit) {
   EXPECT_EQ(refused->fit_height, 100);
 }
 
+TEST_F(Served, WhoseFramesFindNoMemoryAtTheLeastSizeIsRefused) {
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "modest", .least_size_percent = 50}};
+  make_renderers_ = {[]() -> Result<std::unique_ptr<gpu::Renderer>> {
+    auto made = std::make_unique<SelfRunningFakeRenderer>(3, kLights, 0ms);
+    made->most_pixels = 64 * 48;
+    return std::unique_ptr<gpu::Renderer>(std::move(made));
+  }};
+  start();
+  protocol::Hello hello = TestClient::hello(kScene, 128, 96);
+  TestClient proud = client(), modest = client(), small = client();
+  proud.send(hello);
+  const auto refused = proud.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::over_capacity);
+  EXPECT_EQ(refused->text, "no memory for its frames: no memory, says the test");
+  EXPECT_EQ(count_of(Fault::refused_over_capacity), 1u);
+  hello.tenant = "modest";
+  EXPECT_TRUE(modest.join(hello)) << "64x48 would do";
+  ASSERT_TRUE(small.join(TestClient::hello(kScene, 64, 48)));
+  small.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(small, small.receive_frame(1), 1));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1")) << "who is refused has no seat";
+}
+
 TEST_F(Served, ARefusalForATenantsLimitSaysWhatWouldFit) {
   config_.tenants = {{.name = kDefaultTenant, .max_vbps = 50, .max_width = 200}};
   start();
@@ -371,7 +395,7 @@ TEST_F(Served, PortsInUseAreAnErrorThatNamesTheKey) {
     Daemon::Options options;
     options.config = config_;
     change(options.config);
-    options.make_renderer = []() -> Result<std::unique_ptr<gpu::Renderer>> { return Error{"never reached"}; };
+    options.make_renderers = {[]() -> Result<std::unique_ptr<gpu::Renderer>> { return Error{"never reached"}; }};
     const auto second = Daemon::start(std::move(options));
     return second ? std::string("started") : second.error().message;
   };
@@ -389,9 +413,9 @@ TEST_F(Served, AConfiguredSceneThatDoesNotLoadStopsTheStart) {
   config_.scenes.list.push_back({"bad", folder_ / "files/broken.gltf", "gnomond.yaml:9: scenes.list"});
   Daemon::Options options;
   options.config = config_;
-  options.make_renderer = []() -> Result<std::unique_ptr<gpu::Renderer>> {
+  options.make_renderers = {[]() -> Result<std::unique_ptr<gpu::Renderer>> {
     return std::unique_ptr<gpu::Renderer>(std::make_unique<FakeRenderer>(1));
-  };
+  }};
   const auto daemon = Daemon::start(std::move(options));
   ASSERT_FALSE(daemon);
   EXPECT_NE(daemon.error().message.find("gnomond.yaml:9: scenes.list: scene bad"), std::string::npos)

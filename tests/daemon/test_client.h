@@ -15,6 +15,7 @@
 
 #include "protocol/codec.h"
 #include "protocol/messages.h"
+#include "protocol/pin.h"
 #include "protocol/seal_exporter.h"
 
 namespace gnomon::daemon {
@@ -47,6 +48,7 @@ class TestClient {
   }
 
   bool shook_hands() const { return shook_hands_; }
+  protocol::Pin server_pin() { return protocol::pin_of(SSL_get0_peer_certificate(control_.native_handle())); }
 
   // False: the server has closed.
   bool send_bytes(const std::vector<uint8_t>& bytes) {

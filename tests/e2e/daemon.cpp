@@ -15,9 +15,19 @@ namespace gnomon::tests {
 namespace fs = std::filesystem;
 namespace {
 
+// What a scene's light buffers were built to is kept for the next daemon of the same test program.
+std::string with_cache(std::string config) {
+  static const TemporaryFolder cache;
+  const std::string device = "device: cpu";
+  if (const size_t at = config.find(device); at != std::string::npos) {
+    config.insert(at, "cache_folder: " + cache.path().string() + ", ");
+  }
+  return config;
+}
+
 fs::path write_config(const fs::path& folder, const std::string& text) {
   const fs::path file = folder / "gnomond.yaml";
-  std::ofstream(file) << text;
+  std::ofstream(file) << with_cache(text);
   return file;
 }
 

@@ -1,46 +1,25 @@
 // What arrives is what the renderer makes of that camera, bit for bit; and the reference client makes pictures of it.
 #include <gtest/gtest.h>
 
-#include <future>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "client/png.h"
 #include "client/view/own_view.h"
+#include "gpu/surface_probe.h"
 #include "gpu/vulkan_renderer.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/flier.h"
+#include "tests/e2e/own_renderer.h"
 
 namespace gnomon::tests {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The masks of one camera, without a network.
-std::vector<uint64_t> render(gpu::Renderer& renderer, const protocol::CameraView& camera,
-                             const client::ViewSize& size) {
-  auto words = std::make_shared<std::promise<std::vector<uint64_t>>>();
-  gpu::RenderJob job;
-  job.camera = client::to_gpu(camera);
-  job.width = size.traced_width();
-  job.height = size.traced_height();
-  const auto submitted =
-      renderer.submit(job, [words](gpu::FrameDone done) { words->set_value(unpacked(done.mask.mask())); });
-  EXPECT_TRUE(submitted) << submitted.error().message;
-  return submitted ? words->get_future().get() : std::vector<uint64_t>{};
-}
-
 TEST(Exact, ReceivedMasksAreTheRenderersBitForBit) {
   const Daemon daemon;
-  const auto scene = scenes::load_scene(living_room_file());
-  ASSERT_TRUE(scene);
-  gpu::RendererOptions options;
-  options.device = "cpu";
-  auto renderer = gpu::make_renderer(options);
-  ASSERT_TRUE(renderer) << renderer.error().message;
-  const auto resident = (*renderer)->make_resident(SceneId{0}, *scene);
-  ASSERT_TRUE(resident) << resident.error().message;
-
+  OwnRenderer own(living_room_file());
   client::Loop loop;
   const client::ViewSize odd{.width = 150, .height = 83, .border_x = 32, .border_y = 18};
   Fliers fliers;
@@ -52,11 +31,48 @@ TEST(Exact, ReceivedMasksAreTheRenderersBitForBit) {
     const client::ViewSize size = i == 0 ? kSmall : odd;
     size_t lit = 0, dark = 0;
     for (const auto& frame : fliers[i]->frames()) {
-      EXPECT_EQ(frame.words, render(**renderer, frame.camera, size));
+      EXPECT_EQ(frame.words, own.render(frame.camera, size));
       for (const uint64_t word : frame.words) ++(word ? lit : dark);
     }
     EXPECT_GT(lit, 0u);
     EXPECT_GT(dark, 0u);
+  }
+}
+
+// A frame whose masks are its own, shown by the client, is the picture that tracing here would give.
+TEST(Exact, AFreshFrameIsTheLocalPicturePixelForPixel) {
+  const Daemon daemon;
+  const auto scene = scenes::load_scene(living_room_file());
+  ASSERT_TRUE(scene);
+  gpu::RendererOptions local;
+  local.device = "cpu";
+  auto probe = gpu::SurfaceProbe::create(local, *scene);
+  ASSERT_TRUE(probe) << probe.error().message;
+  const client::ViewSize size{.width = 150, .height = 82, .border_x = 32, .border_y = 18};
+  auto view = client::OwnView::create(*scene, size, "cpu");
+  ASSERT_TRUE(view) << view.error().message;
+
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), size));
+  ASSERT_TRUE(all_progress(loop, fliers, 4));
+  fliers[0]->land();
+  uint32_t index = 0;
+  for (const auto& frame : fliers[0]->frames()) {
+    const auto picture_of = [&](const std::vector<uint64_t>& words) {
+      auto received = std::make_shared<client::Received>();
+      received->index = ++index;
+      received->camera = frame.camera;
+      received->mask.grid = {size.traced_width(), size.traced_height(),
+                             static_cast<uint32_t>((*scene)->lights.size())};
+      received->mask.words = words;
+      return view->shade({.index = index, .camera = frame.camera, .seen = received});
+    };
+    const auto traced = probe->render(client::to_gpu(frame.camera), size.traced_width(), size.traced_height(), {});
+    ASSERT_TRUE(traced) << traced.error().message;
+    const auto received = picture_of(frame.words), made_here = picture_of(traced->words);
+    ASSERT_TRUE(received && made_here);
+    EXPECT_TRUE(*received == *made_here);
   }
 }
 
@@ -99,7 +115,7 @@ size_t distinct_colours(const client::Picture& picture) {
 
 TEST(Client, LeavesPicturesAndFigures) {
   const Daemon daemon;
-  for (const std::string mode : {"sequential", "queued"}) {
+  for (const std::string mode : {"sequential", "non-sequential", "queued", "predicted", "auto"}) {
     const TemporaryFolder folder;
     const auto json = folder.path() / "client.json";
     const auto [status, output] =
@@ -131,7 +147,44 @@ TEST(Client, LeavesPicturesAndFigures) {
     EXPECT_GT(report["rows"][0]["frames"].get<uint64_t>(), 0u);
     EXPECT_EQ(report["rows"][0]["wrong_frames"], 0);
     EXPECT_EQ(report["rows"][0]["mode"], mode);
+    EXPECT_GT(report["rows"][0]["shown"].get<uint64_t>(), 0u);
+    EXPECT_GT(report["rows"][0]["response_p50_ms"].get<double>(), 0);
   }
+}
+
+// Frames of a video, as ffmpeg reads it: one byte of brightness for each pixel.
+std::string brightness(const fs::path& video) {
+  const fs::path raw = video.string() + ".raw";
+  const std::string command =
+      "ffmpeg -loglevel error -y -i '" + video.string() + "' -f rawvideo -pix_fmt gray '" + raw.string() + "'";
+  return std::system(command.c_str()) == 0 ? read_file(raw) : "";
+}
+
+// Beside what this machine traces itself; and what masks of the frame's own camera show differs from it nowhere.
+TEST(Client, RecordsWhatItShows) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no program ffmpeg";
+  const Daemon daemon;
+  const TemporaryFolder folder;
+  constexpr size_t kFrames = 3;
+  const auto record = [&](const std::string& view) {
+    const fs::path video = folder.path() / (view + ".mp4");
+    const auto [status, output] =
+        run("gnomon-client", {"--server", daemon.server(), "--pin", daemon.pin(), "--tenant", "studio", "--scene",
+                              "living_room", "--size", "160x90", "--border", "32x18", "--frames",
+                              std::to_string(kFrames), "--record", video.string(), "--record-view", view});
+    EXPECT_EQ(status, 0) << output;
+    return brightness(video);
+  };
+  const std::string shown = record("shown"), both = record("side-by-side"), difference = record("difference");
+  ASSERT_EQ(shown.size(), kFrames * 160 * 90);
+  ASSERT_EQ(both.size(), kFrames * (160 + 4 + 160) * 90);
+  ASSERT_EQ(difference.size(), kFrames * 160 * 90);
+  const auto brightest = [](const std::string& frames) {
+    return *std::max_element(frames.begin(), frames.end(),
+                             [](char a, char b) { return static_cast<uint8_t>(a) < static_cast<uint8_t>(b); });
+  };
+  EXPECT_GT(static_cast<uint8_t>(brightest(shown)), 100);
+  EXPECT_EQ(static_cast<uint8_t>(brightest(difference)), 0);
 }
 
 TEST(Client, FailuresAreOneClearLine) {

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/flier.h"
@@ -33,6 +34,24 @@ TEST(Lifecycle, GoesAtOnceWhenNobodyIsThere) {
   Daemon daemon;
   daemon.process().signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
+}
+
+// The daemon gives it up while it sleeps; its keys are gone then.
+TEST(Client, FindsItsServerAgainAfterASleep) {
+  const Daemon daemon;
+  const TemporaryFolder folder;
+  const fs::path json = folder.path() / "client.json";
+  Process sleeper(
+      "gnomon-client",
+      {"--server", daemon.server(), "--pin", daemon.pin(), "--tenant", "studio", "--scene", "living_room", "--size",
+       "64x36", "--mode", "predicted", "--rate", "20", "--frames", "60", "--json", json.string()},
+      folder.path());
+  ASSERT_TRUE(eventually([&] { return daemon.sessions() == 1; }));
+  sleeper.signal(SIGSTOP);
+  EXPECT_TRUE(eventually([&] { return daemon.sessions() == 0; }));
+  sleeper.signal(SIGCONT);
+  ASSERT_EQ(sleeper.wait(), 0) << sleeper.output();
+  EXPECT_EQ(nlohmann::json::parse(read_file(json))["rows"][0]["reconnects"], 1);
 }
 
 TEST(Reload, OverHttpTakesWhatIsGoodAndSaysWhatIsWrong) {

@@ -6,29 +6,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/e2e/bad_link.h"
 #include "tests/e2e/flier.h"
+#include "tests/e2e/own_renderer.h"
 
 namespace gnomon::tests {
 namespace {
 
-// The daemon's ports at another address of this machine, through a simulated link.
-class Relay {
- public:
-  Relay(const Daemon& daemon, std::vector<std::string> link) : address_{"127.0.0.2", daemon.address().port} {
-    link.insert(link.end(), {"--listen", address_.host, "--to", daemon.address().host, "--tcp",
-                             std::to_string(daemon.address().port), "--udp", std::to_string(daemon.data_port())});
-    process_.emplace("netsim", link, folder_.path());
-    eventually([&] { return process_->output().find("relaying") != std::string::npos || !process_->running(); });
-  }
-
-  const client::Address& address() const { return address_; }
-  Process& process() { return *process_; }
-
- private:
-  TemporaryFolder folder_;
-  client::Address address_;
-  std::optional<Process> process_;
-};
+constexpr client::ViewSize kLarge{.width = 640, .height = 360};  // some datagrams a frame
 
 // Lossy, not slow: a slow machine has its own queues.
 TEST(Link, LostSlicesComeAgain) {
@@ -77,10 +62,67 @@ TEST(Link, ANarrowOneIsFollowedNotFilled) {
   fliers.push_back(
       std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kSmall, "living_room", relay.address()));
   ASSERT_TRUE(all_progress(loop, fliers, 40)) << relay.process().output();
-  relay.process().signal(SIGTERM);
-  relay.process().wait();
-  EXPECT_NE(relay.process().output().find(" 0 found the queue full"), std::string::npos)
-      << relay.process().output();
+  const std::string output = relay.end();
+  EXPECT_NE(output.find(" 0 found the queue full"), std::string::npos) << output;
+}
+
+// What netsim says when it ends: the number before `what`.
+uint64_t counted(const std::string& output, const std::string& what) {
+  const size_t end = output.rfind(" " + what);
+  if (end == std::string::npos) return 0;
+  return std::stoull(output.substr(output.rfind(' ', end - 1) + 1));
+}
+
+// Datagrams vanish at the relay, and nobody says so.
+TEST(Link, WithoutDatagramsMasksComeOverTheControlConnection) {
+  Daemon daemon;
+  Relay relay(daemon, {"--udp-traffic", "off"});
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(
+      std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kSmall, "living_room", relay.address()));
+  ASSERT_TRUE(all_progress(loop, fliers, 6)) << relay.process().output();
+  EXPECT_TRUE(fliers[0]->stream().connection().by_control());
+  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  OwnRenderer own(living_room_file());
+  for (const FlierFrame& frame : fliers[0]->frames()) EXPECT_EQ(frame.words, own.render(frame.camera, kSmall));
+  fliers[0]->land();
+  const std::string output = relay.end();
+  EXPECT_EQ(counted(output, "bytes"), 0u) << "no datagram got through: " << output;
+  EXPECT_GT(counted(output, "blocked"), 0u) << output;
+}
+
+TEST(Link, DatagramsAreAsLongAsThePathTakes) {
+  Daemon daemon;
+  Relay relay(daemon, {"--mtu", "1300"});
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(
+      std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kLarge, "living_room", relay.address()));
+  ASSERT_TRUE(all_progress(loop, fliers, 30)) << relay.process().output();
+  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  EXPECT_EQ(fliers[0]->stream().counters().incomplete, 0u) << "longer ones were only tried";
+  const std::string output = relay.end();
+  EXPECT_EQ(counted(output, "bytes"), 1280u) << output;
+  EXPECT_GT(counted(output, "blocked"), 0u) << output;
+}
+
+// The path changes under way: what is longer vanishes from then on.
+TEST(Link, APathThatTakesShorterDatagramsThanBeforeIsFoundOut) {
+  Daemon daemon;
+  Relay relay(daemon, {"--mtu", "1472", "--at", "3s:mtu=1300"});
+  const TimePoint narrow = Clock::now() + std::chrono::seconds(3);
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(
+      std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kLarge, "living_room", relay.address()));
+  loop.run_until(narrow, [] { return false; });
+  ASSERT_GT(fliers[0]->frames().size(), 0u);
+  ASSERT_TRUE(all_progress(loop, fliers, 20)) << relay.process().output();
+  EXPECT_FALSE(fliers[0]->stream().connection().by_control());
+  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  const std::string output = relay.end();
+  EXPECT_EQ(counted(output, "bytes"), 1472u) << "before: " << output;
 }
 
 }  // namespace

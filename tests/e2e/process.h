@@ -13,7 +13,11 @@
 namespace gnomon::tests {
 
 // Generous, for a machine that does other things too: only what hangs takes this long.
+#ifdef __SANITIZE_THREAD__
+inline constexpr std::chrono::seconds kPatience{300};
+#else
 inline constexpr std::chrono::seconds kPatience{60};
+#endif
 
 // Asks again and again until `done` or until patience ends.
 bool eventually(const std::function<bool()>& done, std::chrono::seconds patience = kPatience);

@@ -3,10 +3,11 @@
 //   VK_ADD_LAYER_PATH=<folder of the manifest> VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=<folder>
 //
 // A file that appears in the folder of GNOMON_FAULTS is an order:
-//   lose_device    the next submit goes through, then everything on that device answers that it is lost (once)
-//   lose_every     holds a number n: the same at each n-th submit
-//   hang           this submit and all further ones on that device are swallowed: their semaphores are never signalled
-//   out_of_memory  allocations are refused as long as the file is there
+//   lose_device     the next submit goes through, then everything on that device answers that it is lost (once)
+//   lose_every      holds a number n: the same at each n-th submit
+//   hang            this submit and all further ones on that device are swallowed: their semaphores are never signalled
+//   out_of_memory   allocations are refused as long as the file is there, and
+//   refuse_submits  submits, for the same reason
 #include <unistd.h>
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
@@ -144,6 +145,7 @@ void VKAPI_CALL destroy_device(VkDevice handle, const VkAllocationCallbacks* all
 VkResult VKAPI_CALL queue_submit(VkQueue queue, uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
   const auto device = device_of(queue);
   if (device->lost) return VK_ERROR_DEVICE_LOST;
+  if (ordered("refuse_submits")) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   if (ordered_once("hang")) device->hung = true;
   if (device->hung) return VK_SUCCESS;
   const VkResult result = device->submit(queue, count, infos, fence);

@@ -162,6 +162,19 @@ EmbreeOracle::~EmbreeOracle() {
   rtcReleaseDevice(state_->device);
 }
 
+bool EmbreeOracle::occluded(glm::vec3 from, glm::vec3 to) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  const glm::vec3 along = to - from;
+  RTCRay ray{};
+  ray.org_x = from.x, ray.org_y = from.y, ray.org_z = from.z;
+  ray.dir_x = along.x, ray.dir_y = along.y, ray.dir_z = along.z;
+  ray.tfar = 1.0f;
+  ray.mask = ~0u;
+  rtcOccluded1(state_->scene, &context, &ray);
+  return ray.tfar < 0.0f;
+}
+
 double EmbreeOracle::build_seconds() const { return state_->build_seconds; }
 
 std::vector<uint64_t> EmbreeOracle::trace(const gpu::CameraView& camera, const TileGrid& grid,

@@ -29,6 +29,9 @@ class EmbreeOracle {
                               std::span<const gpu::SurfaceSample> samples, EmbreeQuery query,
                               unsigned threads) const;
 
+  // Is anything between the two points?
+  bool occluded(glm::vec3 from, glm::vec3 to) const;
+
   double build_seconds() const;
 
   struct State;

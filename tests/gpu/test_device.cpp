@@ -12,6 +12,7 @@ namespace gnomon::test {
 gpu::RendererOptions device_options(const std::string& tracer) {
   gpu::RendererOptions options;
   if (const char* device = std::getenv("GNOMON_TEST_DEVICE")) options.device = device;
+  if (const char* raster = std::getenv("GNOMON_TEST_RASTER")) options.raster = raster;
   options.tracer = tracer;
   return options;
 }
@@ -20,7 +21,9 @@ std::vector<std::string> tracers() {
   static const std::vector<std::string> offered = [] {
     std::vector<std::string> names;
     const auto device = gpu::Device::create({device_options().device, {}});
+    const char* only = std::getenv("GNOMON_TEST_TRACERS");
     for (const std::string name : {"bvh", "light_buffer", "ray_query"}) {
+      if (only && name != only) continue;
       if (device && gpu::make_tracer(name, *device)) {
         names.push_back(name);
       } else {

@@ -9,10 +9,10 @@
 
 namespace gnomon::test {
 
-// The device that GNOMON_TEST_DEVICE selects, else the best one.
+// The device that GNOMON_TEST_DEVICE selects, else the best one; rasterised as GNOMON_TEST_RASTER says.
 gpu::RendererOptions device_options(const std::string& tracer = "auto");
 
-// Every tracer that the test device offers. Printed once where one is missing.
+// Every tracer that the test device offers, or that one of GNOMON_TEST_TRACERS. Printed once where one is missing.
 std::vector<std::string> tracers();
 
 // A camera at `eye` that looks at `target`; field of view in radians.

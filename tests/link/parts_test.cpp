@@ -105,6 +105,16 @@ TEST(PathMtu, FallsBackWhenLongDatagramsVanish) {
   EXPECT_EQ(mtu.bytes(), protocol::kMaxDatagramBytes);
 }
 
+TEST(PathMtu, FallsBackInSilenceAndSearchesAnew) {
+  PathMtu mtu;
+  mtu.probe_sent();
+  mtu.probe_arrived(1280, kStart);
+  mtu.silent(kStart);
+  EXPECT_EQ(mtu.bytes(), protocol::kMaxDatagramBytes);
+  EXPECT_FALSE(mtu.probe_due(kStart));
+  EXPECT_TRUE(mtu.probe_due(kStart + PathMtu::kAfterBlackHole));
+}
+
 TEST(ViewGate, HoldsViewsBackWhileTheLinkIsBusy) {
   ViewGate gate;
   gate.asked(FrameId{1}, kStart);
@@ -175,7 +185,7 @@ protocol::EncodedFrame frame_of(uint32_t frame, uint16_t count, size_t payload =
 }
 
 TEST(SliceRecovery, RebuildsWhatParityAllows) {
-  StoredFrame frame(frame_of(1, 40), kStart);
+  StoredFrame frame(frame_of(1, 40), 1, kStart);
   frame.protect(0.05);
   client::SliceRecovery recovery;
   const auto header_of = [&](uint16_t slice) { return protocol::decode_frame_slice(frame.body(slice))->header; };
@@ -197,7 +207,7 @@ TEST(SliceRecovery, RebuildsWhatParityAllows) {
 }
 
 TEST(SliceRecovery, WorksWhenParityOvertakesSlices) {
-  StoredFrame frame(frame_of(1, 4), kStart);
+  StoredFrame frame(frame_of(1, 4), 1, kStart);
   frame.protect(0.05);
   client::SliceRecovery recovery;
   EXPECT_TRUE(recovery.add_parity(*protocol::decode_parity(frame.parity_body(0))).empty());
@@ -211,7 +221,7 @@ TEST(SliceRecovery, WorksWhenParityOvertakesSlices) {
 TEST(StoredFrame, PaddingMakesSlicesOfOneLength) {
   protocol::EncodedFrame slices = frame_of(1, 5);
   slices.offsets = {0, 100, 195, 290, 390, 420};  // 100, 95, 95, 100 and 30 bytes
-  const StoredFrame frame(slices, kStart, true), plain(slices, kStart);
+  const StoredFrame frame(slices, 1, kStart, true), plain(slices, 1, kStart);
   for (uint16_t i = 0; i < 5; ++i) {
     EXPECT_EQ(frame.body(i).size(), i == 4 ? plain.body(i).size() : frame.body(0).size()) << i;
     const auto slice = protocol::decode_frame_slice(frame.body(i));
@@ -222,15 +232,45 @@ TEST(StoredFrame, PaddingMakesSlicesOfOneLength) {
 }
 
 TEST(StoredFrame, WhatParityCoversDoesNotGoAgain) {
-  StoredFrame frame(frame_of(1, 32), kStart);
+  StoredFrame frame(frame_of(1, 32), 1, kStart);
   EXPECT_TRUE(frame.slice_lost(3)) << "without parity";
-  StoredFrame covered(frame_of(1, 32), kStart);
+  StoredFrame covered(frame_of(1, 32), 1, kStart);
   covered.protect(0.01);
   const auto parity = static_cast<uint16_t>(covered.parity_count());
   for (uint16_t i = 0; i < parity; ++i) EXPECT_FALSE(covered.slice_lost(i));
   EXPECT_TRUE(covered.slice_lost(20));
   covered.slice_arrived(21);
   EXPECT_FALSE(covered.slice_lost(21)) << "it has come after all";
+}
+
+protocol::Feedback all_arrived(uint64_t first, uint64_t last, uint64_t time_us) {
+  protocol::Feedback said;
+  said.first = first;
+  said.count = static_cast<uint16_t>(last - first + 1);
+  said.time_us = time_us;
+  for (uint64_t i = 0; i < said.count; ++i) said.ages[static_cast<size_t>(i)] = 1;
+  return said;
+}
+
+struct Probed {
+  uint64_t sent = 0;
+  TimePoint now;
+};
+
+// Frames of one small slice, and the probes between them, all of which arrive up to that size.
+Probed probe_up_to(LinkSender& link, size_t bytes) {
+  Probed path{0, kStart};
+  for (uint32_t frame = 1000; link.datagram_bytes() < bytes && frame < 1100; ++frame) {
+    link.add(frame_of(frame, 1), TimePoint::max(), path.now);
+    for (const TimePoint until = path.now + 20ms; path.now < until; path.now += 1ms) {
+      while (const auto out = link.next(path.now)) {
+        link.sent(++path.sent, out->body.size() + protocol::kHeaderBytes + protocol::kTagBytes, path.now);
+        const auto now_us = static_cast<uint64_t>(to_microseconds(path.now.time_since_epoch()));
+        link.hear(all_arrived(path.sent, path.sent, now_us), path.now + 1ms);
+      }
+    }
+  }
+  return path;
 }
 
 TEST(LinkSender, WithoutFeedbackEverythingGoesAtOnce) {
@@ -254,6 +294,73 @@ TEST(LinkSender, PacesAFrame) {
     ASSERT_LT(now, kStart + 1s);
     while (link.next(now)) link.sent(++sent, 1068, now);
   }
+}
+
+// The path takes long datagrams no more, and the client asks for nothing new before it has its answer.
+TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
+  LinkSender link(protocol::kFeatureFeedback);
+  const Probed path = probe_up_to(link, 1472);
+  ASSERT_EQ(link.datagram_bytes(), 1472u);
+  uint64_t sent = path.sent;
+  link.add(frame_of(1, 4, 1300), TimePoint::max(), path.now);
+  TimePoint now = path.now;
+  for (; now < path.now + 150ms; now += 1ms) {
+    EXPECT_FALSE(link.take_lost(FrameId{1}, now)) << "it may still come";
+    while (link.next(now)) link.sent(++sent, 1368, now);
+  }
+  now = path.now + 2s;
+  EXPECT_FALSE(link.take_lost(FrameId{2}, now)) << "never answered";
+  ASSERT_TRUE(link.take_lost(FrameId{1}, now));
+  EXPECT_FALSE(link.take_lost(FrameId{1}, now)) << "once";
+  EXPECT_TRUE(link.takes_view(now));
+  EXPECT_EQ(link.datagram_bytes(), protocol::kMaxDatagramBytes);
+
+  // What was known of the first answer's slices says nothing of the second's.
+  link.add(frame_of(1, 1), TimePoint::max(), now);
+  link.hear(all_arrived(path.sent + 1, sent, 1000), now + 1ms);
+  EXPECT_FALSE(link.take_lost(FrameId{2}, now + 1ms));
+  const auto out = link.next(now + 1ms);
+  ASSERT_TRUE(out);
+  const auto slice = protocol::decode_frame_slice(out->body);
+  ASSERT_TRUE(slice);
+  EXPECT_EQ(slice->header.slice_count, 1u);
+}
+
+// 90 ms away, a tenth lost: frames have parity.
+TEST(LinkSender, AnAnswerWithParityIsNotMadeAnew) {
+  LinkSender link(protocol::kFeatureFeedback | protocol::kFeatureParity);
+  uint64_t sent = 0;
+  TimePoint now = kStart;
+  const auto fly = [&](uint32_t frame) {
+    link.add(frame_of(frame, 20), now + 100ms, now);
+    const uint64_t first = sent + 1;
+    for (const TimePoint until = now + 16ms; now < until; now += 1ms) {
+      while (link.next(now)) link.sent(++sent, 168, now);
+    }
+    return first;
+  };
+  for (uint32_t frame = 1; frame < 200 && link.counters().parity == 0; ++frame) {
+    const uint64_t first = fly(frame);
+    if (sent < first) continue;
+    auto said = all_arrived(first, sent, static_cast<uint64_t>(to_microseconds(now.time_since_epoch())));
+    for (size_t i = 0; i < said.count; i += 10) said.ages[i] = 0;
+    link.hear(said, now + 90ms);
+  }
+  ASSERT_GT(link.counters().parity, 0u);
+  fly(1000);
+  EXPECT_FALSE(link.take_lost(FrameId{1000}, now + 10s));
+}
+
+TEST(LinkSender, AnAnswerOfWhichSomethingCameIsNotMadeAnew) {
+  LinkSender link(protocol::kFeatureFeedback);
+  link.add(frame_of(1, 4), TimePoint::max(), kStart);
+  uint64_t sent = 0;
+  TimePoint now = kStart;
+  for (; sent < 4; now += 1ms) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  link.hear(all_arrived(1, 1, 1000), now);
+  EXPECT_FALSE(link.take_lost(FrameId{1}, now + 10s));
 }
 
 TEST(LinkSender, NothingGoesAfterItsDeadline) {

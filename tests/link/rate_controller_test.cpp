@@ -31,6 +31,26 @@ TEST_F(RateControllerTest, GrowsQuicklyAtFirst) {
   EXPECT_GT(rate_.rate(), 10 * RateController::kFirstRate);
 }
 
+TEST_F(RateControllerTest, TheFirstSignOfAQueueEndsTheStart) {
+  run(1s, clear());
+  run(10ms, queued(3ms));
+  const double then = rate_.rate();
+  EXPECT_LT(then, 1e6) << "below what is delivered";
+  run(500ms, clear());
+  EXPECT_LT(rate_.rate(), 2 * then) << "and no more in leaps";
+  run(10ms, queued(3ms));
+  EXPECT_GT(rate_.rate(), then) << "later so little is no matter";
+}
+
+TEST_F(RateControllerTest, AtTheStartItWaitsWhileAQueueMayBeBeginning) {
+  run(200ms, clear());
+  const double then = rate_.rate();
+  run(200ms, queued(1500us));
+  EXPECT_EQ(rate_.rate(), then);
+  run(200ms, clear());
+  EXPECT_GT(rate_.rate(), 2 * then);
+}
+
 TEST_F(RateControllerTest, DoesNotGrowUnused) {
   PathReport idle = clear();
   idle.limited = false;

@@ -23,12 +23,13 @@ struct World {
   World(netsim::Schedule up_schedule, netsim::Schedule down_schedule, uint64_t seed)
       : up(std::move(up_schedule), seed, kStart), down(std::move(down_schedule), ~seed, kStart) {}
 
-  SimulatedSession& add(TimePoint start, Nanoseconds path_delay) {
+  SimulatedSession& add(TimePoint start, Nanoseconds path_delay, bool longer_slices = false) {
     SessionPlan plan;
     plan.grid = kGrid;
     plan.busy = 0.9;
     plan.start = start;
     plan.path_delay = path_delay;
+    plan.longer_slices = longer_slices;
     return *sessions.emplace_back(std::make_unique<SimulatedSession>(events, up, down, plan));
   }
 };
@@ -81,15 +82,20 @@ LossFigures heavy_loss(uint64_t seed) {
   return made;
 }
 
-QueueFigures bottleneck(uint64_t seed, bool start) {
-  World world({{0s, profile("delay=25ms")}}, {{0s, profile("delay=25ms,rate=10mbit,queue=500ms")}}, seed);
-  SimulatedSession& session = world.add(kStart, 25ms);
+QueueFigures bottleneck(uint64_t seed, bool start, Nanoseconds delay) {
+  netsim::Profile up = profile("delay=0ms"), down = profile("rate=10mbit,queue=500ms");
+  up.delay = down.delay = delay;
+  World world({{0s, up}}, {{0s, down}}, seed);
+  SimulatedSession& session = world.add(kStart, delay);
   world.events.run_until(kStart + 1s);
-  if (!start) session.forget_waits();
+  QueueFigures first{session.wait_percentile(0.95), session.wait_percentile(1), 0};
+  session.forget_waits();
   const uint64_t before = session.delivered_bytes();
   world.events.run_until(kStart + (start ? 2s : 31s));
   const double bits = static_cast<double>(session.delivered_bytes() - before) * 8;
-  return {session.wait_percentile(0.95), session.wait_percentile(1), bits / ((start ? 1 : 30) * 10e6)};
+  const double used = bits / ((start ? 1 : 30) * 10e6);
+  if (start) return {first.wait_p95, first.wait_max, used};
+  return {session.wait_percentile(0.95), session.wait_percentile(1), used};
 }
 
 Shares sharing(uint64_t seed, uint32_t sessions, bool tcp) {
@@ -117,6 +123,26 @@ Shares sharing(uint64_t seed, uint32_t sessions, bool tcp) {
   shares.tcp /= sum;
   for (double& share : shares.sessions) share /= sum;
   return shares;
+}
+
+MtuFigures narrowing_path(uint64_t seed) {
+  const auto wide = profile("delay=25ms,mtu=1472"), narrow = profile("delay=25ms,mtu=1300");
+  World world({{0s, profile("delay=25ms")}}, {{0s, wide}, {5s, narrow}}, seed);
+  const SimulatedSession& session = world.add(kStart, 25ms, true);
+  world.events.run_until(kStart + 5s);
+  MtuFigures figures;
+  figures.found = session.link().datagram_bytes();
+  world.events.run_until(kStart + 15s);
+  figures.after = session.link().datagram_bytes();
+  TimePoint last = kStart + 5s;
+  for (const Look& look : session.looks()) {
+    if (look.at < last || look.fresh < 1) continue;
+    figures.longest_gap = std::max(figures.longest_gap, look.at - last);
+    last = look.at;
+  }
+  figures.longest_gap = std::max(figures.longest_gap, world.events.now() - last);
+  figures.fresh_share = session.fresh_share(kStart + 10s, kStart + 15s);
+  return figures;
 }
 
 }  // namespace gnomon::tests

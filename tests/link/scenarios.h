@@ -30,8 +30,9 @@ struct QueueFigures {
   double used_share = 0;  // of the bottleneck's rate
 };
 
-// A bottleneck of 10 Mbit/s, and a session that would like 16. From the first second on, `start` for the first.
-QueueFigures bottleneck(uint64_t seed, bool start = false);
+// A bottleneck of 10 Mbit/s, and a session that would like 16. Of the 30 s after its first second; `start`: of
+// its first second, and the share used in the one after.
+QueueFigures bottleneck(uint64_t seed, bool start = false, Nanoseconds delay = std::chrono::milliseconds(25));
 
 struct Shares {
   std::vector<double> sessions;  // of what all together got
@@ -42,5 +43,15 @@ struct Shares {
 // Sessions that come one after the other, and if so a greedy TCP flow, at a bottleneck of 20 Mbit/s with a queue of
 // 100 ms.
 Shares sharing(uint64_t seed, uint32_t sessions, bool tcp);
+
+struct MtuFigures {
+  size_t found = 0;           // payload of the longest datagrams, once the path's MTU had been looked for
+  size_t after = 0;           // and in the end
+  Nanoseconds longest_gap{};  // between two whole looks, from the path's change on
+  double fresh_share = 0;     // in the last seconds
+};
+
+// A path that takes Ethernet's datagrams for 5 s, and then only those of 1,300 bytes, without a word.
+MtuFigures narrowing_path(uint64_t seed);
 
 }  // namespace gnomon::tests

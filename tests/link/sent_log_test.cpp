@@ -15,7 +15,7 @@ constexpr Nanoseconds kOtherClock = 5h;  // the client's is ahead by that
 SentLog log_of(uint64_t count) {
   SentLog log;
   for (uint64_t s = 1; s <= count; ++s) {
-    log.sent(s, {kStart + s * 1ms, 1000, Cargo::slice, FrameId{1}, static_cast<uint16_t>(s)});
+    log.sent(s, {kStart + s * 1ms, 1000, Cargo::slice, 1, static_cast<uint16_t>(s)});
   }
   return log;
 }
@@ -82,6 +82,26 @@ TEST(SentLog, ATailIsTriedAgainOneByOne) {
   ASSERT_TRUE(tail);
   EXPECT_EQ(tail->number, 10u);
   EXPECT_GT(log.tail_due(), kStart + 60ms) << "and then patience again";
+}
+
+TEST(SentLog, SilenceCountsFromTheLastArrivalWhileSomethingIsUnderWay) {
+  EXPECT_EQ(SentLog().silence(kStart), 0ms);
+  SentLog log = log_of(10);
+  EXPECT_EQ(log.silence(kStart + 101ms), 100ms) << "since the first was sent";
+  log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
+  EXPECT_EQ(log.silence(kStart + 146ms), 100ms);
+  log.take(feedback(1, 10, kStart + 31ms), kStart + 51ms);
+  EXPECT_EQ(log.silence(kStart + 10s), 0ms);
+}
+
+TEST(SentLog, WhatIsTriedAgainInVainIsSilenceToo) {
+  SentLog log = log_of(10);
+  log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
+  while (log.take_tail(log.tail_due())) {
+  }
+  EXPECT_EQ(log.silence(kStart + 1046ms), 1s);
+  log.take(feedback(1, 8, kStart + 1050ms), kStart + 1050ms);
+  EXPECT_EQ(log.silence(kStart + 10s), 0ms) << "two that did not come may have been lost by chance";
 }
 
 TEST(SentLog, NonsenseIsSurvived) {

@@ -31,15 +31,16 @@ SimulatedSession::SimulatedSession(EventQueue& events, netsim::Link& up, netsim:
       down_(down),
       plan_(plan),
       link_(plan.features),
+      body_bytes_(link_.slice_body_bytes()),
       assembler_(plan.grid),
       newest_(plan.grid.word_count()) {
-  slices_ = made_frame(plan, link_.slice_body_bytes());
+  slices_ = made_frame(plan, body_bytes_);
   events_.at(plan.start, [this] { ask(); });
 }
 
 void SimulatedSession::ask() {
   const FrameId frame{static_cast<uint32_t>(++asked_)};
-  const auto fate = up_.send(140, events_.now());
+  const auto fate = up_.send_datagram(140, events_.now());
   if (fate.copies > 0) {
     events_.at(fate.at[0], [this, frame] {
       if (waiting_ && *waiting_ > frame) return;
@@ -62,6 +63,9 @@ void SimulatedSession::answer() {
 }
 
 void SimulatedSession::rendered(FrameId frame, TimePoint deadline) {
+  if (plan_.longer_slices && std::exchange(body_bytes_, link_.slice_body_bytes()) != link_.slice_body_bytes()) {
+    slices_ = made_frame(plan_, body_bytes_);
+  }
   for (auto& header : slices_.slices) header.frame = frame;
   link_.add(slices_, deadline, events_.now());
   through_[frame] = events_.now();
@@ -90,8 +94,9 @@ void SimulatedSession::carry(const Outgoing& out) {
   const TimePoint now = events_.now();
   const size_t size = out.body.size() + protocol::kHeaderBytes + protocol::kTagBytes;
   const uint64_t sequence = ++sequence_;
-  const auto fate = down_.send(size, now);
-  if (fate.kind != netsim::Fate::Kind::queue_full) waits_.push_back(fate.queued);
+  const auto fate = down_.send_datagram(size, now);
+  if (fate.kind == netsim::Fate::Kind::arrives || fate.kind == netsim::Fate::Kind::lost)
+    waits_.push_back(fate.queued);
   for (const TimePoint at : fate.arrivals()) {
     events_.at(at, [this, sequence, kind = out.kind, body = Bytes(out.body.begin(), out.body.end()), size] {
       delivered_ += size;
@@ -154,7 +159,7 @@ void SimulatedSession::report() {
   if (arrivals_.due_at() > now) return;
   protocol::Feedback feedback = arrivals_.take(now);
   feedback.recovered = static_cast<uint32_t>(recovered_);
-  const auto fate = up_.send(62 + 2u * feedback.count, now);
+  const auto fate = up_.send_datagram(62 + 2u * feedback.count, now);
   if (fate.copies == 0) return;
   events_.at(fate.at[0], [this, feedback] {
     link_.hear(feedback, events_.now());

@@ -21,7 +21,8 @@ struct SessionPlan {
   Nanoseconds deadline{};  // of a frame, from its camera's arrival; 0: not said
   uint64_t features = protocol::kFeatureFeedback | protocol::kFeatureParity;
   TimePoint start{std::chrono::seconds(1)};
-  Nanoseconds path_delay{};  // of the link without queue; jitter included
+  bool longer_slices = false;  // where the path takes them
+  Nanoseconds path_delay{};    // of the link without queue; jitter included
 };
 
 // How a frame stood when all of the next frame had had its time to arrive: "within one further frame".
@@ -71,6 +72,7 @@ class SimulatedSession {
   SessionPlan plan_;
   protocol::EncodedFrame slices_;
   daemon::LinkSender link_;
+  size_t body_bytes_;  // of the longest slice
   uint64_t sequence_ = 0;
   std::optional<FrameId> waiting_;  // newest camera that was not rendered
   TimePoint waiting_deadline_{};

@@ -21,6 +21,12 @@ class DelayLine {
     if (first) wait();
   }
 
+  // What waits is never called.
+  void clear() {
+    timer_.cancel();
+    calls_.clear();
+  }
+
  private:
   void wait() {
     timer_.expires_at(calls_.begin()->first);

@@ -38,6 +38,14 @@ Fate Link::send(size_t bytes, TimePoint now) {
   return fate;
 }
 
+Fate Link::send_datagram(size_t bytes, TimePoint now) {
+  const Profile& is = profile(now);
+  if (is.udp && (is.mtu == 0 || bytes <= is.mtu)) return send(bytes, now);
+  Fate fate;
+  fate.kind = Fate::Kind::blocked;
+  return fate;
+}
+
 const Profile& Link::profile(TimePoint now) const {
   const auto next = std::upper_bound(schedule_.begin(), schedule_.end(), now - start_,
                                      [](Nanoseconds at, const Phase& phase) { return at < phase.from; });

@@ -13,7 +13,7 @@
 namespace gnomon::netsim {
 
 struct Fate {
-  enum class Kind { arrives, lost, queue_full };
+  enum class Kind { arrives, lost, queue_full, blocked };
   Kind kind = Kind::arrives;
   std::array<TimePoint, 2> at{};  // of the packet, and of its duplicate
   uint32_t copies = 0;            // that arrive
@@ -28,6 +28,9 @@ class Link {
 
   // Times of successive calls do not decrease.
   Fate send(size_t bytes, TimePoint now);
+
+  // The same for a datagram, which is blocked where the link takes none, or none so long.
+  Fate send_datagram(size_t bytes, TimePoint now);
 
   // What a packet sent now would wait.
   Nanoseconds backlog(TimePoint now) const { return std::max(Nanoseconds{}, busy_until_ - now); }

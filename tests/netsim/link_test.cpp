@@ -51,6 +51,15 @@ TEST(Link, TheSameSeedHasTheSameLuckAndAnotherHasNot) {
   EXPECT_GT(differ, first.size() / 2);
 }
 
+TEST(Link, BlocksDatagramsThatAreTooLongAndNothingElse) {
+  Link link({{0s, profile_of("mtu=1280")}, {1s, profile_of("udp=off")}}, 1, kStart);
+  EXPECT_EQ(link.send_datagram(1280, kStart).kind, Fate::Kind::arrives);
+  EXPECT_EQ(link.send_datagram(1281, kStart).kind, Fate::Kind::blocked);
+  EXPECT_EQ(link.send(1400, kStart).kind, Fate::Kind::arrives) << "connections cut theirs to fit";
+  EXPECT_EQ(link.send_datagram(10, kStart + 1s).copies, 0u);
+  EXPECT_EQ(link.send(10, kStart + 1s).copies, 1u);
+}
+
 TEST(Link, LosesTheShareThatItShould) {
   Link link = link_of("loss=5%");
   EXPECT_NEAR(share_of(send_many(link), Fate::Kind::lost), 0.05, 0.01);

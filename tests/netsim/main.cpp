@@ -63,9 +63,11 @@ int relay(Options& options) {
   std::fflush(stdout);
   io.run();
   const auto& count = (*made)->counters();
-  std::printf("netsim: %llu datagrams, %llu lost, %llu found the queue full\n",
-              static_cast<unsigned long long>(count.datagrams), static_cast<unsigned long long>(count.lost),
-              static_cast<unsigned long long>(count.queue_full));
+  const auto number = [](uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::printf(
+      "netsim: %llu datagrams, %llu lost, %llu found the queue full, %llu blocked, the longest of %llu bytes\n",
+      number(count.datagrams), number(count.lost), number(count.queue_full), number(count.blocked),
+      number(count.longest));
   return 0;
 }
 
@@ -91,10 +93,14 @@ int main(int argc, char** argv) {
       {"reorder_by", "for how long, as 10ms"},
       {"duplicate", "datagrams that come twice, as 1%"},
       {"rate", "of the bottleneck, each way, as 20mbit"},
-      {"queue", "before the bottleneck, as 100ms or 64kb"}};
+      {"queue", "before the bottleneck, as 100ms or 64kb"},
+      {"mtu", "the longest payload of a datagram that passes, in bytes, as 1280; 0: all pass"},
+      {"udp", "on or off: whether datagrams pass at all"}};
   for (const auto& [key, about] : properties) options.both.emplace_back(key, "");
   for (size_t i = 0; i < options.both.size(); ++i) {
-    app.add_option("--" + options.both[i].first, options.both[i].second, properties[i].second);
+    auto& [key, value] = options.both[i];
+    const std::string name = key == "udp" ? "udp-traffic" : key;  // --udp names the ports
+    app.add_option("--" + name, value, properties[i].second);
   }
   app.add_option("--up", options.up, "for clients' datagrams alone, as loss=5%,delay=10ms");
   app.add_option("--down", options.down, "for the server's datagrams alone");

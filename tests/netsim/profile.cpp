@@ -61,6 +61,19 @@ Result<void> set_queue(Profile& profile, std::string_view text) {
   return {};
 }
 
+Result<void> set_mtu(Profile& profile, std::string_view text) {
+  const auto bytes = number(text, {{"", 1}, {"b", 1}});
+  if (!bytes) return amiss("length of a datagram", text, "1280");
+  profile.mtu = static_cast<size_t>(*bytes);
+  return {};
+}
+
+Result<void> set_udp(Profile& profile, std::string_view text) {
+  if (text != "on" && text != "off") return amiss("choice", text, "on or off");
+  profile.udp = text == "on";
+  return {};
+}
+
 Result<void> set_one(std::string_view key, std::string_view value, Profile& profile) {
   if (key == "delay") return set(profile.delay, value);
   if (key == "jitter") return set(profile.jitter, value);
@@ -69,10 +82,12 @@ Result<void> set_one(std::string_view key, std::string_view value, Profile& prof
   if (key == "reorder") return set(profile.reorder, parse_share(value));
   if (key == "reorder_by") return set(profile.reorder_by, value);
   if (key == "duplicate") return set(profile.duplicate, parse_share(value));
+  if (key == "mtu") return set_mtu(profile, value);
+  if (key == "udp") return set_udp(profile, value);
   if (key == "rate") return set(profile.rate_bit_per_s, parse_rate(value));
   if (key == "queue") return set_queue(profile, value);
   return amiss("property of a link", key,
-               "delay, jitter, loss, burst, reorder, reorder_by, duplicate, rate, queue");
+               "delay, jitter, loss, burst, reorder, reorder_by, duplicate, rate, queue, mtu, udp");
 }
 
 }  // namespace

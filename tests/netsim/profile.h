@@ -27,6 +27,8 @@ struct Profile {
   // Waiting room of a limited link: what would wait longer, or find more bytes before it, is dropped.
   Nanoseconds queue = std::chrono::milliseconds(100);
   size_t queue_bytes = 0;  // 0: `queue` alone counts
+  size_t mtu = 0;          // datagrams with a longer payload are dropped; 0: none are
+  bool udp = true;         // false: datagrams are dropped, as a firewall does; connections pass
   friend bool operator==(const Profile&, const Profile&) = default;
 };
 
@@ -38,7 +40,7 @@ struct Phase {
 using Schedule = std::vector<Phase>;  // by increasing time, not empty
 
 // Sets what `text` names: delay, jitter, loss, burst (ENTER:LEAVE), reorder, reorder_by, duplicate, rate, queue (a
-// time or bytes). The error names the key, the value and what is allowed.
+// time or bytes), mtu, udp (on or off). The error names the key, the value and what is allowed.
 Result<void> apply(std::string_view text, Profile& profile);
 
 // "50ms", "1.5s", "200us"; "2%", "0.02"; "20mbit", "500kbit".

@@ -11,7 +11,7 @@ TEST(Profile, AllPropertiesAreRead) {
   Profile profile;
   const auto done = apply(
       "delay=50ms,jitter=1.5ms,loss=2%,burst=1%:0.3,reorder=3%,reorder_by=20ms,duplicate=0.5%,rate=20mbit,queue="
-      "30ms",
+      "30ms,mtu=1280,udp=off",
       profile);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(profile.delay, 50ms);
@@ -24,6 +24,8 @@ TEST(Profile, AllPropertiesAreRead) {
   EXPECT_DOUBLE_EQ(profile.duplicate, 0.005);
   EXPECT_DOUBLE_EQ(profile.rate_bit_per_s, 20e6);
   EXPECT_EQ(profile.queue, 30ms);
+  EXPECT_EQ(profile.mtu, 1280u);
+  EXPECT_FALSE(profile.udp);
 }
 
 TEST(Profile, AQueueMayBeGivenInBytes) {
@@ -43,7 +45,7 @@ TEST(Profile, WhatIsNotNamedStays) {
 
 TEST(Profile, NonsenseIsNamed) {
   for (const char* text : {"delay=50", "delay=-1ms", "loss=200%", "loss=x", "rate=fast", "burst=1%", "speed=1",
-                           "delay", "queue=many", "rate=infbit", "delay=nanms"}) {
+                           "delay", "queue=many", "mtu=-1", "udp=maybe", "rate=infbit", "delay=nanms"}) {
     Profile profile;
     const auto done = apply(text, profile);
     ASSERT_FALSE(done) << text;

@@ -55,8 +55,10 @@ struct Relay::State {
   // Hands the datagram to `deliver` when and as often as the link lets it through.
   template <class Deliver>
   void pass(Link& link, std::span<const uint8_t> datagram, Deliver deliver) {
-    const Fate fate = link.send(datagram.size(), Clock::now());
+    const Fate fate = link.send_datagram(datagram.size(), Clock::now());
     ++counters.datagrams;
+    counters.blocked += fate.kind == Fate::Kind::blocked;
+    if (fate.copies > 0) counters.longest = std::max<uint64_t>(counters.longest, datagram.size());
     counters.lost += fate.kind == Fate::Kind::lost;
     counters.queue_full += fate.kind == Fate::Kind::queue_full;
     if (fate.copies == 0) return;
@@ -184,6 +186,7 @@ Relay::~Relay() {
     port->flows.clear();
   }
   for (const auto& acceptor : state_->acceptors) acceptor->close(ignored);
+  state_->line.clear();  // its calls hold the state
 }
 
 const RelayCounters& Relay::counters() const { return state_->counters; }

@@ -27,6 +27,8 @@ struct RelayCounters {
   uint64_t datagrams = 0;
   uint64_t lost = 0;
   uint64_t queue_full = 0;
+  uint64_t blocked = 0;
+  uint64_t longest = 0;  // payload of one that passed
 };
 
 // Belongs to the thread that runs the io_context.

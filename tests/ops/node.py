@@ -127,9 +127,19 @@ class Node:
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=PATIENCE_S)
         return done.returncode, done.stdout
 
-    def load(self, clients, size="160x90", rate=0, seconds=5, scene="living_room"):
-        """Starts gnomon-load. `clients`: number by tenant."""
-        return Load(self, clients, size, rate, seconds, scene)
+    def load(self, clients, size="160x90", rate=0, seconds=5, scene="living_room", server=None):
+        """Starts gnomon-load. `clients`: number by tenant; `server`: of a relay(), if not directly."""
+        return Load(self, clients, size, rate, seconds, scene, server or self.control)
+
+    def relay(self, *link):
+        """Starts netsim before this node, as `--loss 2%`; its process, and where clients find the node through it."""
+        port, listen = self.control.rsplit(":", 1)[1], "127.0.0.2"
+        data = re.search(r" data=(\d+)", self.log_text()).group(1)
+        process = subprocess.Popen([self.bin / "netsim", "--listen", listen, "--tcp", port, "--udp", data, *link],
+                                   stdout=subprocess.PIPE, text=True)
+        if "relaying" not in process.stdout.readline():
+            raise AssertionError("netsim does not relay")
+        return process, f"{listen}:{port}"
 
     def order(self, fault, text=""):
         (self.faults / fault).write_text(text)
@@ -162,9 +172,9 @@ class Node:
 
 
 class Load:
-    def __init__(self, node, clients, size, rate, seconds, scene):
+    def __init__(self, node, clients, size, rate, seconds, scene, server):
         self.file = pathlib.Path(tempfile.mkstemp(suffix=".json", dir=node.folder)[1])
-        command = [node.bin / "gnomon-load", "--server", node.control, "--pin", node.pin, "--scene", scene, "--size", size,
+        command = [node.bin / "gnomon-load", "--server", server, "--pin", node.pin, "--scene", scene, "--size", size,
                    "--rate", str(rate), "--seconds", str(seconds), "--json", self.file]
         for tenant, count in clients.items():
             command += ["--tenant", f"{tenant}::{count}"]

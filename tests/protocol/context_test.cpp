@@ -1,11 +1,13 @@
 // What tiles_context promises beyond what codec_test.cpp asks of every codec.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <thread>
 
 #include "protocol/codec.h"
 #include "protocol/context/binary_coder.h"
+#include "protocol/context/camera_motion.h"
 #include "protocol/context/logistic.h"
 #include "tests/protocol/masks.h"
 
@@ -121,8 +123,8 @@ TEST(Context, FreeBitsMayChangeAndNoOthers) {
 }
 
 TEST(Context, WithAReferenceFramesComeBackAsTheyWere) {
-  for (const TileGrid& grid :
-       {TileGrid{640, 360, 3}, TileGrid{123, 77, 2}, TileGrid{8, 8, 1}, TileGrid{1, 300, 4}}) {
+  for (const TileGrid& grid : {TileGrid{640, 360, 3}, TileGrid{123, 77, 2}, TileGrid{8, 8, 1}, TileGrid{1, 300, 4},
+                               TileGrid{40, 24, 64}}) {
     const Mask before = tests::foliage(grid, 1);
     const ReferenceShelf shelf = shelf_of(before);
     for (const Mask& mask : {before, moved(before, 9, -5), tests::noise(grid, 2), tests::all_lit(grid),
@@ -163,6 +165,76 @@ TEST(Context, AReferenceSavesBytes) {
   const size_t alone = encoded(all_matters(mask).view(), nullptr).bytes.size();
   const size_t referenced = encoded(all_matters(mask).view(), shelf.find(kBefore)).bytes.size();
   EXPECT_LT(referenced, alone / 2);
+}
+
+// 90 degrees wide, looking along -Z; turned to the left by an angle.
+CameraView turned_left(double angle) {
+  return {.orientation = {0, static_cast<float>(std::sin(angle / 2)), 0, static_cast<float>(std::cos(angle / 2))},
+          .tan_up = 0.5f,
+          .tan_down = 0.5f};
+}
+
+TEST(CameraMotion, WhatACameraSeesIsFoundInTheOthersPicture) {
+  const TileGrid grid{800, 400, 1};
+  const context::CameraMotion turn(turned_left(0.1), turned_left(0), grid);
+  EXPECT_EQ(turn.at(400, 200, 0), (context::Motion{-40, 0})) << "400 pixels, times the tangent of the angle";
+  EXPECT_EQ(turn.at(400, 200, 3), turn.at(400, 200, 0)) << "near or far is the same to a camera that only turns";
+  CameraView aside = turned_left(0);
+  aside.position = {0.5f, 0, 0};
+  const context::CameraMotion step(aside, turned_left(0), grid);
+  EXPECT_EQ(step.at(100, 100, 0), (context::Motion{0, 0}));
+  EXPECT_EQ(step.at(100, 100, 0.5f), (context::Motion{100, 0}));
+  EXPECT_NEAR(step.nearness_step(100, 100, 4), 0.02f, 1e-4);
+  const context::CameraMotion about(turned_left(0), turned_left(3.1), grid);
+  EXPECT_FALSE(about.at(400, 200, 0)) << "it was behind the other camera";
+}
+
+TEST(Context, WhereTheCameraHasTurnedFarItsMotionFindsTheReference) {
+  const TileGrid grid{1280, 720, 2};
+  const Mask before = tests::foliage(grid, 1);
+  constexpr int kPixels = 170;
+  CameraView camera = turned_left(0);
+  camera.tan_left = camera.tan_right = 0.1f;  // so narrow that a turn moves all of it by nearly the same
+  camera.tan_up = camera.tan_down = 0.1f * 720 / 1280;
+  const CameraView earlier = camera;
+  camera.orientation = turned_left(std::atan(kPixels * 0.2 / 1280)).orientation;
+  const Mask mask = moved(before, -kPixels, 0);
+  const MaskReference reference(kBefore, before.view(), earlier);
+  const ReferenceShelf shelf = shelf_of(before);
+  const auto bytes = [&](const MaskReference& of, const std::optional<CameraView>& now) {
+    FrameEncoder encoder;
+    EncodedFrame frame;
+    EXPECT_TRUE(
+        encoder.encode(all_matters(mask).view(), CodecId::tiles_context, kMaxSlicePayloadBytes, frame, &of, now));
+    EXPECT_EQ(decoded(frame, grid, &shelf), mask.words);
+    return frame.bytes.size();
+  };
+  EXPECT_LT(bytes(reference, camera), 0.6 * static_cast<double>(bytes(reference, {})));
+}
+
+// What cameras say is a hint, however wrong.
+TEST(Context, CamerasOfAnythingLoseNothing) {
+  std::mt19937_64 random(6);
+  std::normal_distribution<float> any(0, 1);
+  const TileGrid grid{200, 120, 2};
+  const Mask before = tests::foliage(grid, 1), mask = moved(before, 11, 4);
+  const PackedMask packed = all_matters(mask);
+  const ReferenceShelf shelf = shelf_of(before);
+  const auto camera = [&] {
+    CameraView made = turned_left(any(random) * 4);
+    made.position = {any(random), any(random), any(random) * 1e4f};
+    made.tan_left = -any(random);
+    made.tan_right = 0.01f - made.tan_left + std::abs(any(random));
+    return made;
+  };
+  for (int i = 0; i < 40; ++i) {
+    const MaskReference reference(kBefore, before.view(), camera());
+    FrameEncoder encoder;
+    EncodedFrame frame;
+    ASSERT_TRUE(
+        encoder.encode(packed.view(), CodecId::tiles_context, kMaxSlicePayloadBytes, frame, &reference, camera()));
+    ASSERT_EQ(decoded(frame, grid, &shelf), mask.words);
+  }
 }
 
 TEST(Context, AReferenceThatIsMissingOrAnotherIsAnError) {
@@ -220,10 +292,15 @@ TEST(Context, DamagedSlicesWithAReferenceTouchNoOtherTiles) {
   }
 }
 
-TEST(Context, TheLargestPictureComesBackAsItWas) {
-  const Mask mask = tests::make_mask({kMaxSide, 4320, 1},
-                                     [](uint32_t x, uint32_t y, uint32_t) { return ((x + 2 * y) >> 9 & 1) != 0; });
-  EXPECT_EQ(decoded(encoded(all_matters(mask).view(), nullptr), mask.grid, nullptr), mask.words);
+TEST(Context, TheLargestPictureComesBackAsItWasWithAReference) {
+  const auto stripes = [](uint32_t shift) {
+    return tests::make_mask({kMaxSide, 4320, 1}, [shift](uint32_t x, uint32_t y, uint32_t) {
+      return ((x + shift + 2 * y) >> 9 & 1) != 0;
+    });
+  };
+  const Mask mask = stripes(30);
+  const ReferenceShelf shelf = shelf_of(stripes(0));
+  EXPECT_EQ(decoded(encoded(all_matters(mask).view(), shelf.find(kBefore)), mask.grid, &shelf), mask.words);
 }
 
 }  // namespace

@@ -109,6 +109,21 @@ TEST(WireDocument, HelloIsAsWorkedOut) {
   expect_message(hello, "hello");
 }
 
+TEST(WireDocument, KeysAreAsWorkedOut) {
+  const SealSecrets epoch_0 = secrets();
+  const auto bytes_of = [](const Secret& secret) {
+    const AeadKey key(CipherId::aes_128_gcm, secret);
+    Bytes bytes(key.key().begin(), key.key().end());
+    bytes.insert(bytes.end(), key.iv.begin(), key.iv.end());
+    return bytes;
+  };
+  Bytes client = bytes_of(epoch_0.client);
+  const Secret next = next_secret(epoch_0.client);
+  client.insert(client.end(), next.begin(), next.end());
+  expect_packet(client, "client_keys");
+  expect_packet(bytes_of(epoch_0.server), "server_keys");
+}
+
 TEST(WireDocument, WelcomeIsAsWorkedOut) {
   Welcome welcome;
   welcome.features = kFeatureMoments;

@@ -278,11 +278,11 @@ class Slice:
             guess = left or above or (0, 0)
         if self.foreseen.take(self.bits):
             return guess
-        return tuple(within(guess[axis] + self._difference(axis), -63, 63) for axis in (0, 1))
+        return tuple(within(guess[axis] + self._difference(axis), -511, 511) for axis in (0, 1))
 
     def _difference(self, axis):
         length = 0
-        while length < 7 and self.lengths[axis, length].take(self.bits):
+        while length < 10 and self.lengths[axis, length].take(self.bits):
             length += 1
         if not length:
             return 0

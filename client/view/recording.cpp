@@ -1,0 +1,39 @@
+#include "client/view/recording.h"
+
+#include "client/montage.h"
+
+namespace gnomon::client {
+namespace {
+
+constexpr uint32_t kGain = 4;  // of differences
+
+}  // namespace
+
+Result<RecordView> parse_record_view(std::string_view name) {
+  if (name == "shown") return RecordView::shown;
+  if (name == "side-by-side") return RecordView::side_by_side;
+  if (name == "difference") return RecordView::difference;
+  return Error{std::string(name) + ": no view to record; shown, side-by-side or difference is"};
+}
+
+Result<Recording> Recording::open(const Options& options, const scenes::ScenePtr& scene, const ViewSize& size) {
+  auto video = VideoFile::create(options.file, {.fps = options.fps});
+  if (!video) return video.error();
+  Recording recording(options.view, std::move(*video));
+  if (options.view == RecordView::shown) return recording;
+  auto ideal = IdealView::create(scene, size, options.device);
+  if (!ideal) return ideal.error();
+  recording.ideal_ = std::move(*ideal);
+  return recording;
+}
+
+Result<void> Recording::add(const Showing& showing, const Picture& shaded) {
+  if (!ideal_) return video_.add(shaded);
+  const auto ideal = ideal_->picture(showing.camera, scenes::SceneTime(showing.seen->mask.moment.scene_time_us));
+  if (!ideal) return ideal.error();
+  return video_.add(view_ == RecordView::difference ? difference(shaded, *ideal, kGain) : beside(shaded, *ideal));
+}
+
+Result<void> Recording::close() { return video_.close(); }
+
+}  // namespace gnomon::client

@@ -1,0 +1,41 @@
+// A flight as a video: what was shown, alone or beside what it should have been.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "client/video_file.h"
+#include "client/view/ideal_view.h"
+
+namespace gnomon::client {
+
+enum class RecordView {
+  shown,
+  side_by_side,  // shown left, traced by this machine right
+  difference,    // between the two, four times as strong
+};
+Result<RecordView> parse_record_view(std::string_view name);  // "side-by-side"
+
+class Recording {
+ public:
+  struct Options {
+    std::filesystem::path file;
+    RecordView view = RecordView::shown;
+    double fps = 30;
+    std::string device;
+  };
+  static Result<Recording> open(const Options& options, const scenes::ScenePtr& scene, const ViewSize& size);
+
+  Result<void> add(const Showing& showing, const Picture& shaded);
+  Result<void> close();
+
+ private:
+  Recording(RecordView view, VideoFile video) : view_(view), video_(std::move(video)) {}
+
+  RecordView view_;
+  VideoFile video_;
+  std::unique_ptr<IdealView> ideal_;  // where it is asked for
+};
+
+}  // namespace gnomon::client

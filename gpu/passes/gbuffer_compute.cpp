@@ -1,0 +1,257 @@
+// Rasterises the world mesh into triangle ids by compute shaders alone: for devices whose graphics units are few beside
+// their compute units. Clusters that may show become runs of triangles; small triangles are drawn by one invocation,
+// large ones tile by tile by a workgroup each (shaders/raster.glsl).
+#include <array>
+
+#include "gpu/passes/passes.h"
+#include "spirv/cull_runs_comp.h"
+#include "spirv/raster_large_comp.h"
+#include "spirv/raster_runs_comp.h"
+#include "spirv/resolve_comp.h"
+#include "spirv/visibility_tiles_comp.h"
+
+namespace gnomon::gpu {
+namespace {
+
+// As shaders/raster.glsl declares them: what precedes a list's entries, and an entry of each list.
+constexpr uint32_t kRunsHead = 16, kLargeHead = 24;
+constexpr uint64_t kEntryBytes = 8;
+constexpr uint32_t kRunTriangles = 64;
+constexpr uint32_t kDoubleSided = 0x80000000u, kMasked = 0x40000000u;
+
+struct CullPush {
+  VkDeviceAddress clusters, chunks, depth_tiles, runs;
+  uint32_t first_chunk;
+};
+struct RunsPush {
+  VkDeviceAddress visibility, large, runs, depth_tiles;
+  uint32_t first, count, marks;
+  uint32_t reserved = 0;
+};
+
+uint64_t visibility_bytes(const Capacity& c) { return uint64_t{c.grid().tile_count()} * kTileSize * kTileSize * 8; }
+// A cluster has one triangle or more.
+uint64_t runs_bytes(const Capacity& c) { return kRunsHead + kEntryBytes * c.triangles; }
+uint64_t large_bytes(const Capacity& c) {
+  return kLargeHead + kEntryBytes * (uint64_t{c.triangles} + c.moving_triangles);
+}
+
+std::span<const std::byte> bytes_of(const auto& push) { return std::as_bytes(std::span(&push, 1)); }
+
+void dispatch_indirect(const FrameContext& frame, const Buffer& list) {
+  vkCmdDispatchIndirect(frame.commands, list.handle(), 0);
+}
+
+// Every picture begins with nothing in it, and every list empty.
+class ClearPass : public Pass {
+ public:
+  std::string_view name() const override { return "clear"; }
+  const PassLayout* layout() const override { return nullptr; }
+  std::vector<Port> ports() const override {
+    return {{resource::kVisibility, Use::fill_target, {{}, visibility_bytes}},
+            {resource::kOccluderRuns, Use::fill_target, {{}, runs_bytes}},
+            {resource::kOccluderLarge, Use::fill_target, {{}, large_bytes}},
+            {resource::kRuns, Use::fill_target, {{}, runs_bytes}},
+            {resource::kLarge, Use::fill_target, {{}, large_bytes}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const std::array<uint64_t, 5> bytes{visibility_bytes(frame.size()), kRunsHead, kLargeHead, kRunsHead,
+                                        kLargeHead};
+    for (size_t i = 0; i < bytes.size(); ++i)
+      vkCmdFillBuffer(frame.commands, frame.ports[i].buffer->handle(), 0, bytes[i], 0);
+  }
+};
+
+class ComputePass : public Pass {
+ public:
+  ComputePass(std::string_view name, ComputeStep step) : step_(std::move(step)), name_(name) {}
+  std::string_view name() const override { return name_; }
+  const PassLayout* layout() const override { return &step_.layout; }
+
+ protected:
+  // One workgroup for each chunk of the groups.
+  void cull(const FrameContext& frame, std::span<const ClusterGroup> groups, VkDeviceAddress depth_tiles,
+            const Buffer& runs) const {
+    const uint32_t first = groups.front().first_chunk;
+    const uint32_t end = groups.back().first_chunk + groups.back().chunk_count;
+    if (first == end) return;
+    const CullPush push{frame.scene.cluster_buffer().address(), frame.scene.chunk_buffer().address(), depth_tiles,
+                        runs.address(), first};
+    bind(frame, step_, bytes_of(push));
+    vkCmdDispatch(frame.commands, end - first, 1, 1);
+  }
+
+  ComputeStep step_;
+
+ private:
+  std::string_view name_;
+};
+
+class CullRunsPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::vector<Port> ports() const override { return {{resource::kOccluderRuns, Use::storage_update}}; }
+  void record(const FrameContext& frame) const override {
+    cull(frame, frame.scene.clusters().occluders, 0, *frame.ports[0].buffer);
+  }
+};
+
+class CullHiddenRunsPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::vector<Port> ports() const override {
+    return {{resource::kDepthTiles, Use::storage_read}, {resource::kRuns, Use::storage_update}};
+  }
+  void record(const FrameContext& frame) const override {
+    cull(frame, frame.scene.clusters().others, frame.ports[0].buffer->address(), *frame.ports[1].buffer);
+  }
+};
+
+class OccluderRunsPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::vector<Port> ports() const override {
+    return {{resource::kVisibility, Use::storage_update},
+            {resource::kOccluderLarge, Use::storage_update},
+            {resource::kOccluderRuns, Use::indirect_read}};
+  }
+  void record(const FrameContext& frame) const override {
+    const Buffer& runs = *frame.ports[2].buffer;
+    const RunsPush push{
+        frame.ports[0].buffer->address(), frame.ports[1].buffer->address(), runs.address(), 0, 0, 0, 0};
+    bind(frame, step_, bytes_of(push));
+    dispatch_indirect(frame, runs);
+  }
+};
+
+// The others, and what moves, of which no clusters are known.
+class TriangleRunsPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::vector<Port> ports() const override {
+    return {{resource::kVisibility, Use::storage_update},
+            {resource::kLarge, Use::storage_update},
+            {resource::kRuns, Use::indirect_read},
+            {resource::kDepthTiles, Use::storage_read}};
+  }
+  void record(const FrameContext& frame) const override {
+    const Buffer& runs = *frame.ports[2].buffer;
+    RunsPush push{frame.ports[0].buffer->address(),
+                  frame.ports[1].buffer->address(),
+                  runs.address(),
+                  frame.ports[3].buffer->address(),
+                  0,
+                  0,
+                  0};
+    bind(frame, step_, bytes_of(push));
+    dispatch_indirect(frame, runs);
+    push.runs = 0;
+    for (const ClusterGroup& group : frame.posed.draws) {
+      if (group.triangle_count == 0) continue;
+      push.first = frame.scene.first_moving_triangle(frame.slot) + group.first_triangle;
+      push.count = group.triangle_count;
+      push.marks = (group.double_sided ? kDoubleSided : 0) | (group.masked ? kMasked : 0);
+      bind(frame, step_, bytes_of(push));
+      vkCmdDispatch(frame.commands, (push.count + kRunTriangles - 1) / kRunTriangles, 1, 1);
+    }
+  }
+};
+
+// Ports 0 and 1: the picture and the list; 2: depth tiles, where there are any.
+class LargePass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  void record(const FrameContext& frame) const override {
+    const Buffer& large = *frame.ports[1].buffer;
+    const std::array push{frame.ports[0].buffer->address(), large.address(),
+                          frame.ports.size() > 2 ? frame.ports[2].buffer->address() : 0};
+    bind(frame, step_, bytes_of(push));
+    dispatch_indirect(frame, large);
+  }
+};
+
+class LargeOccludersPass : public LargePass {
+ public:
+  using LargePass::LargePass;
+  std::vector<Port> ports() const override {
+    return {{resource::kVisibility, Use::storage_update}, {resource::kOccluderLarge, Use::indirect_read}};
+  }
+};
+
+class LargeTrianglesPass : public LargePass {
+ public:
+  using LargePass::LargePass;
+  std::vector<Port> ports() const override {
+    return {{resource::kVisibility, Use::storage_update},
+            {resource::kLarge, Use::indirect_read},
+            {resource::kDepthTiles, Use::storage_read}};
+  }
+};
+
+class VisibilityTilesPass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::vector<Port> ports() const override {
+    const auto bytes = [](const Capacity& c) { return uint64_t{c.grid().tile_count()} * sizeof(float); };
+    return {{resource::kVisibility, Use::storage_read}, {resource::kDepthTiles, Use::storage_write, {{}, bytes}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const std::array push{frame.ports[0].buffer->address(), frame.ports[1].buffer->address()};
+    dispatch_tiles(frame, step_, bytes_of(push));
+  }
+};
+
+class ResolvePass : public ComputePass {
+ public:
+  using ComputePass::ComputePass;
+  std::vector<Port> ports() const override {
+    return {{resource::kVisibility, Use::storage_read},
+            {resource::kTriangleId, Use::storage_write, {VK_FORMAT_R32_UINT, {}}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const VkDeviceAddress visibility = frame.ports[0].buffer->address();
+    dispatch_tiles(frame, step_, bytes_of(visibility));
+  }
+};
+
+template <class Made>
+Result<std::unique_ptr<Pass>> make(std::string_view name, const DevicePtr& device, std::span<const uint32_t> shader,
+                                   uint32_t storage_images = 0) {
+  if (!device->features().atomic_int64)
+    return Error{"rasterising in compute needs 64-bit atomics, which device '" + device->info().name + "' lacks"};
+  auto step = make_compute_step(device, 0, shader, storage_images);
+  if (!step) return step.error();
+  return std::unique_ptr<Pass>(std::make_unique<Made>(name, std::move(*step)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Pass>> make_clear_visibility_pass(const DevicePtr&) {
+  return std::unique_ptr<Pass>(std::make_unique<ClearPass>());
+}
+Result<std::unique_ptr<Pass>> make_cull_runs_pass(const DevicePtr& device) {
+  return make<CullRunsPass>("cull", device, cull_runs_comp);
+}
+Result<std::unique_ptr<Pass>> make_cull_hidden_runs_pass(const DevicePtr& device) {
+  return make<CullHiddenRunsPass>("cull_hidden", device, cull_runs_comp);
+}
+Result<std::unique_ptr<Pass>> make_occluder_runs_pass(const DevicePtr& device) {
+  return make<OccluderRunsPass>("occluders", device, raster_runs_comp);
+}
+Result<std::unique_ptr<Pass>> make_large_occluders_pass(const DevicePtr& device) {
+  return make<LargeOccludersPass>("occluders_large", device, raster_large_comp);
+}
+Result<std::unique_ptr<Pass>> make_visibility_tiles_pass(const DevicePtr& device) {
+  return make<VisibilityTilesPass>("depth_tiles", device, visibility_tiles_comp);
+}
+Result<std::unique_ptr<Pass>> make_triangle_runs_pass(const DevicePtr& device) {
+  return make<TriangleRunsPass>("triangles", device, raster_runs_comp);
+}
+Result<std::unique_ptr<Pass>> make_large_triangles_pass(const DevicePtr& device) {
+  return make<LargeTrianglesPass>("large", device, raster_large_comp);
+}
+Result<std::unique_ptr<Pass>> make_resolve_pass(const DevicePtr& device) {
+  return make<ResolvePass>("resolve", device, resolve_comp, 1);
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,64 @@
+// What a client shows before its masks have come: each pixel's surface found in a view whose masks have.
+#include <array>
+
+#include "gpu/passes/passes.h"
+#include "gpu/seen_view.h"
+#include "spirv/ids_comp.h"
+#include "spirv/predict_comp.h"
+
+namespace gnomon::gpu {
+namespace {
+
+uint64_t word_for_each_pixel(const Capacity& size) { return uint64_t{size.width} * size.height * sizeof(uint32_t); }
+
+class IdsPass : public Pass {
+ public:
+  explicit IdsPass(ComputeStep step) : step_(std::move(step)) {}
+
+  std::string_view name() const override { return "ids"; }
+  const PassLayout* layout() const override { return &step_.layout; }
+  std::vector<Port> ports() const override {
+    return {{resource::kTriangleId, Use::sampled}, {resource::kIds, Use::storage_write, {{}, word_for_each_pixel}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const VkDeviceAddress ids = frame.ports[1].buffer->address();
+    dispatch_tiles(frame, step_, std::as_bytes(std::span(&ids, 1)));
+  }
+
+ private:
+  ComputeStep step_;
+};
+
+class PredictPass : public Pass {
+ public:
+  explicit PredictPass(ComputeStep step) : step_(std::move(step)) {}
+
+  std::string_view name() const override { return "predict"; }
+  const PassLayout* layout() const override { return &step_.layout; }
+  std::vector<Port> ports() const override {
+    const auto view = [](const Capacity&) { return sizeof(SeenView); };
+    return {{resource::kSeenView, Use::storage_read, {{}, view, MemoryUse::upload}},
+            {resource::kSeenIds, Use::storage_read, {{}, word_for_each_pixel, MemoryUse::upload}},
+            {resource::kIds, Use::storage_read, {{}, word_for_each_pixel, MemoryUse::upload}},
+            {resource::kSources, Use::storage_write, {{}, word_for_each_pixel}}};
+  }
+  void record(const FrameContext& frame) const override {
+    const std::array addresses{frame.ports[0].buffer->address(), frame.ports[1].buffer->address(),
+                               frame.ports[2].buffer->address(), frame.ports[3].buffer->address()};
+    dispatch_tiles(frame, step_, std::as_bytes(std::span(addresses)));
+  }
+
+ private:
+  ComputeStep step_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device) {
+  return pass_of<IdsPass>(make_compute_step(device, 1, ids_comp));
+}
+Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device) {
+  return pass_of<PredictPass>(make_compute_step(device, 0, predict_comp));
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,185 @@
+// Rasterising in compute: the outline of a triangle in whole fixed-point numbers, its depth, and the picture of both.
+//
+// Coverage is decided as graphics hardware does: corners are moved to a grid of 1/256 pixel, edges are whole numbers,
+// and the middle of a pixel that lies on an edge belongs to the triangle left of or above it: neighbours share no
+// pixel and leave none out. Depth comes from the triangle's plane, and never leaves the depths of its corners. A pixel
+// keeps the greatest (nearest) depth, and of triangles equally near the first: what drawing in order would show.
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#include "frame.glsl"
+
+// For each pixel, tile by tile and in each row by row: the bits of its depth, then those of ~triangle; 0: nothing.
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Visibility { uint64_t at[]; };
+
+uint place_of(uvec2 pixel) {
+  uvec2 tile = pixel / 8u, in_tile = pixel % 8u;
+  return ((tile.y * frame.tiles_x + tile.x) * 8u + in_tile.y) * 8u + in_tile.x;
+}
+
+const int kSubpixels = 256;
+// Grid points. Corners farther out are moved to here; edges still fit into 64 bits.
+const float kFarthest = 536870912.0;
+const uint kTileSide = 64;  // pixels of the tiles that large triangles are cut into: 8x8 blocks of 8x8
+
+// Of lists of triangles: marks beside the number.
+const uint kDoubleSided = 0x80000000u;
+const uint kMasked = 0x40000000u;
+const uint kNumber = 0x3fffffffu;
+
+// Grid points, so ordered that the inside is where all edges are positive; of a triangle the last corner comes twice.
+struct Outline {
+  ivec2 at[4];
+  float nearest, farthest;  // depth: greater is nearer
+  bool shows;               // before the near plane, not from behind
+};
+
+// Pixels, both included.
+struct Pixels {
+  ivec2 first, last;
+};
+
+ivec2 to_grid(vec4 clip) {
+  precise vec2 pixel = (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.width, frame.height);
+  precise vec2 grid = floor(pixel * float(kSubpixels) + 0.5);
+  return ivec2(clamp(grid, vec2(-kFarthest), vec2(kFarthest)));
+}
+
+// Where an edge meets the near plane: computed from the end before it, so that both triangles of the edge agree.
+vec4 at_near_plane(vec4 before, vec4 behind) {
+  precise float t = (before.w - near_plane()) / (before.w - behind.w);
+  precise vec4 met = before + t * (behind - before);
+  met.w = near_plane();
+  return met;
+}
+
+// Of a triangle that the near plane cuts: three or four corners.
+void cut(vec4 clip[3], out ivec2 at[4]) {
+  uint count = 0u;
+  for (uint i = 0u; i < 3u; ++i) {
+    vec4 p = clip[i], q = clip[(i + 1u) % 3u];
+    bool p_shows = p.w >= near_plane(), q_shows = q.w >= near_plane();
+    if (p_shows) at[count++] = to_grid(p);
+    if (p_shows != q_shows) at[count++] = to_grid(at_near_plane(p_shows ? p : q, p_shows ? q : p));
+  }
+  if (count == 3u) at[3] = at[2];
+}
+
+int64_t doubled_area(ivec2 a, ivec2 b, ivec2 c) {
+  i64vec2 ab = i64vec2(b) - i64vec2(a), ac = i64vec2(c) - i64vec2(a);
+  return ab.x * ac.y - ab.y * ac.x;
+}
+
+struct Corners {
+  vec3 a, b, c;  // relative to the camera, in world axes
+};
+
+Corners corners_of(uint triangle) {
+  uvec3 corners = frame.triangles.at[triangle];
+  return Corners(frame.positions.at[corners.x] - frame.camera, frame.positions.at[corners.y] - frame.camera,
+                 frame.positions.at[corners.z] - frame.camera);
+}
+
+Outline outline_of(Corners corners, bool double_sided) {
+  precise vec4 a = frame.camera_to_clip * vec4(corners.a, 1.0);
+  precise vec4 b = frame.camera_to_clip * vec4(corners.b, 1.0);
+  precise vec4 c = frame.camera_to_clip * vec4(corners.c, 1.0);
+  float shallow = min(a.w, min(b.w, c.w)), deep = max(a.w, max(b.w, c.w));
+  Outline o;
+  o.shows = deep >= near_plane();
+  o.nearest = shallow > near_plane() ? near_plane() / shallow : 1.0;
+  o.farthest = o.shows ? near_plane() / deep : 1.0;
+  o.at[0] = to_grid(a), o.at[1] = to_grid(b), o.at[2] = to_grid(c), o.at[3] = o.at[2];
+  if (o.shows && shallow < near_plane()) {
+    vec4 clip[3] = vec4[3](a, b, c);
+    cut(clip, o.at);
+  }
+  int64_t area = doubled_area(o.at[0], o.at[1], o.at[2]) + doubled_area(o.at[0], o.at[2], o.at[3]);
+  if (area == 0l || (area > 0l && !double_sided)) o.shows = false;  // rows go down: fronts turn the other way
+  if (area < 0l) {
+    ivec2 second = o.at[1];
+    o.at[1] = o.at[3];
+    o.at[3] = second;
+  }
+  return o;
+}
+
+// Those whose middle is within the rectangle around the outline, of the picture's.
+Pixels pixels_of(Outline o) {
+  ivec2 low = min(min(o.at[0], o.at[1]), min(o.at[2], o.at[3]));
+  ivec2 high = max(max(o.at[0], o.at[1]), max(o.at[2], o.at[3]));
+  Pixels p;
+  p.first = max((low + (kSubpixels / 2 - 1)) >> 8, ivec2(0));
+  p.last = min((high - kSubpixels / 2) >> 8, ivec2(frame.width, frame.height) - 1);
+  return p;
+}
+
+bool none(Pixels p) { return any(greaterThan(p.first, p.last)); }
+
+// The plane's depth, which is linear in pixels.
+struct Plane {
+  float at_corner, dx, dy;
+  float nearest, farthest;
+};
+
+Plane plane_of(Corners corners, Outline o) {
+  vec3 normal = cross(corners.b - corners.a, corners.c - corners.a);
+  float height = dot(normal, corners.a);
+  Plane plane = Plane(o.nearest, 0.0, 0.0, o.nearest, o.farthest);
+  if (height != 0.0) {
+    float scale = near_plane() / height;
+    plane.at_corner = scale * dot(normal, frame.ray_corner + 0.5 * (frame.ray_dx + frame.ray_dy));
+    plane.dx = scale * dot(normal, frame.ray_dx);
+    plane.dy = scale * dot(normal, frame.ray_dy);
+  }
+  return plane;
+}
+
+float depth_at(Plane plane, vec2 pixel) {
+  return min(max(plane.at_corner + pixel.x * plane.dx + pixel.y * plane.dy, plane.farthest), plane.nearest);
+}
+
+bool solid_at(uint triangle, Corners corners, uvec2 pixel) {
+  vec3 ray = pixel_ray(pixel);
+  vec3 weights = vec3(dot(cross(corners.b, corners.c), ray), dot(cross(corners.c, corners.a), ray),
+                      dot(cross(corners.a, corners.b), ray));
+  return passes_alpha_test(triangle, uv_at(triangle, weights / (weights.x + weights.y + weights.z)));
+}
+
+// One of a list: its marks and its number.
+void plot(Visibility visibility, uint marked, Corners corners, Plane plane, uvec2 pixel) {
+  uint triangle = marked & kNumber;
+  uint64_t value = packUint2x32(uvec2(~triangle, floatBitsToUint(depth_at(plane, vec2(pixel)))));
+  uint place = place_of(pixel);
+  // What was read may be old, but then it was smaller: no triangle is lost, and most need no atomic operation.
+  if (visibility.at[place] >= value) return;
+  if ((marked & kMasked) != 0u && !solid_at(triangle, corners, pixel)) return;
+  atomicMax(visibility.at[place], value);
+}
+
+// What the workgroups of an indirect dispatch share out among them, whatever their number.
+const uint kMostGroups = 65535;
+
+// Triangles that a whole workgroup draws a tile of at a time. `count`: triangles in the upper half, tiles in the lower.
+struct Large {
+  uint triangle;  // marked
+  uint first_tile;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeList {
+  uint groups, one, also_one;  // VkDispatchIndirectCommand
+  uint reserved;
+  uint64_t count;
+  Large at[];
+};
+
+ivec2 tiles_of(Pixels p) { return p.last / int(kTileSide) - p.first / int(kTileSide) + 1; }
+
+// Runs of triangles, at most 64 each, that a workgroup draws together.
+struct Run {
+  uint first;
+  uint count;  // marked
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer RunList {
+  uint groups, one, also_one;  // VkDispatchIndirectCommand
+  uint count;
+  Run at[];
+};

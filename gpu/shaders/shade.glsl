@@ -1,0 +1,156 @@
+// A client's picture: its own surfaces, lit by the lights that masks say they see. With PREDICTED, the masks of another
+// view, looked up where predict.comp found each pixel's surface in it; what was not found there is lit.
+#include "frame.glsl"
+#include "surface.glsl"
+#ifdef PREDICTED
+#include "seen_view.glsl"
+#endif
+
+struct LightColour {
+  vec3 colour;
+  float cone_scale;
+  float cone_offset;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Shading {
+  vec3 ambient;
+  float exposure;
+  vec3 background;
+  uint view;
+  uint tonemap;
+  uint only_light;
+  LightColour lights[kMaxLights];
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TileWords { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Pixels { uint at[]; };
+layout(push_constant, scalar) uniform Push {
+  TileWords masks;
+  Shading shading;
+  Pixels pixels;
+#ifdef PREDICTED
+  SeenView seen;  // what the masks are of
+  Uints sources;  // for each pixel, as predict.comp writes them
+#endif
+} push;
+
+const uint kShaded = 0u, kMaterial = 1u, kNormals = 2u, kLuminance = 3u;
+const uint kFilmic = 1u;
+const float kPi = 3.14159265;
+
+float srgb_to_linear(float c) { return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4); }
+vec3 linear_to_srgb(vec3 c) {
+  return mix(1.055 * pow(max(c, vec3(1e-8)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
+}
+
+// Narkowicz's fit of the ACES curve.
+vec3 filmic(vec3 c) { return clamp((c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0); }
+
+// Weights of the corners at a point of the triangle's plane.
+vec3 barycentric(vec3 p, vec3 p0, vec3 p1, vec3 p2) {
+  vec3 n = cross(p1 - p0, p2 - p0);
+  float area = dot(n, n);
+  float v2 = dot(cross(p1 - p0, p - p0), n) / area;
+  float v1 = dot(cross(p - p0, p2 - p0), n) / area;
+  return clamp(vec3(1.0 - v1 - v2, v1, v2), 0.0, 1.0);
+}
+
+vec3 base_colour(MaterialRecord m, vec2 uv) {
+  vec3 colour = m.base_color.rgb;
+  if (m.texels != uvec2(0)) {
+    uvec2 texel = uvec2(wrap_texel(uv.x, m.wrap.x, m.texture_size.x), wrap_texel(uv.y, m.wrap.y, m.texture_size.y));
+    vec3 c = unpackUnorm4x8(fetch_texel(m, texel)).rgb;
+    colour *= vec3(srgb_to_linear(c.r), srgb_to_linear(c.g), srgb_to_linear(c.b));
+  }
+  return colour;
+}
+
+bool mask_bit(uint light, uvec2 pixel, uint tiles_x, uint tile_count) {
+  uint tile = (pixel.y / 8u) * tiles_x + pixel.x / 8u;
+  uint bit = (pixel.y % 8u) * 8u + pixel.x % 8u;
+  uvec2 word = push.masks.at[light * tile_count + tile];
+  return ((bit < 32u ? word.x >> bit : word.y >> (bit - 32u)) & 1u) != 0u;
+}
+
+bool visible(uint light, uvec2 pixel) {
+#ifdef PREDICTED
+  uint source = push.sources.at[pixel.y * frame.width + pixel.x];
+  uint seen = max(source, 1u) - 1u;
+  uvec2 tiles = (uvec2(push.seen.width, push.seen.height) + 7u) / 8u;
+  return source == 0u || mask_bit(light, uvec2(seen % push.seen.width, seen / push.seen.width), tiles.x,
+                                  tiles.x * tiles.y);
+#else
+  return mask_bit(light, pixel, frame.tiles_x, frame.tile_count);
+#endif
+}
+
+// What light i brings to the point: the part of I_i that distance, range and cone leave, times saturate(N.L).
+vec3 irradiance(uint i, SurfacePoint surface, vec3 normal) {
+  TracedLight light = frame.lights[i];
+  LightColour shade = push.shading.lights[i];
+  // Where nothing was traced the bit may have any value: the light is behind the face, out of range or cone.
+  if (!shadow_segment(frame.camera, surface, light).traced) return vec3(0.0);
+  vec3 to_light = light.kind == 2u ? -light.direction : light.position - surface.position;
+  float attenuation = 1.0;
+  vec3 direction = normalize(to_light);
+  if (light.kind != 2u) {
+    float squared = dot(to_light, to_light);
+    attenuation = 1.0 / squared;
+    if (light.reach > 0.0) {
+      float near = squared / (light.reach * light.reach);
+      attenuation *= clamp(1.0 - near * near, 0.0, 1.0);
+    }
+  }
+  if (light.kind == 1u) {
+    float cone = clamp(dot(light.direction, -direction) * shade.cone_scale + shade.cone_offset, 0.0, 1.0);
+    attenuation *= cone * cone;
+  }
+  return shade.colour * attenuation * max(dot(normal, direction), 0.0);
+}
+
+// Does the light that was chosen, if any, reach the point? Bits that it does not shine on may have any value.
+bool reached(SurfacePoint surface, uvec2 pixel) {
+  uint light = push.shading.only_light;
+  return light == 0xffffffffu ||
+         (shadow_segment(frame.camera, surface, frame.lights[light]).traced && visible(light, pixel));
+}
+
+vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, uvec2 pixel) {
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < frame.light_count; ++i)
+    if ((push.shading.only_light == 0xffffffffu || push.shading.only_light == i) && visible(i, pixel))
+      sum += irradiance(i, surface, normal);
+  return emissive + base * (sum / kPi + push.shading.ambient);
+}
+
+uint encode(vec3 radiance) {
+  if (push.shading.view == kLuminance) return floatBitsToUint(dot(radiance, vec3(0.2126, 0.7152, 0.0722)));
+  vec3 c = radiance;
+  if (push.shading.view == kShaded) {
+    c *= push.shading.exposure;
+    if (push.shading.tonemap == kFilmic) c = filmic(c);
+  }
+  if (push.shading.view != kNormals) c = linear_to_srgb(clamp(c, 0.0, 1.0));
+  return packUnorm4x8(vec4(c, 1.0));
+}
+
+vec3 pixel_colour(uint triangle, uvec2 pixel) {
+  SurfacePoint surface = surface_of(triangle, pixel);
+  uvec3 corners = frame.triangles.at[triangle];
+  vec3 weights = barycentric(surface.position, frame.positions.at[corners.x], frame.positions.at[corners.y],
+                             frame.positions.at[corners.z]);
+  vec3 normal = normalize(weights.x * frame.normals.at[corners.x] + weights.y * frame.normals.at[corners.y] +
+                          weights.z * frame.normals.at[corners.z]);
+  if (dot(normal, surface.normal) < 0.0) normal = -normal;  // seen from behind
+  if (push.shading.view == kNormals) return normal * 0.5 + 0.5;
+  MaterialRecord m = frame.materials.at[frame.triangle_materials.at[triangle]];
+  vec3 base = base_colour(m, uv_at(triangle, weights));
+  if (push.shading.view == kMaterial) return reached(surface, pixel) ? base : vec3(0.0);
+  return shaded(surface, normal, base, m.emissive, pixel);
+}
+
+void main() {
+  uvec2 pixel = gl_WorkGroupID.xy * 8u + pixel_in_tile(gl_LocalInvocationIndex);
+  if (pixel.x >= frame.width || pixel.y >= frame.height) return;
+  uint id = triangle_at(pixel);
+  vec3 colour = id != 0u ? pixel_colour(id - 1u, pixel) : push.shading.background;
+  push.pixels.at[pixel.y * frame.width + pixel.x] = encode(colour);
+}

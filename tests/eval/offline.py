@@ -1,0 +1,90 @@
+"""What needs no network: gnomon-eval renders the paths, this machine's device traces them."""
+import os
+import re
+import subprocess
+
+import tables
+
+FPS = {"living_room": 60, "temple": 58}  # dissertation 4.1.1
+VIDEO_SECONDS = {"living_room": 14, "temple": 20}  # 4.1.3
+VIDEO_FPS = 30
+
+
+QUICK_SIZE = "480x270"  # where bits are counted: on few pixels most of them lie at edges of shadows
+
+
+def eval_program(args, what, scene, out, *more):
+    size = QUICK_SIZE if args.quick and what in ("errors", "auto") else args.size
+    command = [args.bin / "gnomon-eval", what, "--scene", scene, "--size", size, "--cache", args.cache, "--out", out,
+               "--device", args.device, *more]
+    subprocess.run([str(part) for part in command], check=True)
+
+
+def errors(args):
+    """Figure 10. The living room's path is flown twice there; the second time is the same frames."""
+    for scene in args.scene:
+        quick = ["--seconds", 1, "--from", 2] if args.quick else []
+        eval_program(args, "errors", scene, args.out / f"errors-{scene}.csv", "--fps", FPS.get(scene, 60), "--stride",
+                     6 if args.quick else args.stride, *quick)
+
+
+def automatic(args):
+    """Policies for x over the frames' errors, in virtual time."""
+    for scene in args.scene:
+        frames = args.out / f"errors-{scene}.csv.frames"
+        if not frames.exists():
+            raise SystemExit("stage auto needs what stage errors leaves")
+        quick = ["--from", 2] if args.quick else []
+        eval_program(args, "auto", scene, args.out / f"auto-{scene}.csv", "--errors", frames, "--fps", FPS.get(scene, 60), *quick)
+
+
+def pictures(args):
+    for scene in args.scene:
+        for x in (4, 19):
+            eval_program(args, "pictures", scene, args.out / f"picture-{scene}-{x}", "--x", x, "--from", 3, "--seconds", 0.1)
+
+
+def quality(size, reference, distorted):
+    """Figures of ffmpeg's filters for two raw videos."""
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", str(VIDEO_FPS)]
+    filters = {"ssim": r"All:([\d.]+)", "psnr": r"PSNR .*?average:(inf|[\d.]+)", "vif": r"VIF scale=0 average:([\d.]+)"}
+    graph = ";".join(f"[0:v]format=yuv420p,split={len(filters)}" + "".join(f"[d{i}]" for i in range(len(filters)))
+                     if part == "d" else f"[1:v]format=yuv420p,split={len(filters)}" + "".join(f"[r{i}]" for i in range(len(filters)))
+                     for part in "dr")
+    graph += "".join(f";[d{i}][r{i}]{name}[o{i}]" for i, name in enumerate(filters))
+    command = ["ffmpeg", "-hide_banner", "-nostats", *raw, "-i", distorted, *raw, "-i", reference, "-filter_complex", graph]
+    for i in range(len(filters)):
+        command += ["-map", f"[o{i}]", "-f", "null", "-"]
+    log = subprocess.run(command, capture_output=True, text=True, check=True).stderr
+    found = {name: re.search(pattern, log) for name, pattern in filters.items()}
+    return {name: float(match.group(1)) for name, match in found.items() if match} | vmaf(raw, reference, distorted)
+
+
+def vmaf(raw, reference, distorted):
+    """Where this ffmpeg has it."""
+    if " libvmaf " not in subprocess.run(["ffmpeg", "-hide_banner", "-filters"], capture_output=True, text=True).stdout:
+        return {}
+    command = ["ffmpeg", "-hide_banner", "-nostats", *raw, "-i", distorted, *raw, "-i", reference, "-lavfi", "libvmaf", "-f", "null", "-"]
+    log = subprocess.run(command, capture_output=True, text=True, check=True).stderr
+    return {"vmaf": float(re.search(r"VMAF score: ([\d.]+)", log).group(1))}
+
+
+def videos(args):
+    """Figure 12: video of each x against the video of x = 0, 30 frames a second."""
+    every_x = [0, 1, 4, 10] if args.quick else range(20)
+    rows = []
+    for scene in args.scene:
+        seconds = 0.7 if args.quick else args.video_seconds or VIDEO_SECONDS.get(scene, 14)
+        prefix = args.out / f"video-{scene}"
+        eval_program(args, "video", scene, prefix, "--fps", VIDEO_FPS, "--seconds", seconds, "--from", 2 if args.quick else 0,
+                     *[part for x in every_x for part in ("--x", x)])
+        files = {x: f"{prefix}-{x}.rgb" for x in every_x}
+        for x in every_x:
+            if x > 0:
+                rows.append({"scene": scene, "size": args.size, "x": x, **quality(args.size, files[0], files[x])})
+                os.remove(files[x])
+        os.remove(files[0])
+        tables.write(args.out / "videos.csv", rows)
+
+
+STAGES = {"errors": errors, "auto": automatic, "videos": videos, "pictures": pictures}

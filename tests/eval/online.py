@@ -1,0 +1,161 @@
+"""What needs the daemon: frame rates, response times, many clients, shared scenes."""
+import argparse
+import concurrent.futures
+import json
+import re
+import subprocess
+import tempfile
+import time
+
+import tables
+from served import Daemon, serving
+
+BORDERS = {"0": (0, 0), "64x36": (64, 36), "128x72": (128, 72)}
+TENANTS = [{"name": "eval"}]
+
+
+def of_scene(args, scene):
+    return argparse.Namespace(**{**vars(args), "scene": scene})
+
+
+def scaled(border, size):
+    """A border of the dissertation's in proportion to the picture."""
+    width, height = (int(side) for side in size.split("x"))
+    x, y = BORDERS[border]
+    return f"{round(x * width / 1920)}x{round(y * height / 1080)}"
+
+
+def client(args, daemon, size, frames, server=None, **options):
+    """One flight of gnomon-client: its row of figures."""
+    with tempfile.NamedTemporaryFile(suffix=".json") as file:
+        command = [args.bin / "gnomon-client", "--server", server or daemon.control, "--pin", daemon.pin, "--tenant", "eval",
+                   "--scene", args.scene, "--size", size, "--frames", frames, "--device", args.device, "--json", file.name]
+        for key, value in options.items():
+            command += ["--" + key.replace("_", "-"), value]
+        subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        return json.load(open(file.name))["rows"][0]
+
+
+def frames_for(args, daemon, size, **options):
+    """How many frames a flight of args.seconds takes, from a short one."""
+    row = client(args, daemon, size, 30, **options)
+    return max(30, int(args.seconds * row["fps"]))
+
+
+def rates(args):
+    """Figures 13 and 14: one client that predicts, as fast as it can."""
+    rows = []
+    for scene in args.scene:
+        args = of_scene(args, scene)
+        with serving(args, "fair", TENANTS) as daemon:
+            for border in BORDERS:
+                options = {"mode": "predicted", "ahead": 4, "border": scaled(border, args.size)}
+                row = client(args, daemon, args.size, frames_for(args, daemon, args.size, **options), **options)
+                rows.append({"scene": scene, "size": args.size, "border": border, "fps": row["fps"], "vbps": row["vbps"]})
+                print(f"  {scene} border {border}: {row['fps']:.1f} fps, {row['vbps']:.1f} vbps", flush=True)
+        tables.write(args.out / "rates.csv", rows)
+
+
+class Link:
+    """netsim before a daemon: that round trip more."""
+
+    def __init__(self, args, daemon, round_trip_ms, *more):
+        data = re.search(r" data=(\S+)", open(daemon.log.name).read()).group(1).split(",")
+        control = daemon.control.rsplit(":", 1)[1]
+        self.server = f"127.0.0.2:{control}"
+        self.process = subprocess.Popen([args.bin / "netsim", "--tcp", control, "--udp", *data, "--delay",
+                                         f"{round_trip_ms / 2}ms", *more], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(0.5)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+
+def response(args):
+    """Figure 15: for several round trips, and at 100 ms for each border."""
+    scene = args.scene[0]
+    args = of_scene(args, scene)
+    pings = [20, 100] if args.quick else [1, 20, 35, 70, 100, 170, 230]  # 20: an edge node over 5G
+    every_x = [0, 1, 2] if args.quick else [0, 1, 2, 3, 4, 6, 8, 12, 16, 19]
+    frames = max(20, int(args.rate * min(args.seconds, 3)))
+    rows = []
+
+    def measure(daemon, server, ping, border, x):
+        row = client(args, daemon, args.small, frames, server, mode="predicted", ahead=x, rate=args.rate,
+                     border=scaled(border, args.small))
+        rows.append({"scene": scene, "size": args.small, "rate_hz": args.rate, "latency_ms": ping, "border": border, "x": x,
+                     "response_ms": row["response_p50_ms"], "mean_x": row["mean_x"], "vbps": row["vbps"]})
+
+    with serving(args, "fair", TENANTS) as daemon:
+        client(args, daemon, args.small, 12, mode="predicted")
+        for ping in pings:
+            with Link(args, daemon, ping) as link:
+                for x in every_x:
+                    measure(daemon, link.server, ping, "0", x)
+                if ping == 100 and not args.quick:
+                    for border in ("64x36", "128x72"):
+                        for x in every_x:
+                            measure(daemon, link.server, ping, border, x)
+            tables.write(args.out / "response.csv", rows)
+            print(f"  {ping} ms", flush=True)
+
+
+def clients(args):
+    """Figure 16: what the server sends in a second to one client and to more."""
+    rows = []
+    for scene in args.scene:
+        args = of_scene(args, scene)
+        width, height = (int(side) for side in args.size.split("x"))
+        with serving(args, "fair", TENANTS) as daemon:
+            for border in ["0"] if args.quick else BORDERS:
+                extra = scaled(border, args.size).split("x")
+                size = f"{width + int(extra[0])}x{height + int(extra[1])}"
+                for count in [1, 2, 4] if args.quick else [1, 2, 4, 8, 16, 32, 64] if border == "0" else [1, 2]:
+                    row = daemon.load({"eval": count}, size, 0, args.seconds).rows()["eval"]
+                    rows.append({"scene": scene, "size": args.size, "border": border, "clients": count, "vbps": row["vbps"],
+                                 "p50_ms": row["p50_ms"], "p99_ms": row["p99_ms"]})
+                    print(f"  {scene} border {border}, {count} clients: {row['vbps']:.1f} vbps", flush=True)
+        tables.write(args.out / "clients.csv", rows)
+
+
+def resident_mb(daemon):
+    status = open(f"/proc/{daemon.process.pid}/status").read()
+    return int(re.search(r"VmRSS:\s+(\d+)", status).group(1)) / 1024
+
+
+def device_mb(daemon):
+    """Of the scenes on the device; 0 where that is the host's memory."""
+    if "llvmpipe" in json.dumps(daemon.status()):
+        return 0
+    return sum(scene.get("device_memory_bytes", 0) for scene in daemon.status()["scenes"]) / 2**20
+
+
+def sharing(args):
+    """What a further client costs: one more in the same scene, or a daemon with a scene of its own."""
+    rows = []
+    args = of_scene(args, args.scene[0])
+    counts = [1, 2] if args.quick else [1, 2, 4]
+    for kind in ("shared", "separate"):
+        daemons = []
+        for count in range(1, counts[-1] + 1):
+            began = time.monotonic()
+            if kind == "separate" or not daemons:
+                daemons.append(Daemon(args, "fair", TENANTS))
+            client(args, daemons[-1], args.small, 1)
+            took = time.monotonic() - began
+            loads = [daemon.load({"eval": count if kind == "shared" else 1}, args.small, 2, 2) for daemon in daemons]
+            with concurrent.futures.ThreadPoolExecutor() as pool:
+                list(pool.map(lambda load: load.rows(), loads))
+            rows.append({"kind": kind, "clients": count, "host_mb": sum(map(resident_mb, daemons)),
+                         "device_mb": sum(map(device_mb, daemons)), "last_client_ready_s": took})
+            print(f"  {kind}, {count} clients: {rows[-1]['host_mb']:.0f} MB, {took:.1f} s", flush=True)
+        for daemon in daemons:
+            daemon.stop()
+    tables.write(args.out / "sharing.csv", rows)
+
+
+STAGES = {"rates": rates, "response": response, "clients": clients, "sharing": sharing}
