@@ -1,51 +1,55 @@
-// The operators' HTTP server: a few pages, made anew for each request. Loopback by default. Whoever reaches it
-// may look; who posts, and so changes something, needs the token where one is configured.
+// The operators' pages: a few, made anew for each request. Loopback by default. Whoever reaches it may look; who
+// posts, and so changes something, needs the token where one is configured.
 #pragma once
 
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/result.h"
 #include "daemon/config.h"
-
-namespace httplib {
-class Server;
-}
+#include "daemon/http_server.h"
+#include "daemon/status.h"
+#include "daemon/tokens.h"
 
 namespace gnomon::daemon {
 
-struct Page {
-  int status = 200;
-  const char* content_type = "text/plain; charset=utf-8";
-  std::string body;
-};
+// The hash of what stands in the first line of admin.token_file; none: no token is configured. Error: the file cannot
+// be read or is read by others, it is too short, or there has to be one.
+using OperatorToken = std::optional<TokenHash>;
+Result<OperatorToken> read_operator_token(const AdminConfig& config);
 
 class Admin {
  public:
-  // Path ("/metrics") -> what makes the page. Called from the HTTP library's threads, several at a time.
+  // Path ("/metrics") -> what makes the page. Called from the HTTP server's threads, several at a time.
   using Pages = std::map<std::string, std::function<Page()>>;
   // Regular expression of paths that something is posted to ("/scenes/(.+)/lights/([0-9]+)") -> what answers, given the
   // expression's groups and the body, which is JSON. The same.
   using Actions =
       std::map<std::string, std::function<Page(const std::vector<std::string>& groups, const std::string& body)>>;
 
-  // Error: the port is taken, or the token file cannot be read or is too short.
-  static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, const Pages& pages,
-                                              const Actions& actions = {});
+  // Error: the port is taken, or as read_operator_token().
+  static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, Pages pages, const Actions& actions,
+                                              Metrics& metrics);
   ~Admin();  // waits for requests in progress
 
-  uint16_t port() const { return port_; }
+  uint16_t port() const { return server_->port(); }
+  void set_token(const OperatorToken& token) { token_.publish(token); }  // from the next request on. Any thread
 
  private:
-  Admin();
+  struct Action;
 
-  std::unique_ptr<httplib::Server> server_;
-  uint16_t port_ = 0;
-  std::thread thread_;
+  Admin(Pages pages, const Actions& actions);
+  Page get(const HttpRequest& request) const;
+  Page post(const HttpRequest& request) const;
+
+  const Pages pages_;
+  std::vector<Action> actions_;
+  Published<OperatorToken> token_;
+  std::unique_ptr<HttpServer> server_;
 };
 
 }  // namespace gnomon::daemon

@@ -53,12 +53,7 @@ Result<void> check_together(const Config& config) {
                  std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
                  std::to_string(65536 - server.net_threads)};
   }
-  const std::string& admin = config.admin.listen;
-  if (config.admin.token_file.empty() && !asio::ip::make_address(admin).is_loopback()) {
-    return Error{"admin.listen: " + admin +
-                 " can be reached from elsewhere; allowed: a loopback address, or any with admin.token_file"};
-  }
-  return {};
+  return check_admin(config.admin);
 }
 
 Result<std::string> read_file(const std::filesystem::path& file) {
@@ -119,12 +114,20 @@ Result<void> find_files(Config& config, const std::filesystem::path& config_fold
   return {};
 }
 
+Result<void> check_admin(const AdminConfig& admin) {
+  if (!admin.token_file.empty() || asio::ip::make_address(admin.listen).is_loopback()) return {};
+  return Error{"admin.listen: " + admin.listen +
+               " can be reached from elsewhere; allowed: a loopback address, or any with admin.token_file"};
+}
+
 bool needs_restart(const Config& next, const Config& running) {
   ServerConfig server = next.server;
   server.max_sessions = running.server.max_sessions;
   server.max_sessions_per_address = running.server.max_sessions_per_address;
   server.tls = running.server.tls;
-  return server != running.server || next.admin != running.admin || next.scenes != running.scenes ||
+  AdminConfig admin = next.admin;
+  admin.token_file = running.admin.token_file;
+  return server != running.server || admin != running.admin || next.scenes != running.scenes ||
          next.render != running.render || next.encode != running.encode || next.log.format != running.log.format;
 }
 

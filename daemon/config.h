@@ -155,8 +155,11 @@ Result<Config> parse_config(const std::string& text, const std::string& name,
 Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
                         const std::filesystem::path& share_folder);
 
-// True: they differ in what a running daemon cannot change. Limits of sessions, tenants, the scheduler's keys and the
-// log level it can.
+// Error: it could be reached from elsewhere by those who show no token.
+Result<void> check_admin(const AdminConfig& admin);
+
+// True: they differ in what a running daemon cannot change. Limits of sessions, tenants, the scheduler's keys, the
+// operators' token and the log level it can.
 bool needs_restart(const Config& next, const Config& running);
 
 // Every key that read_config knows, dotted ("server.listen", "tenants.name").

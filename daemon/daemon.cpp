@@ -49,7 +49,7 @@ Result<void> Daemon::bring_up() {
       {options_.config, roster_, tracer_, catalog_, health_, tls_, *scenes_, seats_, devices_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
-  auto admin = Admin::start(options_.config.admin, pages(), actions());
+  auto admin = Admin::start(options_.config.admin, pages(), actions(), metrics_);
   if (!admin) return admin.error();
   admin_ = std::move(*admin);
   if (auto opened = open_devices(); !opened) return opened;
@@ -117,6 +117,10 @@ Result<void> Daemon::apply(const Config& next) {
   server.tls = next.server.tls;
   const auto tls = open_tls(server);
   if (!tls) return tls.error();
+  AdminConfig admin = options_.config.admin;
+  admin.token_file = next.admin.token_file;
+  const auto token = read_operator_token(admin);
+  if (!token) return token.error();
   const Roster roster = roster_.get()->with(next.tenants);
   if (roster.size() > kMostTenants) {
     return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};
@@ -131,6 +135,7 @@ Result<void> Daemon::apply(const Config& next) {
   log::set_level(next.log.level);
   devices_.set_terms(terms);
   tls_.publish(*tls);
+  admin_->set_token(*token);
   roster_.publish(roster);  // last: whoever learns of a tenant finds all that it needs
   server_->close_closed_tenants();
   log::info("configuration reloaded", {{"policy", terms.policy}, {"pin", protocol::to_string((*tls)->pin)}});

@@ -36,9 +36,9 @@ class Daemon {
   // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
   void drain();
 
-  // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level, and for new
-  // connections the certificates that it names, their files read again. No session is dropped, but those of tenants
-  // that it names no more. What else differs needs a restart, which the log says. The main thread.
+  // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level, for new connections
+  // the certificates that it names, and the operators' token: their files are read again. No session is dropped, but
+  // those of tenants that it names no more. What else differs needs a restart, which the log says. The main thread.
   // An error in the place of a configuration is counted and given back.
   Result<void> reload(const Result<Config>& next);
 

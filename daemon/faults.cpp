@@ -9,6 +9,7 @@ using log::Level;
 constexpr FaultKind kDatagram = FaultKind::datagram_rejected;
 constexpr FaultKind kFrame = FaultKind::frame_dropped;
 constexpr FaultKind kRefusal = FaultKind::refusal;
+constexpr FaultKind kAdmin = FaultKind::admin_closed;
 
 // What a stranger can cause with one datagram stays at debug: nobody fills our log from outside for nothing.
 constexpr std::array kTable{
@@ -57,13 +58,16 @@ constexpr std::array kTable{
     FaultRow{Fault::tls_failed, kRefusal, "tls", Level::debug, "connection speaks no TLS"},
     FaultRow{Fault::connection_rate, kRefusal, "connection_rate", Level::debug,
              "too many connections from one address"},
+
+    FaultRow{Fault::admin_timeout, kAdmin, "timeout", Level::debug, "admin connection asked for nothing in time"},
+    FaultRow{Fault::admin_replaced, kAdmin, "replaced", Level::debug, "too many admin connections"},
 };
 
 constexpr bool in_order() {
   for (size_t i = 0; i < kTable.size(); ++i) {
     if (static_cast<size_t>(kTable[i].fault) != i) return false;
   }
-  return kTable.size() == static_cast<size_t>(Fault::connection_rate) + 1;
+  return kTable.size() == static_cast<size_t>(Fault::admin_replaced) + 1;
 }
 static_assert(in_order(), "one row for each fault, in the enum's order");
 

@@ -54,9 +54,12 @@ enum class Fault : uint8_t {
   tls_distrusted,
   tls_failed,
   connection_rate,
+  // A connection to the admin server is closed before it has asked for anything.
+  admin_timeout,
+  admin_replaced,
 };
 
-enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal };
+enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal, admin_closed };
 
 struct FaultRow {
   Fault fault;

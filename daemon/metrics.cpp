@@ -104,6 +104,8 @@ struct Metrics::Families {
                                       "Datagrams that were not a view of a session, by reason.");
   Family<Counter>& refusals =
       counter(registry, "gnomon_refusals_total", "Connections that got no session, by reason.");
+  Family<Counter>& admin_closed = counter(registry, "gnomon_admin_connections_closed_total",
+                                          "Admin connections closed before they had asked, by reason.");
   Family<Counter>& queue_seconds = counter(
       registry, "gnomon_tenant_queue_seconds_total",
       "Time that the tenant's frames waited from their camera's arrival to their start; divide by buffers.");
@@ -202,6 +204,7 @@ struct Metrics::Families {
       case FaultKind::datagram_rejected: return rejected;
       case FaultKind::frame_dropped: return dropped;
       case FaultKind::refusal: return refusals;
+      case FaultKind::admin_closed: return admin_closed;
     }
     return dropped;
   }
@@ -249,7 +252,8 @@ Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std:
   know_tenants(tenants);
   for (const FaultRow& row : fault_table()) {
     // Refusals are rare and there are many reasons.
-    families_->faults.push_back(row.kind == FaultKind::refusal ? nullptr : &families_->counter_of(row));
+    const bool rare = row.kind == FaultKind::refusal || row.kind == FaultKind::admin_closed;
+    families_->faults.push_back(rare ? nullptr : &families_->counter_of(row));
   }
   families_->build.Add({{"version", version}}).Set(1);
 }
@@ -397,6 +401,8 @@ TenantTotals Metrics::totals(TenantId tenant) const {
 uint64_t Metrics::count_of(Fault fault) const {
   return static_cast<uint64_t>(families_->counter_of(row_of(fault)).Value());
 }
+
+uint64_t Metrics::datagrams() const { return static_cast<uint64_t>(families_->datagrams.Value()); }
 
 std::string Metrics::text() const {
   const ProcessFigures process = process_figures();

@@ -76,6 +76,7 @@ class Metrics {
 
   TenantTotals totals(TenantId tenant) const;
   uint64_t count_of(Fault fault) const;
+  uint64_t datagrams() const;  // received
 
   std::string text() const;  // Prometheus' text format
 

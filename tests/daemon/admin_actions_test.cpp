@@ -120,6 +120,44 @@ TEST_F(AdminActions, ATokenFileThatIsMissingShortOrReadByOthersStopsTheStart) {
   EXPECT_NE(complaint().find("may be read by others"), std::string::npos) << complaint();
 }
 
+TEST_F(AdminActions, AReloadReadsTheTokenAgainAndAMistakeChangesNothing) {
+  const std::string first = "0123456789abcdef", second = "fedcba9876543210";
+  write_token(first);
+  start();
+  const std::string url = "http://127.0.0.1:" + std::to_string(daemon_->admin_port());
+  const auto works = [&](const std::string& token) {
+    return ctl::AdminClient(url, token).post("/devices/0/resume").has_value();
+  };
+  write_token(second);
+  EXPECT_TRUE(works(first)) << "not before the reload";
+  ASSERT_TRUE(daemon_->reload(config_));
+  EXPECT_FALSE(works(first));
+  EXPECT_TRUE(works(second));
+
+  write_token("too short");
+  const auto refused = daemon_->reload(config_);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("admin.token_file"), std::string::npos);
+  EXPECT_TRUE(works(second));
+  EXPECT_FALSE(works("too short"));
+
+  config_.admin.token_file.clear();
+  ASSERT_TRUE(daemon_->reload(config_)) << "on loopback alone";
+  EXPECT_TRUE(works(""));
+}
+
+// What the file says of another address needs a restart; until then the running one's rules stand.
+TEST_F(AdminActions, WhereStrangersReachItTheTokenStays) {
+  write_token("0123456789abcdef");
+  config_.admin.listen = "0.0.0.0";
+  start();
+  config_.admin = {.listen = "127.0.0.1"};
+  const auto refused = daemon_->reload(config_);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("admin.listen"), std::string::npos);
+  EXPECT_EQ(refusal_of("/drain"), "this needs the token of admin.token_file");
+}
+
 TEST_F(AdminActions, DrainIsSeenAtOnce) {
   std::atomic<int> asked = 0;
   on_drain_ = [&] { ++asked; };

@@ -3,13 +3,15 @@
 
     admin_test.py BUILD
 """
+import signal
 import sys
 import unittest
 
-from node import Node
+from node import Node, eventually
 
 BUILD = sys.argv.pop(1)
 TOKEN = "the operators' token"
+NEXT_TOKEN = "the operators' next token"
 
 
 class Admin(unittest.TestCase):
@@ -38,9 +40,24 @@ class Admin(unittest.TestCase):
         self.assertEqual(node.metric("gnomon_config_reloads_total"), 0)
         self.assertEqual(node.ctl("reload", "--token-file", right)[0], 0)
         self.assertEqual(node.metric("gnomon_config_reloads_total", result="done"), 1)
+        self.rotate(right)
         self.assertEqual(node.ctl("drain", "--token-file", right)[0], 0)
         self.assertEqual(node.wait(), 0)
         self.assertNotIn(TOKEN, node.log_text())
+
+    def rotate(self, file):
+        """The token is another one from a SIGHUP on; a file that is none leaves things as they are."""
+        node, old = self.node, self.write("old", TOKEN)
+        self.write("token", NEXT_TOKEN)
+        node.signal(signal.SIGHUP)
+        eventually(lambda: node.metric("gnomon_config_reloads_total", result="done") == 2, "the reload")
+        self.assertEqual(node.ctl("reload", "--token-file", old)[0], 1)
+        self.write("token", "short")
+        node.signal(signal.SIGHUP)
+        eventually(lambda: node.metric("gnomon_config_reloads_total", result="failed") == 1, "the mistake")
+        self.assertIn("admin.token_file", node.log_text())
+        self.write("token", NEXT_TOKEN)
+        self.assertEqual(node.ctl("reload", "--token-file", file)[0], 0)
 
 
 if __name__ == "__main__":
