@@ -1,12 +1,5 @@
 // Case of gnomon-bench transport: what honest sessions notice of a flood of junk on their data port. The daemon with a
 // renderer that takes a set time, so that the flood meets the network's side alone.
-#include <sys/socket.h>
-
-#include <asio/ip/udp.hpp>
-#include <atomic>
-#include <random>
-#include <thread>
-
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
 #include "daemon/daemon.h"
@@ -16,6 +9,7 @@
 #include "tests/bench/scratch_folder.h"
 #include "tests/bench/transport.h"
 #include "tests/daemon/fake_renderer.h"
+#include "tests/flood/flood.h"
 
 namespace gnomon::bench {
 namespace {
@@ -23,72 +17,21 @@ namespace {
 using nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
-constexpr double kJunkPerSecond = 110e3;  // the promise is of 100,000; a thread that was kept waiting catches up
-constexpr size_t kBatch = 100;
+constexpr double kJunkPerSecond = 200e3;
 constexpr auto kFrameTime = 10ms;
 constexpr size_t kClients = 4;
 
-// Junk of all kinds: noise, right headers of sessions that do not exist, nothing at all.
-std::vector<std::vector<uint8_t>> junk() {
-  std::mt19937_64 random(1);
-  std::vector<std::vector<uint8_t>> made(kBatch);
-  for (size_t i = 0; i < kBatch; ++i) {
-    if (i % 3 == 1) {
-      made[i].resize(protocol::kHeaderBytes);
-      const std::span<uint8_t, protocol::kHeaderBytes> header(made[i]);
-      protocol::write_header(header, {.session = SessionId{random()}, .sequence = i + 1});
-    }
-    const size_t noise = i % 3 == 2 ? random() % 20 : 200 + random() % 1000;
-    for (size_t byte = 0; byte < noise; ++byte) made[i].push_back(static_cast<uint8_t>(random()));
-  }
-  return made;
-}
-
-// Sends until it is dropped.
-class Flood {
- public:
-  explicit Flood(uint16_t port) : thread_([this, port] { run(port); }) {}
-  ~Flood() { stop(); }
-
-  uint64_t stop() {
-    stopping_ = true;
-    if (thread_.joinable()) thread_.join();
-    return sent_;
-  }
-
- private:
-  void run(uint16_t port) {
-    asio::io_context io;
-    asio::ip::udp::socket socket(io);
-    socket.connect({asio::ip::address_v4::loopback(), port});
-    auto datagrams = junk();
-    std::array<mmsghdr, kBatch> messages{};
-    std::array<iovec, kBatch> buffers;
-    for (size_t i = 0; i < kBatch; ++i) {
-      buffers[i] = {datagrams[i].data(), datagrams[i].size()};
-      messages[i].msg_hdr.msg_iov = &buffers[i];
-      messages[i].msg_hdr.msg_iovlen = 1;
-    }
-    const TimePoint start = Clock::now();
-    while (!stopping_) {
-      const int took = sendmmsg(socket.native_handle(), messages.data(), kBatch, 0);
-      if (took > 0) sent_ += static_cast<uint64_t>(took);
-      std::this_thread::sleep_until(start + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(
-                                                static_cast<double>(sent_) / kJunkPerSecond)));
-    }
-  }
-
-  std::atomic<bool> stopping_{false};
-  std::atomic<uint64_t> sent_{0};
-  std::thread thread_;
+struct Fare {
+  double vbps = 0, p99_ms = 0;
 };
 
-Result<double> vbps(const client::LoadOptions& load) {
+Result<Fare> fare(const client::LoadOptions& load) {
   client::Progress progress;
   client::LoadRun flight(load, {{"", "", kClients}});
   if (auto done = flight.run(progress); !done) return done.error();
   progress.clear();
-  return client::load_rows(flight).back().vbps;
+  const client::LoadRow total = client::load_rows(flight).back();
+  return Fare{total.vbps, to_milliseconds(total.latencies.percentile(0.99))};
 }
 
 Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
@@ -102,6 +45,7 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   served.config.server.state_folder = scratch.path();
   served.config.server.control_port = served.config.server.data_port = served.config.admin.port = 0;
   served.config.server.drain_timeout = 0ms;
+  served.config.server.silence_timeout = 1h;  // of who is listened to
   served.config.scenes.list = {{"living_room", *file, ""}};
   served.config.render.passes = {"gbuffer", "trace", "pack", "readback"};
   served.config.scheduler.admit_percent = 0;
@@ -121,30 +65,48 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   load.scene_folder = file->parent_path();
   load.size = {128, 72};
   load.duration = std::chrono::duration_cast<Nanoseconds>(options.seconds);
+  daemon::TestClient listened((*daemon)->control_port());
+  if (!listened.join(daemon::TestClient::hello("living_room"))) return Error{"no session to listen to"};
+  tests::Datagrams junk = tests::strangers_junk();
+  for (auto& datagram : tests::listeners_junk(listened)) junk.push_back(std::move(datagram));
+  const auto came_in = [&] { return (*daemon)->metrics().datagrams(); };
+
   // In turns, so that both meet the same machine.
   constexpr int kTurns = 3;
-  std::vector<double> alone, beside, ratios;
-  uint64_t sent = 0;
+  std::vector<double> alone, beside, ratios, p99_alone, p99_beside, p99_ratios;
+  uint64_t sent = 0, replies = 0, read = 0;
   double flooded_s = 0;
   for (int turn = 0; turn < kTurns; ++turn) {
-    const auto calm = vbps(load);
+    const auto calm = fare(load);
     if (!calm) return calm.error();
     const TimePoint start = Clock::now();
-    Flood flood((*daemon)->data_ports().front());
-    const auto flooded = vbps(load);
-    sent += flood.stop();
+    const uint64_t before = came_in();
+    tests::Flood flood((*daemon)->data_ports().front(), junk, kJunkPerSecond);
+    const auto flooded = fare(load);
     flooded_s += to_seconds(Clock::now() - start);
+    flood.stop();
+    read += came_in() - before;
+    sent += flood.sent();
+    replies += flood.replies();
     if (!flooded) return flooded.error();
-    alone.push_back(*calm);
-    beside.push_back(*flooded);
-    ratios.push_back(*flooded / *calm);
+    alone.push_back(calm->vbps);
+    beside.push_back(flooded->vbps);
+    ratios.push_back(flooded->vbps / calm->vbps);
+    p99_alone.push_back(calm->p99_ms);
+    p99_beside.push_back(flooded->p99_ms);
+    p99_ratios.push_back(flooded->p99_ms / calm->p99_ms);
   }
   return std::vector<ordered_json>{{{"case", "junk_flood"},
                                     {"clients", kClients},
                                     {"datagrams_per_s", static_cast<double>(sent) / flooded_s},
+                                    {"read_datagrams_per_s", static_cast<double>(read) / flooded_s},
+                                    {"replies", replies},
                                     {"vbps_alone", median(alone)},
                                     {"vbps", median(beside)},
-                                    {"vbps_ratio_to_alone", median(ratios)}}};
+                                    {"vbps_ratio_to_alone", median(ratios)},
+                                    {"p99_alone_ms", median(p99_alone)},
+                                    {"p99_ms", median(p99_beside)},
+                                    {"p99_ratio_to_alone", median(p99_ratios)}}};
 }
 
 }  // namespace
