@@ -26,6 +26,7 @@ struct Arguments {
   double rate_hz = 0;
   double seconds = 10;
   double deadline_ms = 0;
+  bool still = false;
   std::vector<std::string> tenants;
 };
 
@@ -40,6 +41,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--rate", a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("HZ");
+  app.add_flag("--still", a.still, "each client asks for one frame and then stands still")->excludes("--rate");
   app.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 1e6))->type_name("S");
   app.add_option("--codec", a.codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
       ->type_name("NAME");
@@ -86,6 +88,7 @@ Result<void> run(const Arguments& a) {
       .size = *size,
       .codecs = codecs,
       .rate_hz = a.rate_hz,
+      .still = a.still,
       .deadline = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double, std::milli>(a.deadline_ms)),
       .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds)),
       .interrupted = [] { return interrupted != 0; }};

@@ -23,7 +23,7 @@ void LoadClient::stop() {
 }
 
 void LoadClient::send_when_due() {
-  if (!path_ || !open()) return;
+  if (!path_ || !open() || (options_.still && stream_.counters().asked > 0)) return;
   const TimePoint now = Clock::now();
   if (pacer_->next_send(stream_.in_flight()) <= now) {
     const double seconds = to_seconds(now - started_) + options_.phase * path_->duration_seconds();

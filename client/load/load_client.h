@@ -17,6 +17,7 @@ class LoadClient {
     StreamOptions stream;
     PaceOptions pace;
     Nanoseconds deadline{};  // see VisibilityStream::ask
+    bool still = false;      // asks once; from then on the stream repeats that camera
     double phase = 0;        // where on the path it starts, as a share of its duration
   };
 

@@ -33,6 +33,7 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   // At a rate, a camera goes out whatever has become of the last; without one, it waits for answers.
   client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : options.in_flight};
   client.deadline = options.deadline;
+  client.still = options.still;
   client.phase = phase;
   return client;
 }

@@ -21,6 +21,7 @@ struct LoadOptions {
   Size size;
   std::vector<protocol::CodecId> codecs = {};  // that clients list; none: as the server likes
   double rate_hz = 0;                          // 0: each client asks again as soon as it has been answered
+  bool still = false;                          // each asks for one frame, then stands still
   uint32_t in_flight = 1;                      // cameras that a client without a rate may have unanswered
   Nanoseconds deadline{};                      // how long after its camera an answer is of use; 0: not said
   Nanoseconds duration = std::chrono::seconds(10);

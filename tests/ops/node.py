@@ -127,9 +127,16 @@ class Node:
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=PATIENCE_S)
         return done.returncode, done.stdout
 
-    def load(self, clients, size="160x90", rate=0, seconds=5, scene="living_room", server=None):
-        """Starts gnomon-load. `clients`: number by tenant; `server`: of a relay(), if not directly."""
-        return Load(self, clients, size, rate, seconds, scene, server or self.control)
+    def cpu_seconds(self):
+        """Processor time of the process until now."""
+        user, system = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]
+        return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+    def load(self, clients, size="160x90", rate=0, seconds=5, scene="living_room", server=None, still=False):
+        """Starts gnomon-load. `clients`: number by tenant, who stand `still` or ask at `rate`; `server`: of a relay(),
+        if not directly."""
+        pace = ["--still"] if still else ["--rate", str(rate)]
+        return Load(self, clients, size, pace, seconds, scene, server or self.control)
 
     def relay(self, *link):
         """Starts netsim before this node, as `--loss 2%`; its process, and where clients find the node through it."""
@@ -172,10 +179,10 @@ class Node:
 
 
 class Load:
-    def __init__(self, node, clients, size, rate, seconds, scene, server):
+    def __init__(self, node, clients, size, pace, seconds, scene, server):
         self.file = pathlib.Path(tempfile.mkstemp(suffix=".json", dir=node.folder)[1])
         command = [node.bin / "gnomon-load", "--server", server, "--pin", node.pin, "--scene", scene, "--size", size,
-                   "--rate", str(rate), "--seconds", str(seconds), "--json", self.file]
+                   *pace, "--seconds", str(seconds), "--json", self.file]
         for tenant, count in clients.items():
             command += ["--tenant", f"{tenant}::{count}"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
