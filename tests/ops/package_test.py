@@ -6,7 +6,6 @@ edited, purge leaves nothing.
 
 Needs root, mmdebstrap and a package mirror; the root is kept in BUILD/ops for the next time.
 """
-import hashlib
 import os
 import pathlib
 import re
@@ -17,10 +16,10 @@ import tempfile
 import unittest
 
 from booted_root import run
+from debian_root import build_package, root_with_dependencies
 from node import eventually, skip
 
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
-KEPT = BUILD / "ops"
 CONFIG = "etc/gnomon/gnomond.yaml"
 SELF_TEST_S = 5
 # What dpkg and the tools that it calls write down for themselves.
@@ -28,54 +27,15 @@ BOOKS = re.compile(r"^/(var/lib/(dpkg|systemd/deb-systemd-helper-\w+)|var/log|va
                    r"(/|$)|^/etc/(group|gshadow|ld\.so\.cache)-?$")
 
 
-def build_package():
-    shutil.rmtree(KEPT / "package", ignore_errors=True)
-    run("cpack", "-B", KEPT / "package", cwd=BUILD)
-    return next((KEPT / "package").glob("gnomon_*.deb"))
-
-
-def archive():
-    """The package mirror that this machine itself uses."""
-    for file in pathlib.Path("/etc/apt/sources.list.d").glob("*.sources"):
-        for stanza in file.read_text().split("\n\n"):
-            keys = dict(re.findall(r"^(\w[\w-]*): *(.*)$", stanza, re.M))
-            if "bookworm" in keys.get("Suites", "").split():
-                return keys["URIs"].split()[0]
-    for file in [pathlib.Path("/etc/apt/sources.list"), *pathlib.Path("/etc/apt/sources.list.d").glob("*.list")]:
-        found = file.is_file() and re.search(r"^deb +(?:\[.*\] +)?(\S+) +bookworm ", file.read_text(), re.M)
-        if found:
-            return found.group(1)
-    return None
-
-
-def clean_root(package, folder):
-    """A minimal bookworm with the package's dependencies and nothing else."""
-    depends = run("dpkg-deb", "-f", package, "Depends").stdout
-    names = sorted({re.match(r"[^ (]+", part.split("|")[0].strip()).group(0) for part in depends.split(",")})
-    digest = hashlib.sha256(",".join(names).encode()).hexdigest()[:12]
-    kept = KEPT / f"bookworm-{digest}.tar"
-    if not kept.is_file():
-        mirror = archive()
-        if not mirror:
-            skip("no bookworm mirror among this machine's package sources")
-        done = run("mmdebstrap", "--quiet", "--variant=essential", "--include=" + ",".join(names), "bookworm",
-                   str(kept) + ".part", "--format=tar", mirror, check=False)
-        if done.returncode != 0:
-            skip("no clean Debian root can be made here: " + done.stdout[-300:])
-        os.replace(str(kept) + ".part", kept)
-    run("tar", "-C", folder, "-xf", kept)
-
-
 class Package(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        KEPT.mkdir(exist_ok=True)
-        cls.package = build_package()
+        cls.package = build_package(BUILD)
         cls.temporary = tempfile.TemporaryDirectory(prefix="gnomon-package-")
         cls.addClassCleanup(cls.temporary.cleanup)
         cls.root = pathlib.Path(cls.temporary.name, "root")
         cls.root.mkdir()
-        clean_root(cls.package, cls.root)
+        run("tar", "-C", cls.root, "-xf", root_with_dependencies(BUILD, cls.package))
         (cls.root / "proc").mkdir(exist_ok=True)
         run("mount", "-t", "proc", "proc", cls.root / "proc")
         cls.addClassCleanup(run, "umount", "--lazy", cls.root / "proc")

@@ -1,0 +1,63 @@
+"""Debian roots, made by mmdebstrap from the mirror that this machine itself uses; kept in BUILD/ops for the next time."""
+import hashlib
+import os
+import pathlib
+import re
+import shutil
+
+from booted_root import run
+from node import skip
+
+
+def archive():
+    """The package mirror that this machine itself uses."""
+    for file in pathlib.Path("/etc/apt/sources.list.d").glob("*.sources"):
+        for stanza in file.read_text().split("\n\n"):
+            keys = dict(re.findall(r"^(\w[\w-]*): *(.*)$", stanza, re.M))
+            if "bookworm" in keys.get("Suites", "").split():
+                return keys["URIs"].split()[0]
+    for file in [pathlib.Path("/etc/apt/sources.list"), *pathlib.Path("/etc/apt/sources.list.d").glob("*.list")]:
+        found = file.is_file() and re.search(r"^deb +(?:\[.*\] +)?(\S+) +bookworm ", file.read_text(), re.M)
+        if found:
+            return found.group(1)
+    return None
+
+
+def bootstrap(target, suite, *options):
+    """Runs mmdebstrap; skips where it cannot."""
+    if os.geteuid() != 0 or not shutil.which("mmdebstrap"):
+        skip("a Debian root needs root and mmdebstrap")
+    mirror = archive()
+    if not mirror:
+        skip("no bookworm mirror among this machine's package sources")
+    if mirror.startswith("https:"):
+        options = ("--include=ca-certificates", *options)
+    done = run("mmdebstrap", "--quiet", *options, suite, target, mirror, check=False)
+    if done.returncode != 0:
+        skip(f"no root of {suite} can be made here: " + done.stdout.strip()[-300:].replace("\n", " "))
+
+
+def build_package(build):
+    """This build's package, anew."""
+    folder = build / "ops/package"
+    shutil.rmtree(folder, ignore_errors=True)
+    run("cpack", "-B", folder, cwd=build)
+    return next(folder.glob("gnomon_*.deb"))
+
+
+def root_with_dependencies(build, package):
+    """The tar of a minimal bookworm with apt and what the package depends on, and nothing else."""
+    depends = run("dpkg-deb", "-f", package, "Depends").stdout
+    names = sorted({re.match(r"[^ (]+", part.split("|")[0].strip()).group(0) for part in depends.split(",")})
+    return kept_root(build, ",".join(names))
+
+
+def kept_root(build, packages=""):
+    digest = hashlib.sha256(packages.encode()).hexdigest()[:12]
+    kept = build / "ops" / f"bookworm-apt-{digest}.tar"
+    if not kept.is_file():
+        kept.parent.mkdir(exist_ok=True)
+        include = ["--include=" + packages] if packages else []
+        bootstrap(str(kept) + ".part", "bookworm", "--variant=apt", "--format=tar", *include)
+        os.replace(str(kept) + ".part", kept)
+    return kept
