@@ -51,6 +51,7 @@ class Daemon {
   protocol::Pin pin() const { return (*tls_.get())->pin; }  // of new connections
   Metrics& metrics() { return metrics_; }
   std::vector<Heartbeat*> heartbeats() { return devices_.heartbeats(); }  // for one watchdog
+  void alive(TimePoint at) { health_.alive_at = at; }                     // it found them all alive
   std::string summary() const;                                            // one line; any thread
 
  private:

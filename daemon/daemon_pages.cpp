@@ -208,8 +208,9 @@ Admin::Pages Daemon::pages() {
          return Page{200, "text/javascript; charset=utf-8", kPageJs};
        }},
       {"/healthz",
-       [] {
-         return Page{200, kText, "alive\n"};
+       [this] {
+         return health_.hangs(Clock::now()) ? Page{503, kText, "a render thread hangs\n"}
+                                            : Page{200, kText, "alive\n"};
        }},
       {"/readyz",
        [this] {

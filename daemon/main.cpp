@@ -127,7 +127,9 @@ int serve(const Config& config, const Arguments& arguments) {
   }
   print_ready_line(**daemon, config);
   supervisor::ready((*daemon)->summary());
-  std::optional<Watchdog> watchdog(std::in_place, (*daemon)->heartbeats(), [&] { return (*daemon)->summary(); });
+  std::optional<Watchdog> watchdog(
+      std::in_place, (*daemon)->heartbeats(), [&](TimePoint now) { (*daemon)->alive(now); },
+      [&] { return (*daemon)->summary(); });
   events.run();  // until the first signal or a failure
   std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
   std::signal(SIGINT, [](int) { std::_Exit(EXIT_FAILURE); });

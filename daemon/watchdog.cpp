@@ -17,8 +17,9 @@ constexpr auto kStatusInterval = 5s;
 
 }  // namespace
 
-Watchdog::Watchdog(std::vector<Heartbeat*> heartbeats, std::function<std::string()> status)
-    : heartbeats_(std::move(heartbeats)), status_(std::move(status)) {
+Watchdog::Watchdog(std::vector<Heartbeat*> heartbeats, std::function<void(TimePoint)> alive,
+                   std::function<std::string()> status)
+    : heartbeats_(std::move(heartbeats)), alive_(std::move(alive)), status_(std::move(status)) {
   const auto patience = supervisor::patience().value_or(std::chrono::hours(1));
   const auto interval = std::min<std::chrono::microseconds>(patience / 4, kLongestInterval);
   thread_ = std::thread([this, interval] { watch(interval); });
@@ -35,13 +36,17 @@ Watchdog::~Watchdog() {
 
 void Watchdog::watch(std::chrono::microseconds interval) {
   TimePoint next_status = Clock::now() + kStatusInterval;
+  std::vector<bool> shown(heartbeats_.size());
   std::unique_lock lock(mutex_);
   while (!ending_.wait_for(lock, interval, [this] { return ended_; })) {
     const TimePoint now = Clock::now();
-    // All are asked: each remembers what was seen of it.
-    const auto living =
-        std::count_if(heartbeats_.begin(), heartbeats_.end(), [&](Heartbeat* h) { return h->lives(now); });
-    if (static_cast<size_t>(living) == heartbeats_.size()) supervisor::alive();
+    // Idle ones beat at different moments: a sign of one counts until all have given one.
+    for (size_t i = 0; i < heartbeats_.size(); ++i) shown[i] = heartbeats_[i]->lives(now) || shown[i];
+    if (std::find(shown.begin(), shown.end(), false) == shown.end()) {
+      supervisor::alive();
+      alive_(now);
+      shown.assign(shown.size(), false);
+    }
     if (now < next_status) continue;
     next_status = now + kStatusInterval;
     supervisor::status(status_());

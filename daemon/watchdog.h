@@ -1,4 +1,5 @@
-// Tells the supervisor that we live, as long as every render thread does: a hung device ends in a restart.
+// Tells the supervisor, and who asks for our health, that we live, as long as every render thread does: a hung device
+// ends in a restart.
 #pragma once
 
 #include <condition_variable>
@@ -14,15 +15,17 @@ namespace gnomon::daemon {
 
 class Watchdog {
  public:
-  // `status`: a line for the supervisor, asked for once in a while. Both are used from a thread of its own.
-  // Outlived by the heartbeats: each must beat.
-  Watchdog(std::vector<Heartbeat*> heartbeats, std::function<std::string()> status);
+  // `alive`: told when each of them gave a sign. `status`: a line for the supervisor, asked for once in a while. All are
+  // used from a thread of its own. Outlived by the heartbeats: each must beat.
+  Watchdog(std::vector<Heartbeat*> heartbeats, std::function<void(TimePoint)> alive,
+           std::function<std::string()> status);
   ~Watchdog();
 
  private:
   void watch(std::chrono::microseconds interval);
 
   std::vector<Heartbeat*> heartbeats_;
+  std::function<void(TimePoint)> alive_;
   std::function<std::string()> status_;
   std::mutex mutex_;
   std::condition_variable ending_;
