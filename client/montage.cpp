@@ -48,13 +48,20 @@ Picture background(uint32_t width, uint32_t height) {
 
 }  // namespace
 
+Picture copied(const PictureView& view) {
+  Picture picture(view.width, view.height);
+  for (uint32_t y = 0; y < view.height; ++y) std::memcpy(picture.pixel(0, y), view.row(y), size_t{4} * view.width);
+  return picture;
+}
+
 Picture crop(const Picture& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height) {
+  const PictureView view{whole.width, whole.height, size_t{4} * whole.width, whole.rgba.data()};
+  return copied(crop(view, left, top, width, height));
+}
+
+PictureView crop(const PictureView& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height) {
   assert(left + width <= whole.width && top + height <= whole.height);
-  Picture part(width, height);
-  for (uint32_t y = 0; y < height; ++y) {
-    std::memcpy(part.pixel(0, y), whole.pixel(left, top + y), size_t{4} * width);
-  }
-  return part;
+  return {width, height, whole.stride, whole.row(top) + size_t{4} * left};
 }
 
 Picture beside(const Picture& left, const Picture& right) {

@@ -7,8 +7,10 @@
 
 namespace gnomon::client {
 
+Picture copied(const PictureView& view);
 // Part of a picture, which holds it.
 Picture crop(const Picture& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height);
+PictureView crop(const PictureView& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height);
 
 // Both of the same height.
 Picture beside(const Picture& left, const Picture& right);

@@ -22,6 +22,16 @@ struct Picture {
   friend bool operator==(const Picture&, const Picture&) = default;
 };
 
+// A picture, or part of one, that somebody else holds.
+struct PictureView {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  size_t stride = 0;  // bytes from row to row
+  const uint8_t* first = nullptr;
+
+  const uint8_t* row(uint32_t y) const { return first + y * stride; }
+};
+
 Result<void> write_png(const std::filesystem::path& file, const Picture& picture);
 Result<Picture> read_png(const std::filesystem::path& file);
 

@@ -50,4 +50,23 @@ PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources
   return error;
 }
 
+PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
+                             const Window& shown, uint32_t step) {
+  PredictionError error;
+  for (uint32_t y = 0; y < shown.height; y += step)
+    for (uint32_t x = 0; x < shown.width; x += step) {
+      ++error.pixels;
+      const uint32_t source = sources[size_t{y} * shown.width + x];
+      if (source == 0) continue;
+      const uint32_t seen_x = (source - 1) % seen.grid.width, seen_y = (source - 1) / seen.grid.width;
+      for (uint32_t light = 0; light < fresh.grid.lights; ++light) {
+        const bool said = seen.lit(seen_x, seen_y, light), is = fresh.lit(shown.left + x, shown.top + y, light);
+        ++error.bits;
+        error.wrong += said != is;
+        error.falsely_dark += is && !said;
+      }
+    }
+  return error;
+}
+
 }  // namespace gnomon::client

@@ -50,4 +50,8 @@ struct PredictionError {
 PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const Window& traced,
                         const LightBits& fresh, std::span<const uint32_t> care, const Window& shown);
 
+// The same of every so many pixels of every so many rows, as an estimate; `seen` whole, and without `care`.
+PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
+                             const Window& shown, uint32_t step);
+
 }  // namespace gnomon::client

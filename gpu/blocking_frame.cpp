@@ -20,6 +20,7 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
   }
   const auto raster = choose_raster(*device, options.raster);
   if (!raster) return raster.error();
+  self->raster_ = *raster;
   auto lanes = Lanes::create(*device, with_raster(passes, *raster), self->tracer_.get(), 1);
   if (!lanes) return lanes.error();
   self->lanes_ = std::move(*lanes);
@@ -34,7 +35,8 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
   std::unique_ptr<BlockingFrame> self(new BlockingFrame);
   self->device_ = other.device_;
   self->scene_ = other.scene_;
-  auto lanes = Lanes::create(self->device_, passes, nullptr, 1);
+  self->raster_ = other.raster_;
+  auto lanes = Lanes::create(self->device_, with_raster(passes, other.raster_), nullptr, 1);
   if (!lanes) return lanes.error();
   self->lanes_ = std::move(*lanes);
   return self;
@@ -43,6 +45,7 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
 Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time) {
   const TileGrid grid{width, height, scene_->light_count()};
   if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
+  if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
   posed_ = scene_->pose(time);
   auto lane = lanes_->lane_for(*posed_);
   if (!lane) return lane.error();
@@ -52,10 +55,16 @@ Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes:
 }
 
 Result<FrameTiming> BlockingFrame::render(const CameraView& camera, const TileGrid& grid) {
+  if (auto begun = start(camera, grid); !begun) return begun.error();
+  if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
+  return slot().timing(lane_->plan);
+}
+
+Result<void> BlockingFrame::start(const CameraView& camera, const TileGrid& grid) {
   const auto timeline = slot().submit(lane_->plan, *scene_, posed_, {camera, grid});
   if (!timeline) return timeline.error();
-  if (auto passed = device_->queue().wait(*timeline); !passed) return passed.error();
-  return slot().timing(lane_->plan);
+  started_ = *timeline;
+  return {};
 }
 
 }  // namespace gnomon::gpu

@@ -20,7 +20,7 @@ class BlockingFrame {
                                                        const std::vector<std::string>& passes,
                                                        const scenes::ScenePtr& scene);
 
-  // The same device and scene for another list of passes, none of which traces. One thread with `other`.
+  // The same device, scene and raster for another list of passes, none of which traces. One thread with `other`.
   static Result<std::unique_ptr<BlockingFrame>> create_beside(const BlockingFrame& other,
                                                               const std::vector<std::string>& passes);
 
@@ -35,6 +35,11 @@ class BlockingFrame {
   Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {});
   // Renders what was reserved and waits. Error: device lost, out of memory.
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
+  // Begins to and does not wait: for passes that leave their results in given buffers, where frames that are rendered
+  // later, of this scene on this device, find them. Error: as render.
+  Result<void> start(const CameraView& camera, const TileGrid& grid);
+  // As FrameSlot::give.
+  void give(std::string_view resource, const Buffer& buffer) { slot().give(lane_->plan, resource, buffer); }
   // Host memory of that resource, as FrameSlot::host.
   std::span<std::byte> host(std::string_view resource) const { return slot().host(lane_->plan, resource); }
   // As FrameSlot::packed.
@@ -47,6 +52,8 @@ class BlockingFrame {
   DevicePtr device_;
   std::unique_ptr<Tracer> tracer_;
   std::optional<Lanes> lanes_;
+  std::string raster_;
+  uint64_t started_ = 0;  // the timeline's value of the last frame; 0: none
   Lane* lane_ = nullptr;  // of the frame that was reserved last
   PosedScenePtr posed_;   // the same
   std::shared_ptr<ResidentScene> scene_;

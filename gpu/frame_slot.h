@@ -47,6 +47,10 @@ class FrameSlot {
   // thread.
   Result<FrameTiming> timing(const FramePlan& plan, VkQueryPool band) const;
   Result<FrameTiming> timing(const FramePlan& plan) const { return timing(plan, recordings_[0].timestamps.get()); }
+  // As FramePlan::give, for the frame that is recorded next; until the next reserve.
+  void give(const FramePlan& plan, std::string_view resource, const Buffer& buffer) {
+    plan.give(*resources_, resource, buffer);
+  }
   // Mapped memory of a host resource: written before submit, or read after the frame has passed. Valid until the next
   // reserve. Empty: the plan has no such resource.
   std::span<std::byte> host(const FramePlan& plan, std::string_view resource) const;

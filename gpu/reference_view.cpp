@@ -36,13 +36,14 @@ ShadingUniforms uniforms_of(const std::vector<scenes::Light>& lights, const Shad
   return out;
 }
 
-RgbaImage image_of(uint32_t width, uint32_t height, std::span<const std::byte> pixels) {
-  RgbaImage image{width, height, std::vector<uint8_t>(pixels.size())};
-  std::memcpy(image.rgba.data(), pixels.data(), pixels.size());
+}  // namespace
+
+RgbaImage RgbaView::copy() const {
+  RgbaImage image{width, height, {}};
+  const auto* bytes = reinterpret_cast<const uint8_t*>(rgba.data());
+  image.rgba.assign(bytes, bytes + rgba.size());
   return image;
 }
-
-}  // namespace
 
 // A frame of gbuffer and shade, its host inputs filled in.
 class ReferenceView::Shader {
@@ -62,7 +63,7 @@ class ReferenceView::Shader {
                    std::to_string(grid->lights)};
     std::memcpy(frame_->host(resource::kShading).data(), &shading, sizeof(shading));
     if (!masks.words.empty())
-      std::memcpy(frame_->host(resource::kGivenMasks).data(), masks.words.data(), masks.words.size_bytes());
+      std::memcpy(frame_->host(resource::kUploadedMasks).data(), masks.words.data(), masks.words.size_bytes());
     if (auto rendered = frame_->render(camera, *grid); !rendered) return rendered.error();
     const size_t bytes = size_t{grid->width} * grid->height * sizeof(uint32_t);
     return std::span<const std::byte>(frame_->host(resource::kHostColor).first(bytes));
@@ -77,18 +78,42 @@ ReferenceView::~ReferenceView() = default;
 
 Result<std::unique_ptr<ReferenceView>> ReferenceView::create(const RendererOptions& options,
                                                              const scenes::ScenePtr& scene) {
-  auto frame = BlockingFrame::create(options, {"gbuffer", "shade", "readback_color"}, scene);
+  auto frame = BlockingFrame::create(options, {"gbuffer", "upload_masks", "shade", "readback_color"}, scene);
   if (!frame) return frame.error();
   return std::unique_ptr<ReferenceView>(new ReferenceView(std::make_unique<Shader>(std::move(*frame))));
 }
 
 Result<RgbaImage> ReferenceView::render(const CameraView& camera, uint32_t width, uint32_t height,
                                         const TileMaskView& masks, const ShadeOptions& options) {
+  const auto shown = show(camera, width, height, masks, options);
+  if (!shown) return shown.error();
+  return shown->copy();
+}
+
+Result<RgbaImage> ReferenceView::predict(const CameraView& camera, uint32_t width, uint32_t height,
+                                         const SeenMasks& seen, const ShadeOptions& options) {
+  const auto shown = show_predicted(camera, width, height, seen, options);
+  if (!shown) return shown.error();
+  return shown->copy();
+}
+
+Result<RgbaView> ReferenceView::show(const CameraView& camera, uint32_t width, uint32_t height,
+                                     const TileMaskView& masks, const ShadeOptions& options) {
   if (masks.grid.width != width || masks.grid.height != height)
     return Error{"a mask of another size than the picture's"};
   const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene().lights(), options), options.time);
   if (!pixels) return pixels.error();
-  return image_of(width, height, *pixels);
+  return RgbaView{width, height, *pixels};
+}
+
+Result<RgbaView> ReferenceView::show_predicted(const CameraView& camera, uint32_t width, uint32_t height,
+                                               const SeenMasks& seen, const ShadeOptions& options) {
+  const auto reprojected = reprojection();
+  if (!reprojected) return reprojected.error();
+  const auto shading = uniforms_of(shader_->scene().lights(), options);
+  const auto pixels = (*reprojected)->shade(camera, width, height, seen, std::as_bytes(std::span(&shading, 1)));
+  if (!pixels) return pixels.error();
+  return RgbaView{width, height, *pixels};
 }
 
 Result<Reprojection*> ReferenceView::reprojection() {
@@ -98,16 +123,6 @@ Result<Reprojection*> ReferenceView::reprojection() {
     reprojection_ = std::move(*made);
   }
   return &*reprojection_;
-}
-
-Result<RgbaImage> ReferenceView::predict(const CameraView& camera, uint32_t width, uint32_t height,
-                                         const SeenMasks& seen, const ShadeOptions& options) {
-  const auto reprojected = reprojection();
-  if (!reprojected) return reprojected.error();
-  const auto shading = uniforms_of(shader_->scene().lights(), options);
-  const auto pixels = (*reprojected)->shade(camera, width, height, seen, std::as_bytes(std::span(&shading, 1)));
-  if (!pixels) return pixels.error();
-  return image_of(width, height, *pixels);
 }
 
 Result<void> ReferenceView::set_lights(const std::vector<scenes::Light>& lights) {

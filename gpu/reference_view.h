@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/result.h"
@@ -22,6 +23,15 @@ struct RgbaImage {
   uint32_t width = 0;
   uint32_t height = 0;
   std::vector<uint8_t> rgba;
+};
+
+// The same where the device left it. Valid until its maker's next call.
+struct RgbaView {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  std::span<const std::byte> rgba;
+
+  RgbaImage copy() const;
 };
 
 struct ShadeOptions {
@@ -53,6 +63,12 @@ class ReferenceView {
   // `seen`, not of the options. Error: as render.
   Result<RgbaImage> predict(const CameraView& camera, uint32_t width, uint32_t height, const SeenMasks& seen,
                             const ShadeOptions& options = {});
+  // The same, not copied.
+  Result<RgbaView> show(const CameraView& camera, uint32_t width, uint32_t height, const TileMaskView& masks,
+                        const ShadeOptions& options = {});
+  Result<RgbaView> show_predicted(const CameraView& camera, uint32_t width, uint32_t height, const SeenMasks& seen,
+                                  const ShadeOptions& options = {});
+
   // Made at the first call. Error: out of memory.
   Result<Reprojection*> reprojection();
 

@@ -4,51 +4,57 @@
 //
 // A surface is taken for seen where one of the four pixels around its place in the seen view shows the same side of a
 // surface within a pixel's width of it: hidden points are found by rasterising, so to within a pixel.
+//
+// What is kept of a view stays on the device: shaders read it at many places for every pixel.
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gpu/blocking_frame.h"
 
 namespace gnomon::gpu {
 
-// Which triangle each pixel of a view shows, row by row: 1 + its number in the resident scene, 0: none.
+// Which triangle each pixel of a view shows.
 struct RasterView {
   CameraView camera;
   uint32_t width = 0;
   uint32_t height = 0;
   scenes::SceneTime time{};
-  std::vector<uint32_t> ids;
+  // On the device, row by row: 1 + its number in the resident scene, 0: none.
+  std::shared_ptr<const Buffer> ids;
 };
 
 // Masks, and the view that they are of.
 struct SeenMasks {
   RasterView raster;
   TileGrid grid;
-  std::vector<uint64_t> words;
-
-  TileMaskView mask() const { return {grid, words}; }
+  std::shared_ptr<const Buffer> words;  // on the device, as common/tile_mask.h
 };
 
 // Masks of another view of `width` x `height`, by its sources (see below); pixels without are lit by every light.
-std::vector<uint64_t> masks_by_sources(const SeenMasks& seen, const std::vector<uint32_t>& sources, uint32_t width,
+std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const uint32_t> sources, uint32_t width,
                                        uint32_t height);
 
-// One thread. Calls block. Errors: size out of range, out of memory, device lost.
+// One thread. Calls block, but rasterise and see, which only begin: later calls find what they leave. Errors: size out
+// of range, out of memory, device lost.
 class Reprojection {
  public:
   // Shares the frame's device and scene.
   static Result<Reprojection> create(const BlockingFrame& beside);
 
   Result<RasterView> rasterise(const CameraView& camera, uint32_t width, uint32_t height, scenes::SceneTime time);
+  // The same where the triangles are known, row by row.
+  Result<RasterView> raster_of(const CameraView& camera, uint32_t width, uint32_t height,
+                               std::span<const uint32_t> ids);
 
   // Error also: masks of another number of lights than the scene's.
   Result<SeenMasks> see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time);
 
   // For each pixel of `view`: 0 where what it shows is not seen in `seen` (or is no surface), else 1 + the number of a
-  // pixel of that. What moves is where it was at the time of `seen`.
-  Result<std::vector<uint32_t>> sources(const RasterView& view, const RasterView& seen);
+  // pixel of that. What moves is where it was at the time of `seen`. Valid until the next call.
+  Result<std::span<const uint32_t>> sources(const RasterView& view, const RasterView& seen);
 
   // A picture, shaded with the masks that the sources give: four bytes a pixel, valid until the next call. `shading`:
   // ShadingUniforms.
@@ -56,9 +62,13 @@ class Reprojection {
                                            const SeenMasks& seen, std::span<const std::byte> shading);
 
  private:
-  Result<TileGrid> reserve(BlockingFrame& frame, const RasterView& seen, uint32_t width, uint32_t height);
+  Result<std::shared_ptr<Buffer>> buffer(uint64_t bytes);
+  Result<RasterView> rasterise(BlockingFrame& frame, const TileGrid& grid, const CameraView& camera,
+                               scenes::SceneTime time);
 
-  std::unique_ptr<BlockingFrame> raster_, finder_, shader_;
+  DevicePtr device_;
+  std::unique_ptr<BlockingFrame> raster_, seer_, finder_, shader_;
+  std::vector<std::shared_ptr<Buffer>> buffers_;  // lent, or free for what comes
 };
 
 }  // namespace gnomon::gpu

@@ -103,6 +103,20 @@ void Image::swap(Image& other) {
   std::swap(piece_, other.piece_);
 }
 
+void all_before_all_after(VkCommandBuffer commands) {
+  VkMemoryBarrier2 all{};
+  all.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;
+  all.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  all.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  all.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  all.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  VkDependencyInfo dependency{};
+  dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &all;
+  vkCmdPipelineBarrier2(commands, &dependency);
+}
+
 Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommandBuffer)>& record) {
   VkCommandPoolCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
@@ -125,18 +139,7 @@ Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommand
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   vkBeginCommandBuffer(commands, &begin);
   record(commands);
-  // What was written here is seen by everything that is submitted later.
-  VkMemoryBarrier2 all{};
-  all.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;
-  all.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  all.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  all.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  all.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  VkDependencyInfo dependency{};
-  dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &all;
-  vkCmdPipelineBarrier2(commands, &dependency);
+  all_before_all_after(commands);
   if (const VkResult r = vkEndCommandBuffer(commands); r != VK_SUCCESS)
     return vulkan_error(r, "recording commands");
   const auto value = device->queue().submit({&commands, 1});

@@ -65,6 +65,9 @@ class Image {
 
 VkImageAspectFlags aspect_of(VkFormat format);
 
+// What was written before is seen by everything that comes later on the queue.
+void all_before_all_after(VkCommandBuffer commands);
+
 // Records commands, submits them and waits for their end. For loading, never for frames.
 Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommandBuffer)>& record);
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "client/montage.h"
 #include "client/options.h"
 #include "client/report.h"
 #include "client/scene_file.h"
@@ -243,20 +244,22 @@ Result<void> run(const Arguments& a) {
   if (auto same = check_same_scene(**scene, flight.welcome().scene); !same) return same;
 
   const auto draw = [&](const Showing& showing) -> Result<void> {
-    const auto shaded = views->own.shade(showing);
-    if (!shaded) return shaded.error();
+    const auto drawn = views->own.draw(showing);
+    if (!drawn) return drawn.error();
+    const bool kept = gallery && gallery->wants(showing.index);
+    const Picture shaded = views->video || kept ? copied(*drawn) : Picture();
     if (views->video) {
-      if (auto added = views->video->add(showing, *shaded); !added) return added;
+      if (auto added = views->video->add(showing, shaded); !added) return added;
     }
     if (options->mode == Mode::automatic) {
       const auto outcome = views->own.outcome(showing);
       if (!outcome) return outcome.error();
       if (*outcome) flight.observe((*outcome)->earlier, (*outcome)->later, (*outcome)->error);
     }
-    if (!gallery || !gallery->wants(showing.index)) return {};
+    if (!kept) return {};
     const auto seen = views->own.seen_by_lights(showing);
     if (!seen) return seen.error();
-    if (auto added = gallery->add(showing.index, *shaded, *seen); !added || !views->debug) return added;
+    if (auto added = gallery->add(showing.index, shaded, *seen); !added || !views->debug) return added;
     const auto pictures = views->debug->pictures(*showing.seen);
     if (!pictures) return pictures.error();
     return gallery->add_views(showing.index, a.view.c_str(), *pictures);

@@ -6,6 +6,11 @@
 #include "client/prediction_error.h"
 
 namespace gnomon::client {
+namespace {
+
+constexpr uint32_t kTrialStep = 4;  // every 16th pixel says how wrong a prediction was
+
+}  // namespace
 
 gpu::CameraView to_gpu(const protocol::CameraView& camera) {
   const auto& p = camera.position;
@@ -48,7 +53,7 @@ Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const ViewSize& s
   return own;
 }
 
-Result<Picture> OwnView::shade(const Showing& showing) {
+Result<PictureView> OwnView::draw(const Showing& showing) {
   if (!exposure_) {
     const auto exposure = view_->suggest_exposure(to_gpu(showing.camera));
     if (!exposure) return exposure.error();
@@ -59,6 +64,12 @@ Result<Picture> OwnView::shade(const Showing& showing) {
   return render(showing, options);
 }
 
+Result<Picture> OwnView::shade(const Showing& showing) {
+  const auto drawn = draw(showing);
+  if (!drawn) return drawn.error();
+  return copied(*drawn);
+}
+
 Result<std::vector<Picture>> OwnView::seen_by_lights(const Showing& showing) {
   gpu::ShadeOptions options;
   options.view = gpu::ShadeOptions::View::material;
@@ -66,41 +77,44 @@ Result<std::vector<Picture>> OwnView::seen_by_lights(const Showing& showing) {
   std::vector<Picture> pictures;
   for (uint32_t light = 0; light < showing.seen->mask.grid.lights; ++light) {
     options.only_light = light;
-    auto picture = render(showing, options);
+    const auto picture = render(showing, options);
     if (!picture) return picture.error();
-    pictures.push_back(std::move(*picture));
+    pictures.push_back(copied(*picture));
   }
   return pictures;
 }
 
-Result<Picture> OwnView::render(const Showing& showing, gpu::ShadeOptions options) {
-  if (auto taken = take(*showing.seen); !taken) return taken.error();
+Result<PictureView> OwnView::render(const Showing& showing, gpu::ShadeOptions options) {
+  if (auto taken = take(showing.seen); !taken) return taken.error();
   options.time = scenes::SceneTime(masks_->mask.moment.scene_time_us);
   const TileGrid& grid = masks_->mask.grid;
-  Result<gpu::RgbaImage> image = gpu::RgbaImage{};
+  const auto view_of = [](const gpu::RgbaView& image) {
+    return PictureView{image.width, image.height, size_t{4} * image.width,
+                       reinterpret_cast<const uint8_t*>(image.rgba.data())};
+  };
   if (showing.reprojected) {
-    const auto seen_masks = seen();
-    if (!seen_masks) return seen_masks.error();
-    image =
-        view_->predict(to_gpu(shown_part(showing.camera, size_)), size_.width, size_.height, **seen_masks, options);
-  } else {
-    image = view_->render(to_gpu(showing.camera), grid.width, grid.height, masks_->mask.mask(), options);
+    const auto masks = seen();
+    if (!masks) return masks.error();
+    const auto shown = view_->show_predicted(to_gpu(shown_part(showing.camera, size_)), size_.width, size_.height,
+                                             **masks, options);
+    if (!shown) return shown.error();
+    return view_of(*shown);
   }
-  if (!image) return image.error();
-  Picture picture;
-  picture.width = image->width;
-  picture.height = image->height;
-  picture.rgba = std::move(image->rgba);
-  if (showing.reprojected) return picture;
+  const auto shown = view_->show(to_gpu(showing.camera), grid.width, grid.height, masks_->mask.mask(), options);
+  if (!shown) return shown.error();
   const BorderPlace place = place_of(showing.camera, size_);
-  return crop(picture, place.left, place.top, size_.width, size_.height);
+  return crop(view_of(*shown), place.left, place.top, size_.width, size_.height);
 }
 
-Result<void> OwnView::take(const Received& received) {
-  if (masks_ && masks_->index == received.index) return {};
-  if (auto taken = take_lights(received.lights); !taken) return taken;
-  Received next = received;
-  if (auto covered = cover(next); !covered) return covered;
+Result<void> OwnView::take(const ReceivedPtr& received) {
+  if (masks_ && masks_->index == received->index) return {};
+  if (auto taken = take_lights(received->lights); !taken) return taken;
+  ReceivedPtr next = received;
+  if (!received->mask.complete()) {
+    auto completed = std::make_shared<Received>(*received);
+    if (auto covered = cover(*completed); !covered) return covered;
+    next = std::move(completed);
+  }
   masks_ = std::move(next);
   seen_.reset();
   return {};
@@ -118,7 +132,7 @@ Result<void> OwnView::take_lights(const std::vector<protocol::LightInfo>& given)
 // Before anything has come, a missing tile is lit: the assembler's choice.
 Result<void> OwnView::cover(Received& received) {
   AssembledFrame& mask = received.mask;
-  if (mask.complete() || !masks_ || masks_->mask.grid.lights != mask.grid.lights) return {};
+  if (!masks_ || masks_->mask.grid.lights != mask.grid.lights) return {};
   const auto before = seen();
   if (!before) return before.error();
   gpu::Reprojection& reprojection = **view_->reprojection();
@@ -127,7 +141,7 @@ Result<void> OwnView::cover(Received& received) {
   if (!raster) return raster.error();
   const auto sources = reprojection.sources(*raster, (*before)->raster);
   if (!sources) return sources.error();
-  const auto words = gpu::masks_by_sources(**before, *sources, mask.grid.width, mask.grid.height);
+  const auto words = gpu::masks_by_sources(masks_->mask.mask(), *sources, mask.grid.width, mask.grid.height);
   for (size_t word = 0; word < mask.words.size(); ++word) {
     if (mask.arrived[word]) continue;
     mask.words[word] = words[word];
@@ -149,11 +163,11 @@ Result<const gpu::SeenMasks*> OwnView::seen() {
 }
 
 Result<std::optional<OwnView::Outcome>> OwnView::outcome(const Showing& showing) {
-  if (auto taken = take(*showing.seen); !taken) return taken.error();
+  if (auto taken = take(showing.seen); !taken) return taken.error();
   if (!trial_) {
     const auto now = seen();
     if (!now) return now.error();
-    trial_ = Trial{**now, masks_->camera, showing.newest};
+    trial_ = Trial{**now, masks_, showing.newest};
     return std::optional<Outcome>();
   }
   if (masks_->index < trial_->index || !masks_->mask.complete()) return std::optional<Outcome>();
@@ -167,10 +181,9 @@ Result<std::optional<OwnView::Outcome>> OwnView::outcome(const Showing& showing)
   const auto sources = reprojection.sources(*raster, trial.seen.raster);
   if (!sources) return sources.error();
   const BorderPlace place = place_of(masks_->camera, size_);
-  const PredictionError error =
-      compare(LightBits(trial.seen.mask()), *sources, {0, 0, trial.seen.grid.width, trial.seen.grid.height},
-              LightBits(masks_->mask.mask()), {}, {place.left, place.top, size_.width, size_.height});
-  return std::optional<Outcome>(Outcome{trial.camera, masks_->camera, error.share()});
+  const PredictionError error = compare_some(trial.masks->mask.mask(), *sources, masks_->mask.mask(),
+                                             {place.left, place.top, size_.width, size_.height}, kTrialStep);
+  return std::optional<Outcome>(Outcome{trial.masks->camera, masks_->camera, error.share()});
 }
 
 }  // namespace gnomon::client

@@ -19,8 +19,10 @@ class OwnView {
   // `device`: as gpu::RendererOptions::device; empty: the best one.
   static Result<OwnView> create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device);
 
-  // The picture, without the border. The exposure is chosen at the first frame and stays.
-  Result<Picture> shade(const Showing& showing);
+  // The picture, without the border, where the device left it: valid until the next call. The exposure is chosen at the
+  // first frame and stays.
+  Result<PictureView> draw(const Showing& showing);
+  Result<Picture> shade(const Showing& showing);  // the same, copied
   // What each light sees: base colours, black elsewhere.
   Result<std::vector<Picture>> seen_by_lights(const Showing& showing);
 
@@ -35,14 +37,15 @@ class OwnView {
   uint64_t covered_words() const { return covered_words_; }  // that did not arrive
 
  private:
+  using ReceivedPtr = std::shared_ptr<const Received>;
   struct Trial {
     gpu::SeenMasks seen;
-    protocol::CameraView camera;  // of `seen`
-    uint32_t index = 0;           // whose masks are awaited
+    ReceivedPtr masks;   // the same
+    uint32_t index = 0;  // whose masks are awaited
   };
 
-  Result<Picture> render(const Showing& showing, gpu::ShadeOptions options);
-  Result<void> take(const Received& received);
+  Result<PictureView> render(const Showing& showing, gpu::ShadeOptions options);
+  Result<void> take(const ReceivedPtr& received);
   Result<void> take_lights(const std::vector<protocol::LightInfo>& lights);
   Result<void> cover(Received& received);
   Result<const gpu::SeenMasks*> seen();
@@ -51,7 +54,7 @@ class OwnView {
   ViewSize size_;
   std::vector<protocol::LightInfo> lights_;  // that the view has; empty: the scene's own
   std::optional<float> exposure_;
-  std::optional<Received> masks_;       // the newest, complete: missing tiles covered
+  ReceivedPtr masks_;                   // the newest, complete: missing tiles covered
   std::optional<gpu::SeenMasks> seen_;  // the same, rasterised when needed
   std::optional<Trial> trial_;
   uint64_t covered_words_ = 0;

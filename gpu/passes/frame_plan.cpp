@@ -114,7 +114,7 @@ Result<void> FramePlan::wire() {
       auto found = std::find_if(resources_.begin(), resources_.end(),
                                 [&](const Resource& r) { return r.name == port.resource; });
       if (found == resources_.end()) {
-        if (!writes(port.use) && port.spec.memory != MemoryUse::upload)
+        if (!writes(port.use) && port.spec.memory != MemoryUse::upload && !port.spec.given)
           return Error{"pass '" + std::string(passes_[pass]->name()) + "' reads '" + std::string(port.resource) +
                        "', which no pass before it writes"};
         resources_.push_back({port.resource, port.spec});
@@ -124,6 +124,7 @@ Result<void> FramePlan::wire() {
       const size_t resource = static_cast<size_t>(found - resources_.begin());
       found->image_usage |= image_usage(port.use);
       found->buffer_usage |= buffer_usage(port.use);
+      hands_on_ |= found->spec.given && writes(port.use);
       wiring_[pass].push_back(resource);
       add_barrier(pass, resource, port.use, last[resource]);
     }
@@ -161,6 +162,10 @@ Result<FrameResources> FramePlan::allocate(const Capacity& capacity) const {
   }
   for (const Resource& resource : resources_) {
     FrameResources::Entry entry;
+    if (resource.spec.given) {
+      out.entries.push_back(std::move(entry));
+      continue;
+    }
     if (is_image(resource.spec)) {
       auto image =
           Image::create(device_, {capacity.width, capacity.height}, resource.spec.format, resource.image_usage);
@@ -254,6 +259,16 @@ Result<void> FramePlan::bind(FrameResources& out) const {
   return {};
 }
 
+void FramePlan::give(FrameResources& resources, std::string_view name, const Buffer& buffer) const {
+  for (size_t i = 0; i < resources_.size(); ++i) {
+    if (resources_[i].name != name || !resources_[i].spec.given) continue;
+    resources.entries[i].given = &buffer;
+    for (size_t pass = 0; pass < passes_.size(); ++pass)
+      for (size_t port = 0; port < wiring_[pass].size(); ++port)
+        if (wiring_[pass][port] == i) resources.ports[pass][port].buffer = &buffer;
+  }
+}
+
 const Buffer* FramePlan::buffer(const FrameResources& resources, std::string_view name) const {
   for (size_t i = 0; i < resources_.size(); ++i)
     if (resources_[i].name == name && !is_image(resources_[i].spec)) return &resources.entries[i].buffer;
@@ -283,7 +298,7 @@ void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resourc
     } else {
       buffers.push_back({VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2, nullptr, b.from_stage, b.from_access,
                          b.to_stage, b.to_access, VK_QUEUE_FAMILY_IGNORED, VK_QUEUE_FAMILY_IGNORED,
-                         entry.buffer.handle(), 0, VK_WHOLE_SIZE});
+                         entry.any_buffer().handle(), 0, VK_WHOLE_SIZE});
     }
   }
   if (images.empty() && buffers.empty()) return;
@@ -321,7 +336,9 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   }
-  if (band.last) wait_for(commands, resources, passes_.size());
+  if (!band.last) return;
+  wait_for(commands, resources, passes_.size());
+  if (hands_on_) all_before_all_after(commands);
 }
 
 }  // namespace gnomon::gpu

@@ -13,6 +13,9 @@ struct FrameResources {
   struct Entry {
     Image image;
     Buffer buffer;
+    const Buffer* given = nullptr;
+
+    const Buffer& any_buffer() const { return given ? *given : buffer; }
   };
   Capacity capacity;
   Buffer uniforms;             // FrameUniforms, mapped
@@ -36,11 +39,16 @@ class FramePlan {
   // Error: out of memory.
   Result<FrameResources> allocate(const Capacity& capacity) const;
 
+  // What the passes see as a resource that is given (ResourceSpec), until the resources are allocated anew. It lives
+  // until the device has passed what is executed with it.
+  void give(FrameResources& resources, std::string_view name, const Buffer& buffer) const;
+
   // The buffer of that name; null where the plan has none.
   const Buffer* buffer(const FrameResources& resources, std::string_view name) const;
 
   // Records the passes that have a share of the band and their barriers, and a timestamp before the first and
-  // after each (queries 0...pass_count). Bands follow each other from the top to the last row.
+  // after each (queries 0...pass_count). Bands follow each other from the top to the last row. What comes later on the
+  // queue sees what was written to given buffers.
   void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
                const PosedScene& posed, uint32_t slot, const FrameView& view, const Band& band,
                VkQueryPool timestamps) const;
@@ -73,6 +81,7 @@ class FramePlan {
   std::vector<std::vector<size_t>> wiring_;     // for each pass and port: the resource
   std::vector<std::vector<Barrier>> barriers_;  // before each pass; the last entry: after all, for the host
   std::vector<Resource> resources_;
+  bool hands_on_ = false;  // writes to a given buffer
 };
 
 }  // namespace gnomon::gpu

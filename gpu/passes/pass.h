@@ -73,7 +73,9 @@ struct ResourceSpec {
   VkFormat format = VK_FORMAT_UNDEFINED;
   std::function<uint64_t(const Capacity&)> bytes;
   MemoryUse memory = MemoryUse::device;
+  bool given = false;  // a buffer that outlives the frame: nothing is allocated, see FramePlan::give
 };
+inline ResourceSpec given_buffer() { return {{}, {}, MemoryUse::device, true}; }
 
 // What one frame needs.
 inline Capacity frame_size(const ResidentScene& scene, const TileGrid& grid) {

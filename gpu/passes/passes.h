@@ -32,11 +32,15 @@
 //     pack_places   mixed_places -> mixed_places (for each group of words where its mixed ones go; then their number)
 //   readback  masks, cares, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
-//   shade     triangle_id, and from the host given_masks and shading -> color (RGBA8): the client's picture
-//   ids       triangle_id -> ids (the same in a buffer): what a client keeps of a view
-//   predict   ids (of this frame or from the host), and from the host seen_view and seen_ids, another view -> sources
+//   upload_masks  from the host uploaded_masks -> given_masks
+//   keep_masks    the same into a buffer that is given
+//   shade     triangle_id, given_masks, and from the host shading -> color (RGBA8): the client's picture
+//   ids       triangle_id -> ids (the same in a buffer)
+//   keep_ids  the same into a buffer that is given: what a client keeps of a view
+//   predict   ids (of this frame or given), seen_ids of another view (given), and from the host seen_view -> sources
 //             (uint32 for each pixel: 0, or 1 + the pixel of that view that shows the same surface)
-//   shade_predicted  as shade, with given_masks of the seen view, by way of sources; where these are 0 all lights shine
+//   shade_predicted  as shade, with given_masks (given) of the seen view, by way of sources; where these are 0 all lights
+//             shine
 //   readback_masks  masks -> host_masks  readback_cares    cares -> host_cares
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
 //   readback_ids  ids -> host_ids  readback_sources  sources -> host_sources
@@ -75,6 +79,7 @@ inline constexpr std::string_view kHostMixed = "host_mixed";
 inline constexpr std::string_view kHostMixedCount = "host_mixed_count";
 inline constexpr std::string_view kSurface = "surface";
 inline constexpr std::string_view kHostSurface = "host_surface";
+inline constexpr std::string_view kUploadedMasks = "uploaded_masks";
 inline constexpr std::string_view kGivenMasks = "given_masks";
 inline constexpr std::string_view kShading = "shading";
 inline constexpr std::string_view kColor = "color";
@@ -123,13 +128,16 @@ Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
-Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device, bool kept);
 Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_predicted_pass(const DevicePtr& device);
 
 // Copies as much of a buffer as this frame has written into cached host memory.
 Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::string_view source,
                                                  std::string_view target);
+
+// Copies tile words that the host has written to where shaders read them again and again. `kept`: a given buffer.
+Result<std::unique_ptr<Pass>> make_upload_masks_pass(bool kept);
 
 struct ComputeStep {
   PassLayout layout;

@@ -13,12 +13,13 @@ uint64_t word_for_each_pixel(const Capacity& size) { return uint64_t{size.width}
 
 class IdsPass : public Pass {
  public:
-  explicit IdsPass(ComputeStep step) : step_(std::move(step)) {}
+  IdsPass(ComputeStep step, bool kept) : step_(std::move(step)), kept_(kept) {}
 
-  std::string_view name() const override { return "ids"; }
+  std::string_view name() const override { return kept_ ? "keep_ids" : "ids"; }
   const PassLayout* layout() const override { return &step_.layout; }
   std::vector<Port> ports() const override {
-    return {{resource::kTriangleId, Use::sampled}, {resource::kIds, Use::storage_write, {{}, word_for_each_pixel}}};
+    return {{resource::kTriangleId, Use::sampled},
+            {resource::kIds, Use::storage_write, {{}, word_for_each_pixel, MemoryUse::device, kept_}}};
   }
   void record(const FrameContext& frame) const override {
     const VkDeviceAddress ids = frame.ports[1].buffer->address();
@@ -27,6 +28,7 @@ class IdsPass : public Pass {
 
  private:
   ComputeStep step_;
+  bool kept_;
 };
 
 class PredictPass : public Pass {
@@ -38,8 +40,8 @@ class PredictPass : public Pass {
   std::vector<Port> ports() const override {
     const auto view = [](const Capacity&) { return sizeof(SeenView); };
     return {{resource::kSeenView, Use::storage_read, {{}, view, MemoryUse::upload}},
-            {resource::kSeenIds, Use::storage_read, {{}, word_for_each_pixel, MemoryUse::upload}},
-            {resource::kIds, Use::storage_read, {{}, word_for_each_pixel, MemoryUse::upload}},
+            {resource::kSeenIds, Use::storage_read, given_buffer()},
+            {resource::kIds, Use::storage_read, given_buffer()},  // unless a pass before has written them
             {resource::kSources, Use::storage_write, {{}, word_for_each_pixel}}};
   }
   void record(const FrameContext& frame) const override {
@@ -54,8 +56,8 @@ class PredictPass : public Pass {
 
 }  // namespace
 
-Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device) {
-  return pass_of<IdsPass>(make_compute_step(device, 1, ids_comp));
+Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device, bool kept) {
+  return pass_of<IdsPass>(make_compute_step(device, 1, ids_comp), kept);
 }
 Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device) {
   return pass_of<PredictPass>(make_compute_step(device, 0, predict_comp));

@@ -16,13 +16,13 @@ class ShadePass : public Pass {
   std::string_view name() const override { return predicted_ ? "shade_predicted" : "shade"; }
   const PassLayout* layout() const override { return &step_.layout; }
   std::vector<Port> ports() const override {
-    const auto masks = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
     const auto shading = [](const Capacity&) { return sizeof(ShadingUniforms); };
     const auto color = [](const Capacity& c) { return uint64_t{c.width} * c.height * sizeof(uint32_t); };
-    std::vector<Port> ports{{resource::kTriangleId, Use::sampled},
-                            {resource::kGivenMasks, Use::storage_read, {{}, masks, MemoryUse::upload}},
-                            {resource::kShading, Use::storage_read, {{}, shading, MemoryUse::upload}},
-                            {resource::kColor, Use::storage_write, {{}, color}}};
+    std::vector<Port> ports{
+        {resource::kTriangleId, Use::sampled},
+        {resource::kGivenMasks, Use::storage_read, predicted_ ? given_buffer() : ResourceSpec{}},
+        {resource::kShading, Use::storage_read, {{}, shading, MemoryUse::upload}},
+        {resource::kColor, Use::storage_write, {{}, color}}};
     if (predicted_) {
       ports.push_back({resource::kSeenView, Use::storage_read});
       ports.push_back({resource::kSources, Use::storage_read});

@@ -63,5 +63,24 @@ TEST(PredictionError, WithoutCareEveryBitOfWhatWasFoundCounts) {
   EXPECT_EQ(little.of({2, 0}, {0, 0, 3, 1}, false).bits, 2u);
 }
 
+// Every pixel: the same count. Every so many: of pixels that are there.
+TEST(PredictionError, OfSomePixelsIsAnEstimate) {
+  const tests::Mask seen = tests::noise(kGrid, 2), fresh = tests::noise(kGrid, 3);
+  const Window shown{2, 1, 17, 9};
+  std::vector<uint32_t> sources;
+  for (uint32_t i = 0; i < shown.width * shown.height; ++i) sources.push_back(i * 7 % (kGrid.width * kGrid.height));
+  const PredictionError all = compare(LightBits(seen.view()), sources, {0, 0, kGrid.width, kGrid.height},
+                                      LightBits(fresh.view()), {}, shown);
+  const PredictionError same = compare_some(seen.view(), sources, fresh.view(), shown, 1);
+  EXPECT_EQ(same.pixels, all.pixels);
+  EXPECT_EQ(same.bits, all.bits);
+  EXPECT_EQ(same.wrong, all.wrong);
+  EXPECT_EQ(same.falsely_dark, all.falsely_dark);
+  const PredictionError some = compare_some(seen.view(), sources, fresh.view(), shown, 4);
+  EXPECT_EQ(some.pixels, 5u * 3u);
+  EXPECT_LE(some.bits, some.pixels * kGrid.lights);
+  EXPECT_GT(some.wrong, 0u);
+}
+
 }  // namespace
 }  // namespace gnomon::client

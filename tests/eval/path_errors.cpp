@@ -23,7 +23,7 @@ constexpr uint32_t kFullWidth = 1920, kFullHeight = 1080;
 struct PathFrame {
   uint32_t number = 0;
   scenes::CameraPose before, pose;  // of the last frame, and its own
-  gpu::RasterView traced, shown;
+  gpu::RasterView traced, shown;    // with the widest border, and without any
   LightBits masks, cares;
 };
 
@@ -66,12 +66,13 @@ class PathRenderer {
     const auto grid = frame_->reserve(size.traced_width(), size.traced_height());
     if (!grid) return grid.error();
     if (auto rendered = frame_->render(client::to_gpu(view), *grid); !rendered) return rendered.error();
-    out.traced = {client::to_gpu(view),
-                  grid->width,
-                  grid->height,
-                  {},
-                  copied<uint32_t>(frame_->host(gpu::resource::kHostIds), size_t{grid->width} * grid->height)};
-    out.shown = shown_part(out.traced, view);
+    const auto ids = copied<uint32_t>(frame_->host(gpu::resource::kHostIds), size_t{grid->width} * grid->height);
+    auto traced = reprojection_->raster_of(client::to_gpu(view), grid->width, grid->height, ids);
+    if (!traced) return traced.error();
+    auto shown = shown_part(ids, view);
+    if (!shown) return shown.error();
+    out.traced = std::move(*traced);
+    out.shown = std::move(*shown);
     out.masks = bits(*grid, gpu::resource::kHostMasks);
     out.cares = bits(*grid, gpu::resource::kHostCares);
     return out;
@@ -84,15 +85,14 @@ class PathRenderer {
   }
 
   // The picture without border, of the same triangles.
-  gpu::RasterView shown_part(const gpu::RasterView& traced, const protocol::CameraView& view) const {
+  Result<gpu::RasterView> shown_part(const std::vector<uint32_t>& traced, const protocol::CameraView& view) {
     const ViewSize& size = plan_.size;
     const BorderPlace place = centred(size);
-    gpu::RasterView shown{client::to_gpu(client::shown_part(view, size)), size.width, size.height, {}, {}};
-    shown.ids.resize(size_t{size.width} * size.height);
+    std::vector<uint32_t> ids(size_t{size.width} * size.height);
     for (uint32_t y = 0; y < size.height; ++y)
-      std::copy_n(&traced.ids[size_t{place.top + y} * traced.width + place.left], size.width,
-                  &shown.ids[size_t{y} * size.width]);
-    return shown;
+      std::copy_n(&traced[size_t{place.top + y} * size.traced_width() + place.left], size.width,
+                  &ids[size_t{y} * size.width]);
+    return reprojection_->raster_of(client::to_gpu(client::shown_part(view, size)), size.width, size.height, ids);
   }
 
   scenes::ScenePtr scene_;
@@ -135,9 +135,9 @@ Result<void> measure(PathRenderer& renderer, const PathPlan& plan, const PathFra
                      const std::deque<PathFrame>& before, PathErrors& errors) {
   std::deque<Counting> all;
   for (const PathFrame& seen : before) {
-    auto sources = renderer.reprojection().sources(now.shown, seen.traced);
+    const auto sources = renderer.reprojection().sources(now.shown, seen.traced);
     if (!sources) return sources.error();
-    Counting& counting = all.emplace_back(Counting{&seen, std::move(*sources), {}});
+    Counting& counting = all.emplace_back(Counting{&seen, {sources->begin(), sources->end()}, {}});
     counting.by_border = std::async(std::launch::async, [&plan, &errors, &now, &counting] {
       return count(plan, errors.borders, now, *counting.seen, counting.sources);
     });

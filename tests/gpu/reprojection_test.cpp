@@ -32,10 +32,11 @@ struct Seen {
   ProbedFrame look(const CameraView& camera) { return probe.render(camera, kWidth, kHeight).value(); }
   std::vector<uint32_t> sources(const CameraView& camera) {
     const RasterView raster = reprojection->rasterise(camera, kWidth, kHeight, {}).value();
-    return reprojection->sources(raster, masks.raster).value();
+    const auto found = reprojection->sources(raster, masks.raster).value();
+    return {found.begin(), found.end()};
   }
   std::vector<uint64_t> predicted(const CameraView& camera) {
-    return masks_by_sources(masks, sources(camera), kWidth, kHeight);
+    return masks_by_sources(before.mask(), sources(camera), kWidth, kHeight);
   }
 };
 
