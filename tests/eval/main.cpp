@@ -160,9 +160,13 @@ Result<void> run_auto(const Arguments& a) {
 Result<PathPlan> bordered_plan(const Arguments& a, const scenes::ScenePtr& scene) {
   auto plan = plan_of(a, scene);
   if (!plan) return plan.error();
-  for (const Border& border : borders_of(plan->size.width, plan->size.height))
-    if (border.name == a.border) plan->size.border_x = border.x, plan->size.border_y = border.y;
-  return plan;
+  for (const Border& border : borders_of(plan->size.width, plan->size.height)) {
+    if (border.name != a.border) continue;
+    plan->size.border_x = border.x;
+    plan->size.border_y = border.y;
+    return plan;
+  }
+  return Error{"no border is called '" + a.border + "'; there are 0, 64x36, 128x72, 640x360"};
 }
 
 Result<void> run_pictures(const Arguments& a) {
@@ -195,6 +199,14 @@ Result<void> run_video(const Arguments& a) {
   });
 }
 
+// Whom all of it is measured on.
+Result<void> say_device(const Arguments& a) {
+  const auto device = gpu::Device::create({a.device, {}});
+  if (!device) return device.error();
+  std::printf("%s, %s\n", (*device)->info().name.c_str(), (*device)->info().driver.c_str());
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -222,10 +234,13 @@ int main(int argc, char** argv) {
   pictures->add_option("--x", a.x, "frames predicted ahead");
   auto* video = common(app.add_subcommand("video", "the path's pictures for each x: PREFIX-x.rgb, raw RGB"));
   video->add_option("--x", a.every_x, "frames predicted ahead")->required();
+  auto* device = app.add_subcommand("device", "the name of the device that the others would take, and its driver");
+  device->add_option("--device", a.device, "Vulkan device: name, index or type");
   CLI11_PARSE(app, argc, argv);
   const auto done = errors->parsed()      ? run_errors(a)
                     : automatic->parsed() ? run_auto(a)
                     : pictures->parsed()  ? run_pictures(a)
+                    : device->parsed()    ? say_device(a)
                                           : run_video(a);
   if (!done) std::fprintf(stderr, "gnomon-eval: %s\n", done.error().message.c_str());
   return done ? 0 : 1;

@@ -1,9 +1,8 @@
 """What needs no network: gnomon-eval renders the paths, this machine's device traces them."""
+import functools
 import os
 import re
 import subprocess
-
-import tables
 
 FPS = {"living_room": 60, "temple": 58}  # dissertation 4.1.1
 VIDEO_SECONDS = {"living_room": 14, "temple": 20}  # 4.1.3
@@ -20,28 +19,30 @@ def eval_program(args, what, scene, out, *more):
     subprocess.run([str(part) for part in command], check=True)
 
 
-def errors(args):
+def by_scene(measure):
+    """A stage that has a part for each scene."""
+    return lambda args: ((scene, functools.partial(measure, args, scene)) for scene in args.scene)
+
+
+def errors(args, scene):
     """Figure 10. The living room's path is flown twice there; the second time is the same frames."""
-    for scene in args.scene:
-        quick = ["--seconds", 1, "--from", 2] if args.quick else []
-        eval_program(args, "errors", scene, args.out / f"errors-{scene}.csv", "--fps", FPS.get(scene, 60), "--stride",
-                     6 if args.quick else args.stride, *quick)
+    quick = ["--seconds", 1, "--from", 2] if args.quick else []
+    eval_program(args, "errors", scene, args.out / f"errors-{scene}.csv", "--fps", FPS.get(scene, 60), "--stride",
+                 6 if args.quick else args.stride, *quick)
 
 
-def automatic(args):
+def automatic(args, scene):
     """Policies for x over the frames' errors, in virtual time."""
-    for scene in args.scene:
-        frames = args.out / f"errors-{scene}.csv.frames"
-        if not frames.exists():
-            raise SystemExit("stage auto needs what stage errors leaves")
-        quick = ["--from", 2] if args.quick else []
-        eval_program(args, "auto", scene, args.out / f"auto-{scene}.csv", "--errors", frames, "--fps", FPS.get(scene, 60), *quick)
+    frames = args.out / f"errors-{scene}.csv.frames"
+    if not frames.exists():
+        raise SystemExit("stage auto needs what stage errors leaves")
+    quick = ["--from", 2] if args.quick else []
+    eval_program(args, "auto", scene, args.out / f"auto-{scene}.csv", "--errors", frames, "--fps", FPS.get(scene, 60), *quick)
 
 
-def pictures(args):
-    for scene in args.scene:
-        for x in (4, 19):
-            eval_program(args, "pictures", scene, args.out / f"picture-{scene}-{x}", "--x", x, "--from", 3, "--seconds", 0.1)
+def pictures(args, scene):
+    for x in (4, 19):
+        eval_program(args, "pictures", scene, args.out / f"picture-{scene}-{x}", "--x", x, "--from", 3, "--seconds", 0.1)
 
 
 def quality(size, reference, distorted):
@@ -69,22 +70,21 @@ def vmaf(raw, reference, distorted):
     return {"vmaf": float(re.search(r"VMAF score: ([\d.]+)", log).group(1))}
 
 
-def videos(args):
+def videos(args, scene):
     """Figure 12: video of each x against the video of x = 0, 30 frames a second."""
     every_x = [0, 1, 4, 10] if args.quick else range(20)
-    rows = []
-    for scene in args.scene:
-        seconds = 0.7 if args.quick else args.video_seconds or VIDEO_SECONDS.get(scene, 14)
-        prefix = args.out / f"video-{scene}"
+    seconds = 0.7 if args.quick else args.video_seconds or VIDEO_SECONDS.get(scene, 14)
+    prefix = args.out / f"video-{scene}"
+    files = {x: f"{prefix}-{x}.rgb" for x in every_x}
+    try:
         eval_program(args, "video", scene, prefix, "--fps", VIDEO_FPS, "--seconds", seconds, "--from", 2 if args.quick else 0,
                      *[part for x in every_x for part in ("--x", x)])
-        files = {x: f"{prefix}-{x}.rgb" for x in every_x}
-        for x in every_x:
-            if x > 0:
-                rows.append({"scene": scene, "size": args.size, "x": x, **quality(args.size, files[0], files[x])})
-                os.remove(files[x])
-        os.remove(files[0])
-        tables.write(args.out / "videos.csv", rows)
+        return [{"scene": scene, "size": args.size, "seconds": seconds, "x": x, **quality(args.size, files[0], files[x])}
+                for x in every_x if x > 0]
+    finally:
+        for file in files.values():
+            if os.path.exists(file):
+                os.remove(file)
 
 
-STAGES = {"errors": errors, "auto": automatic, "videos": videos, "pictures": pictures}
+STAGES = {"errors": by_scene(errors), "auto": by_scene(automatic), "videos": by_scene(videos), "pictures": by_scene(pictures)}

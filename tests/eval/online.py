@@ -1,13 +1,13 @@
 """What needs the daemon: frame rates, response times, many clients, shared scenes."""
 import argparse
 import concurrent.futures
+import functools
 import json
 import re
 import subprocess
 import tempfile
 import time
 
-import tables
 from served import Daemon, serving
 
 BORDERS = {"0": (0, 0), "64x36": (64, 36), "128x72": (128, 72)}
@@ -44,16 +44,17 @@ def frames_for(args, daemon, size, **options):
 
 def rates(args):
     """Figures 13 and 14: one client that predicts, as fast as it can."""
-    rows = []
     for scene in args.scene:
-        args = of_scene(args, scene)
-        with serving(args, "fair", TENANTS) as daemon:
-            for border in BORDERS:
-                options = {"mode": "predicted", "ahead": 4, "border": scaled(border, args.size)}
-                row = client(args, daemon, args.size, frames_for(args, daemon, args.size, **options), **options)
-                rows.append({"scene": scene, "size": args.size, "border": border, "fps": row["fps"], "vbps": row["vbps"]})
-                print(f"  {scene} border {border}: {row['fps']:.1f} fps, {row['vbps']:.1f} vbps", flush=True)
-        tables.write(args.out / "rates.csv", rows)
+        for border in BORDERS:
+            yield f"{scene}-{border}", functools.partial(rate, of_scene(args, scene), border)
+
+
+def rate(args, border):
+    with serving(args, "fair", TENANTS) as daemon:
+        options = {"mode": "predicted", "ahead": 4, "border": scaled(border, args.size)}
+        row = client(args, daemon, args.size, frames_for(args, daemon, args.size, **options), **options)
+    print(f"    {row['fps']:.1f} fps, {row['vbps']:.1f} vbps", flush=True)
+    return [{"scene": args.scene, "size": args.size, "border": border, "fps": row["fps"], "vbps": row["vbps"]}]
 
 
 class Link:
@@ -77,49 +78,43 @@ class Link:
 
 def response(args):
     """Figure 15: for several round trips, and at 100 ms for each border."""
-    scene = args.scene[0]
-    args = of_scene(args, scene)
-    pings = [20, 100] if args.quick else [1, 20, 35, 70, 100, 170, 230]  # 20: an edge node over 5G
-    every_x = [0, 1, 2] if args.quick else [0, 1, 2, 3, 4, 6, 8, 12, 16, 19]
+    for ping in [20, 100] if args.quick else [1, 20, 35, 70, 100, 170, 230]:  # 20: an edge node over 5G
+        for border in BORDERS if ping == 100 and not args.quick else ["0"]:
+            yield f"{args.scene[0]}-{ping}ms-{border}", functools.partial(responses, of_scene(args, args.scene[0]), ping, border)
+
+
+def responses(args, ping, border):
     frames = max(20, int(args.rate * min(args.seconds, 3)))
     rows = []
-
-    def measure(daemon, server, ping, border, x):
-        row = client(args, daemon, args.small, frames, server, mode="predicted", ahead=x, rate=args.rate,
-                     border=scaled(border, args.small))
-        rows.append({"scene": scene, "size": args.small, "rate_hz": args.rate, "latency_ms": ping, "border": border, "x": x,
-                     "response_ms": row["response_p50_ms"], "mean_x": row["mean_x"], "vbps": row["vbps"]})
-
-    with serving(args, "fair", TENANTS) as daemon:
+    with serving(args, "fair", TENANTS) as daemon, Link(args, daemon, ping) as link:
         client(args, daemon, args.small, 12, mode="predicted")
-        for ping in pings:
-            with Link(args, daemon, ping) as link:
-                for x in every_x:
-                    measure(daemon, link.server, ping, "0", x)
-                if ping == 100 and not args.quick:
-                    for border in ("64x36", "128x72"):
-                        for x in every_x:
-                            measure(daemon, link.server, ping, border, x)
-            tables.write(args.out / "response.csv", rows)
-            print(f"  {ping} ms", flush=True)
+        for x in [0, 1, 2] if args.quick else [0, 1, 2, 3, 4, 6, 8, 12, 16, 19]:
+            row = client(args, daemon, args.small, frames, link.server, mode="predicted", ahead=x, rate=args.rate,
+                         border=scaled(border, args.small))
+            rows.append({"scene": args.scene, "size": args.small, "rate_hz": args.rate, "latency_ms": ping, "border": border, "x": x,
+                         "response_ms": row["response_p50_ms"], "mean_x": row["mean_x"], "vbps": row["vbps"]})
+    return rows
 
 
 def clients(args):
     """Figure 16: what the server sends in a second to one client and to more."""
-    rows = []
     for scene in args.scene:
-        args = of_scene(args, scene)
-        width, height = (int(side) for side in args.size.split("x"))
-        with serving(args, "fair", TENANTS) as daemon:
-            for border in ["0"] if args.quick else BORDERS:
-                extra = scaled(border, args.size).split("x")
-                size = f"{width + int(extra[0])}x{height + int(extra[1])}"
-                for count in [1, 2, 4] if args.quick else [1, 2, 4, 8, 16, 32, 64] if border == "0" else [1, 2]:
-                    row = daemon.load({"eval": count}, size, 0, args.seconds).rows()["eval"]
-                    rows.append({"scene": scene, "size": args.size, "border": border, "clients": count, "vbps": row["vbps"],
-                                 "p50_ms": row["p50_ms"], "p99_ms": row["p99_ms"]})
-                    print(f"  {scene} border {border}, {count} clients: {row['vbps']:.1f} vbps", flush=True)
-        tables.write(args.out / "clients.csv", rows)
+        for border in ["0"] if args.quick else BORDERS:
+            yield f"{scene}-{border}", functools.partial(clients_together, of_scene(args, scene), border)
+
+
+def clients_together(args, border):
+    rows = []
+    width, height = (int(side) for side in args.size.split("x"))
+    extra = scaled(border, args.size).split("x")
+    size = f"{width + int(extra[0])}x{height + int(extra[1])}"
+    with serving(args, "fair", TENANTS) as daemon:
+        for count in [1, 2, 4] if args.quick else [1, 2, 4, 8, 16, 32, 64] if border == "0" else [1, 2]:
+            row = daemon.load({"eval": count}, size, 0, args.seconds).rows()["eval"]
+            rows.append({"scene": args.scene, "size": args.size, "border": border, "clients": count, "vbps": row["vbps"],
+                         "p50_ms": row["p50_ms"], "p99_ms": row["p99_ms"]})
+            print(f"    {count} clients: {row['vbps']:.1f} vbps", flush=True)
+    return rows
 
 
 def resident_mb(daemon):
@@ -136,12 +131,15 @@ def device_mb(daemon):
 
 def sharing(args):
     """What a further client costs: one more in the same scene, or a daemon with a scene of its own."""
-    rows = []
-    args = of_scene(args, args.scene[0])
-    counts = [1, 2] if args.quick else [1, 2, 4]
     for kind in ("shared", "separate"):
-        daemons = []
-        for count in range(1, counts[-1] + 1):
+        yield f"{args.scene[0]}-{kind}", functools.partial(memory_and_time, of_scene(args, args.scene[0]), kind)
+
+
+def memory_and_time(args, kind):
+    args.cache = None  # the time that it takes to build what is shared counts
+    rows, daemons = [], []
+    try:
+        for count in range(1, (2 if args.quick else 4) + 1):
             began = time.monotonic()
             if kind == "separate" or not daemons:
                 daemons.append(Daemon(args, "fair", TENANTS))
@@ -152,10 +150,11 @@ def sharing(args):
                 list(pool.map(lambda load: load.rows(), loads))
             rows.append({"kind": kind, "clients": count, "host_mb": sum(map(resident_mb, daemons)),
                          "device_mb": sum(map(device_mb, daemons)), "last_client_ready_s": took})
-            print(f"  {kind}, {count} clients: {rows[-1]['host_mb']:.0f} MB, {took:.1f} s", flush=True)
+            print(f"    {count} clients: {rows[-1]['host_mb']:.0f} MB, {took:.1f} s", flush=True)
+    finally:
         for daemon in daemons:
             daemon.stop()
-    tables.write(args.out / "sharing.csv", rows)
+    return rows
 
 
 STAGES = {"rates": rates, "response": response, "clients": clients, "sharing": sharing}

@@ -4,12 +4,13 @@ import base64
 import html
 
 import dissertation
+import findings
 import plots
 import tables
 
 STYLE = """body{font:15px/1.5 sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#222}
 table{border-collapse:collapse;margin:.8em 0}td,th{border-bottom:1px solid #ddd;padding:.15em .8em;text-align:right}
-th{background:#f4f4f4}td:first-child,th:first-child{text-align:left}.machine,.says{color:#555}figure{display:inline-block;margin:.5em}
+th{background:#f4f4f4}td:first-child,th:first-child{text-align:left}.machine,.says{color:#555}.here{border-left:3px solid #2a9d8f;padding-left:.8em}figure{display:inline-block;margin:.5em}
 img{max-width:100%}figcaption{font-size:13px;color:#555}"""
 
 
@@ -31,6 +32,11 @@ def picture(file, caption=""):
     return f'<figure><img src="data:image/{kind};base64,{data}"><figcaption>{html.escape(caption)}</figcaption></figure>'
 
 
+def here(text):
+    """What is found here, beside what the dissertation says."""
+    return f'<p class="here">Here: {html.escape(text)}</p>' if text else ""
+
+
 def grouped(rows, *keys):
     groups = {}
     for row in rows:
@@ -44,24 +50,35 @@ def plotted(out, name, *args, **kwargs):
     return picture(file)
 
 
+def shares(rows):
+    """Border -> x -> % of the picture's bits."""
+    return {border_of({"border": border}): {r["x"]: 100 * r["error_share_of_picture"] for r in group}
+            for (border,), group in grouped(rows, "border").items()}
+
+
 def errors(out):
-    parts = []
+    parts, curves = [], {}
     for file in sorted(out.glob("errors-*.csv")):
         rows = tables.read(file)
         scene = rows[0]["scene"]
-        by_border = grouped(rows, "border")
-        series = {str(border).removesuffix(".0"): ([(r["x"], 100 * r["error_share_of_picture"]) for r in group], "linespoints")
-                  for (border,), group in by_border.items()}
-        parts.append(plotted(out, f"figure-10-{scene}", f"{scene}: wrong bits per light, {rows[0]['size']}", "frames predicted ahead, x",
-                             "% of the picture", series))
-        first = next(iter(by_border.values()))
-        shown = [r for r in first if r["x"] in (1, 2, 4, 8, 12, 19)]
-        columns = ["border", *(f"x = {r['x']:.0f}" for r in shown)]
-        parts.append("<p>Wrong bits per light as % of the picture, and in brackets of the bits that matter (where a light "
-                     f"may shine); {rows[0]['frames']:.0f} frames, {rows[0]['device']}.</p>")
-        parts.append(table(columns, [[name, *(f"{100 * r['error_share_of_picture']:.2f} ({100 * r['error_share']:.2f})" for r in by_border[(key,)]
-                                              if r["x"] in (1, 2, 4, 8, 12, 19))] for (key,), name in zip(by_border, series)]))
-    return parts
+        by_border = shares(rows)
+        curves[f"{scene}, {rows[0]['size']}"] = {"no border" if border == "0" else border: (list(points.items()), "linespoints") for border, points in by_border.items()}
+        parts.append(f"<p>{scene}: wrong bits per light as % of the picture, and in brackets of the bits that matter (where a light may "
+                     f"shine); {rows[0]['frames']:.0f} frames of the path, {rows[0]['size']}, {html.escape(rows[0]['device'])}.</p>")
+        that_matter = grouped(rows, "border", "x")
+        some_x = [x for x in next(iter(by_border.values())) if x in (1, 2, 4, 8, 12, 19)]
+        lines = []
+        for (border,), _ in grouped(rows, "border").items():
+            picked = [that_matter[border, x][0] for x in some_x]
+            lines.append([border_of({"border": border}),
+                          *(f"{100 * r['error_share_of_picture']:.2f} ({100 * r['error_share']:.2f})" for r in picked)])
+        parts.append(table(["border", *(f"x = {x:.0f}" for x in some_x)], lines))
+        parts.append(here(findings.of_errors(by_border)))
+    if not parts:
+        return []
+    file = out / "figure-10.svg"
+    plots.side_by_side(file, "frames predicted ahead, x", "wrong bits per light, % of the picture", curves, key="left top")
+    return [picture(file, "Wrong bits per light for each border"), *parts]
 
 
 def better(automatic, other):
@@ -112,9 +129,20 @@ def videos(out):
         if rows and metric in rows[0]:
             series = {scene: ([(r["x"], r[metric]) for r in group], "linespoints") for (scene,), group in grouped(rows, "scene").items()}
             parts.append(plotted(out, f"figure-12-{metric}", f"{label} of predicted against fresh video, 30 fps", "frames predicted ahead, x", label,
-                                 series, size="520,340"))
+                                 series, size="520,360", key="below height 1", y_range="*:*"))
     metrics = [m for m in ("ssim", "psnr", "vif", "vmaf") if rows and m in rows[0]]
-    return parts + [table(["scene", "x", *metrics], [[r["scene"], r["x"], *(r[m] for m in metrics)] for r in rows])] if rows else []
+    if not rows:
+        return []
+    seconds = "; ".join(f"{scene}: {group[0]['seconds']:.0f} s" for (scene,), group in grouped(rows, "scene").items())
+    parts.append(f"<p>{rows[0]['size']}, 30 frames a second, from the beginning of each path ({seconds}), border 128x72.</p>")
+    by_x = {x: {r["scene"]: r for r in group} for (x,), group in grouped(rows, "x").items()}
+    scenes = list(dict.fromkeys(r["scene"] for r in rows))
+    parts.append(table(["x", *(f"{scene}: {m.upper()}" for scene in scenes for m in metrics)],
+                       [[x, *(found[scene][m] if scene in found else "-" for scene in scenes for m in metrics)] for x, found in by_x.items()]))
+    for metric in metrics:
+        parts.append(here(findings.of_videos({scene: {r["x"]: r[metric] for r in group} for (scene,), group in grouped(rows, "scene").items()},
+                                             metric.upper())))
+    return parts
 
 
 def rates(out):
@@ -125,8 +153,10 @@ def rates(out):
               for (scene,), group in grouped(rows, "scene").items() for what in ("fps", "vbps")}
     if not rows:
         return []
-    return [plotted(out, "figure-13-14", f"client fps and server vbps, {rows[0]['size']}", "border, pixels of width at 1920", "a second", series),
-            table(["scene", "border", "fps", "ms a frame", "dissertation fps", "vbps", "dissertation vbps"], lines)]
+    return [plotted(out, "figure-13-14", f"client fps and server vbps, {rows[0]['size']}", "border, pixels of width at 1920", "a second", series,
+                    dashed=["vbps"]),
+            table(["scene", "border", "fps", "ms a frame", "dissertation fps", "vbps", "dissertation vbps"], lines),
+            here(findings.of_rates(rows))]
 
 
 def border_of(row):
@@ -149,6 +179,7 @@ def response(out):
     parts.append(f"<p>Median ms from a camera to its picture; a frame takes {1000 / rows[0]['rate_hz']:.0f} ms.</p>")
     parts.append(table(["latency", *(f"x = {x:.0f}" for x in every_x)],
                        [[name, *(y for _, y in sorted(points))] for name, (points, _) in series.items()]))
+    parts.append(here(findings.of_response({name: points for name, (points, _) in series.items()}, 1000 / rows[0]["rate_hz"])))
     return parts
 
 
@@ -160,7 +191,8 @@ def clients(out):
     series = {scene: ([(r["clients"], r["vbps"]) for r in group], "linespoints") for (scene,), group in grouped(plain, "scene").items()}
     lines = [[r["scene"], border_of(r), r["clients"], r["vbps"], said_of(r), r["p50_ms"], r["p99_ms"]] for r in rows]
     return [plotted(out, "figure-16", f"vbps of all clients together, {rows[0]['size']}", "clients", "vbps", series, log_x=True),
-            table(["scene", "border", "clients", "vbps", "dissertation vbps", "p50 ms", "p99 ms"], lines)]
+            table(["scene", "border", "clients", "vbps", "dissertation vbps", "p50 ms", "p99 ms"], lines),
+            here(findings.of_clients({scene: {r["clients"]: r["vbps"] for r in group} for (scene,), group in grouped(plain, "scene").items()}))]
 
 
 def said_of(row):
@@ -190,7 +222,7 @@ def remote(out):
                   for (scene, mode), group in modes.items() if all(metric in r and r[metric] != "" for r in group)}
         if series and len(rows) > 2:
             parts.append(plotted(out, f"remote-{metric}", f"{label}, {rows[0]['size']}", "link, Mbit/s", label, series, log_x=True,
-                                 size="520,340"))
+                                 size="520,380", key="below height 1", dashed=["video"], y_range="*:*" if metric == "ssim" else "0:*"))
     parts.append(f"<p>The same links (50 ms of round trip), scenes, device, sizes and {rows[0]['rate_hz']:.0f} cameras a second; pacing, "
                  "feedback and rate are the same code. Video: H.264 by libx264 without delay, its quality measured on what came. "
                  "Visibility: mode auto; its quality is Figure 12's at as many milliseconds ahead as it chose in the mean, as its pictures "
@@ -198,6 +230,7 @@ def remote(out):
     columns = ["fps", "response_ms", "bytes_per_frame", "mbit_per_s", "ssim", "psnr", "vif"]
     parts.append(table(["scene", "link, Mbit/s", "sent", "pictures a second", "response, ms", "bytes a picture", "Mbit/s", "SSIM", "PSNR", "VIF"],
                        [[r["scene"], r["link_mbit"], r["mode"], *(r.get(c, "-") for c in columns)] for r in rows]))
+    parts.append(here(findings.of_remote({key: {r["mode"]: r for r in group} for key, group in grouped(rows, "scene", "link_mbit").items()})))
     return parts
 
 
@@ -230,7 +263,7 @@ def write(out, machine):
         parts.append(f"<h2>{html.escape(title)}</h2>")
         where = machine.get(name)
         if where:
-            parts.append(f'<p class="machine">{html.escape(where["cpu"])}, {where["date"]}, {where["took_s"]:.0f} s</p>')
+            parts.append(f'<p class="machine">{html.escape(where["device"])}; {html.escape(where["cpu"])}; {where["date"]}, {where["took_s"]:.0f} s</p>')
         parts.append(f'<p class="says">The dissertation: {html.escape(dissertation.SAYS[name])}</p>')
         parts += content
     (out / "report.html").write_text("\n".join(parts))

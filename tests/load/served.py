@@ -13,7 +13,8 @@ PATIENCE_S = 120  # only what hangs takes this long
 
 
 class Daemon:
-    """Serves on free ports until stop(). `tenants`: list of dicts of configuration keys."""
+    """Serves on free ports until stop(). `tenants`: list of dicts of configuration keys. args.cache: a folder for light buffers,
+    if any."""
 
     def __init__(self, args, policy, tenants, **scheduler):
         self.folder = tempfile.TemporaryDirectory(prefix="gnomon-load-")
@@ -26,6 +27,8 @@ class Daemon:
             "tenants": tenants,
             "log": {"level": "error"},
         }
+        if getattr(args, "cache", None):
+            self.config["render"] = {"cache_folder": str(pathlib.Path(args.cache).absolute())}
         config = self.write_config()
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen([args.bin / "gnomond", "--config", config], stdout=self.log,
