@@ -46,17 +46,24 @@ std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const
 Result<Reprojection> Reprojection::create(const BlockingFrame& beside) {
   Reprojection made;
   made.device_ = beside.device_ptr();
-  const std::pair<std::unique_ptr<BlockingFrame>*, std::vector<std::string>> frames[] = {
-      {&made.raster_, {"gbuffer", "keep_ids"}},
-      {&made.seer_, {"gbuffer", "keep_ids", "keep_masks"}},
-      {&made.finder_, {"predict", "readback_sources"}},
-      {&made.shader_, {"gbuffer", "ids", "predict", "shade_predicted", "readback_color"}}};
-  for (const auto& [frame, passes] : frames) {
-    auto created = BlockingFrame::create_beside(beside, passes);
-    if (!created) return created.error();
-    *frame = std::move(*created);
-  }
+  auto seer = BlockingFrame::create_beside(beside, {"gbuffer", "keep_ids", "keep_masks"});
+  if (!seer) return seer.error();
+  auto shader =
+      BlockingFrame::create_beside(beside, {"gbuffer", "ids", "predict", "shade_predicted", "readback_color"});
+  if (!shader) return shader.error();
+  made.seer_ = std::move(*seer);
+  made.shader_ = std::move(*shader);
   return made;
+}
+
+Result<BlockingFrame*> Reprojection::when_needed(std::unique_ptr<BlockingFrame>& frame,
+                                                 const std::vector<std::string>& passes) {
+  if (!frame) {
+    auto made = BlockingFrame::create_beside(*seer_, passes);
+    if (!made) return made.error();
+    frame = std::move(*made);
+  }
+  return frame.get();
 }
 
 // One that nobody holds any more, if there is one: what has read or written it comes before what is rendered next. A
@@ -84,9 +91,11 @@ Result<RasterView> Reprojection::rasterise(BlockingFrame& frame, const TileGrid&
 
 Result<RasterView> Reprojection::rasterise(const CameraView& camera, uint32_t width, uint32_t height,
                                            scenes::SceneTime time) {
-  const auto grid = raster_->reserve(width, height, time);
+  const auto frame = when_needed(raster_, {"gbuffer", "keep_ids"});
+  if (!frame) return frame.error();
+  const auto grid = (*frame)->reserve(width, height, time);
   if (!grid) return grid.error();
-  return rasterise(*raster_, *grid, camera, time);
+  return rasterise(**frame, *grid, camera, time);
 }
 
 Result<RasterView> Reprojection::raster_of(const CameraView& camera, uint32_t width, uint32_t height,
@@ -113,6 +122,7 @@ Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView
 }
 
 Result<std::span<const uint32_t>> Reprojection::sources(const RasterView& view, const RasterView& seen) {
+  if (const auto made = when_needed(finder_, {"predict", "readback_sources"}); !made) return made.error();
   const auto grid = finder_->reserve(view.width, view.height, seen.time);
   if (!grid) return grid.error();
   give_seen(*finder_, seen);

@@ -62,13 +62,15 @@ class Reprojection {
                                            const SeenMasks& seen, std::span<const std::byte> shading);
 
  private:
+  Result<BlockingFrame*> when_needed(std::unique_ptr<BlockingFrame>& frame, const std::vector<std::string>& passes);
   Result<std::shared_ptr<Buffer>> buffer(uint64_t bytes);
   Result<RasterView> rasterise(BlockingFrame& frame, const TileGrid& grid, const CameraView& camera,
                                scenes::SceneTime time);
 
   DevicePtr device_;
-  std::unique_ptr<BlockingFrame> raster_, seer_, finder_, shader_;
-  std::vector<std::shared_ptr<Buffer>> buffers_;  // lent, or free for what comes
+  std::unique_ptr<BlockingFrame> seer_, shader_;
+  std::unique_ptr<BlockingFrame> raster_, finder_;  // made when needed
+  std::vector<std::shared_ptr<Buffer>> buffers_;    // lent, or free for what comes
 };
 
 }  // namespace gnomon::gpu

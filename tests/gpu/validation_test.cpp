@@ -131,6 +131,17 @@ TEST_F(Validation, ReferenceViewAndProbeAreClean) {
     ASSERT_TRUE(view) << view.error().message;
     ASSERT_TRUE((*view)->suggest_exposure(camera));
     ASSERT_TRUE((*view)->render(camera, 120, 70, frame->mask()));
+    // What is seen stays on the device, and the next frames begin before it has passed.
+    Reprojection* reprojection = (*view)->reprojection().value();
+    for (const float x : {3.1f, 3.2f, 3.3f}) {
+      const auto seen = reprojection->see(camera, frame->mask(), {});
+      ASSERT_TRUE(seen) << seen.error().message;
+      const CameraView later = look_at({x, 2, 4}, {0, 0, 0}, 0.9f, 120, 70);
+      ASSERT_TRUE((*view)->predict(later, 120, 70, *seen));
+      const auto raster = reprojection->rasterise(later, 120, 70, {});
+      ASSERT_TRUE(raster) << raster.error().message;
+      ASSERT_TRUE(reprojection->sources(*raster, seen->raster));
+    }
   }
   EXPECT_EQ(heard.all(), "");
 }
