@@ -63,7 +63,11 @@ def of_clients(by_scene):
     said = []
     for scene, vbps in by_scene.items():
         most = max(vbps, key=vbps.get)
-        said.append(f"{scene}: two clients get {vbps[2] / vbps[1]:.2f} times what one gets, {most:.0f} the most, {vbps[most] / vbps[1]:.2f} times.")
+        idle = vbps[2] > 1.1 * vbps[1]
+        why = ("a client alone waits for its own answers and leaves the device idle meanwhile" if idle
+               else "a client alone keeps the device busy already, as it did in Sun Temple")
+        said.append(f"{scene}: two clients get {vbps[2] / vbps[1]:.2f} times what one gets ({why}), {most:.0f} the most, "
+                    f"{vbps[most] / vbps[1]:.2f} times.")
     return " ".join(said)
 
 
@@ -71,7 +75,7 @@ def of_rates(rows):
     """One client that predicts: does the server keep up with it?"""
     behind = [r for r in rows if r["vbps"] < 0.95 * r["fps"]]
     said = ("The client shows a picture for each mask that comes: fps and vbps are the same."
-            if not behind else "The server is behind the client with " + ", ".join(f"{r['scene']} {r['border']}" for r in behind) + ".")
+            if not behind else "The server is behind the client with " + ", ".join(f"{r['scene']} {str(r['border']).removesuffix('.0')}" for r in behind) + ".")
     return said
 
 
@@ -83,7 +87,7 @@ def of_remote(by_link):
     sooner = [key for key, m in pairs.items() if m["visibility"]["response_ms"] < m["video"]["response_ms"]]
     better = [key for key, m in pairs.items() if number(m["visibility"].get("ssim")) > number(m["video"].get("ssim"))]
     ratio = sorted(m["visibility"]["mbit_per_s"] / m["video"]["mbit_per_s"] for m in pairs.values())
-    return (f"Of {len(pairs)} pairs of a scene and a link visibility answers sooner in {len(sooner)} and is more like the ideal picture in "
+    return (f"Of {len(pairs)} scenes and links visibility answers sooner in {len(sooner)} and is more like the ideal picture in "
             f"{len(better)}; it receives {ratio[0]:.2f} to {ratio[-1]:.2f} times video's bits.")
 
 
