@@ -33,7 +33,10 @@ std::string describe(const protocol::Refused& refused);
 
 // Call backs come while the loop runs; they may close the connection, but not destroy it.
 struct ConnectionEvents {
-  std::function<void()> opened = {};                                              // Welcome has come
+  std::function<void()> opened = {};  // Welcome has come
+  // The control connection was lost and is replaced: the same session, as welcome() says now. What was asked for
+  // before is not answered any more.
+  std::function<void()> resumed = {};
   std::function<void(const protocol::Message&)> message = {};                     // any message after it
   std::function<void(const protocol::Opened&, TimePoint arrived)> datagram = {};  // borrowed for the call
   std::function<void(const Error&)> closed = {};  // by the server or the network; not by close()
@@ -47,7 +50,7 @@ class Connection {
   Connection(Loop& loop, ConnectOptions options, ConnectionEvents events);
   ~Connection();  // closes
 
-  State state() const { return state_; }
+  State state() const { return state_; }  // a session without control connection that tries to resume is open
   // Serves the loop until the session is open. Error: why it is not (one line).
   Result<void> wait_open();
   // Why the server or the network closed, or the server refused.
@@ -56,6 +59,9 @@ class Connection {
 
   const protocol::Welcome& welcome() const { return welcome_; }  // once open
   DataCounters data_counters() const;
+
+  // The other end has been asked to go on with the session, on another control connection, and has not said so yet.
+  bool resuming() const { return asked_to_resume_; }
 
   // True: datagrams do not pass, or are not wanted; what they would carry goes over the control connection.
   bool by_control() const { return !path_.by_udp(); }
@@ -67,8 +73,15 @@ class Connection {
   void close(const std::string& reason);
 
  private:
+  ControlChannel::Events control_events(std::function<void()> connected);
   void on_message(protocol::Message message);
   void on_welcome(protocol::Welcome welcome);
+  bool fits(const protocol::Welcome& welcome);
+  void on_control_lost(const Error& error);
+  void lose_control(const Error& error);
+  void connect_again();
+  void ask_to_resume();
+  void on_resumed(protocol::Welcome welcome);
   void on_data(const protocol::Data& data);
   void watch_path();
   void fail(Error error);
@@ -85,8 +98,14 @@ class Connection {
   DataCounters by_control_;
   Timer handshake_timer_;
   Timer path_timer_;
+  protocol::Secret resumption_{};
+  std::optional<Error> lost_;  // why the control connection was lost that is to be replaced
+  TimePoint resume_until_{}, resumed_{};
+  bool asked_to_resume_ = false;
+  TimePoint control_heard_{};
+  Timer resume_timer_;
   std::unique_ptr<DataChannel> data_;
-  ControlChannel control_;
+  std::unique_ptr<ControlChannel> control_;
 };
 
 }  // namespace gnomon::client

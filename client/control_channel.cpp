@@ -178,4 +178,12 @@ Result<protocol::SealSecrets> ControlChannel::seal_secrets(SessionId session, pr
   return protocol::export_secrets(state_->stream.native_handle(), session, cipher);
 }
 
+Result<protocol::Secret> ControlChannel::resumption_secret(SessionId session) const {
+  return protocol::export_resumption_secret(state_->stream.native_handle(), session);
+}
+
+Result<protocol::Secret> ControlChannel::resumption_proof(SessionId session, const protocol::Secret& secret) const {
+  return protocol::resumption_proof(state_->stream.native_handle(), session, secret);
+}
+
 }  // namespace gnomon::client

@@ -38,6 +38,10 @@ class ControlChannel {
   // Of the data channel, from this connection's TLS session; once connected.
   Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher) const;
 
+  // Of a session that this connection opened; and, on another one, what proves that it is known. Once connected.
+  Result<protocol::Secret> resumption_secret(SessionId session) const;
+  Result<protocol::Secret> resumption_proof(SessionId session, const protocol::Secret& secret) const;
+
  private:
   struct State;
   std::shared_ptr<State> state_;

@@ -15,6 +15,10 @@ constexpr int kReceiveBufferBytes = 4 << 20;
 // Sockets take turns after this many datagrams, so that a busy session does not hold up its neighbours.
 constexpr int kDatagramsPerTurn = 64;
 
+Error no_socket(const Address& server, const asio::error_code& error) {
+  return Error{"cannot open a data socket to " + to_string(server) + ": " + error.message()};
+}
+
 }  // namespace
 
 struct DataChannel::State : std::enable_shared_from_this<State> {
@@ -63,10 +67,11 @@ Result<std::unique_ptr<DataChannel>> DataChannel::open(Loop& loop, const Address
   auto state = std::make_shared<State>(loop, std::move(on_datagram));
   state->seal = std::move(seal);
   asio::error_code error;
-  const auto address = asio::ip::make_address(server.host, error);
-  if (!error) state->socket.connect(udp::endpoint(address, server.port), error);
+  if (const auto address = asio::ip::make_address(server.host, error); !error) {
+    state->socket.connect(udp::endpoint(address, server.port), error);
+  }
   if (!error) state->socket.non_blocking(true, error);
-  if (error) return Error{"cannot open a data socket to " + to_string(server) + ": " + error.message()};
+  if (error) return no_socket(server, error);
   asio::error_code ignored;
   state->socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
   stamp_arrivals(state->socket.native_handle());
@@ -79,6 +84,16 @@ DataChannel::~DataChannel() {
   asio::error_code ignored;
   state_->socket.close(ignored);
 }
+
+Result<void> DataChannel::turn_to(const Address& server) {
+  asio::error_code error;
+  const auto address = asio::ip::make_address(server.host, error);
+  if (!error) state_->socket.connect(udp::endpoint(address, server.port), error);
+  if (error) return no_socket(server, error);
+  return {};
+}
+
+void DataChannel::passed(uint64_t sequence) { state_->seal->pass(sequence); }
 
 void DataChannel::send(protocol::DatagramKind kind, std::span<const uint8_t> body) {
   state_->seal->seal(kind, body, state_->outgoing);

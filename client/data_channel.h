@@ -32,6 +32,12 @@ class DataChannel {
                                                    std::unique_ptr<protocol::Seal> seal, OnDatagram on_datagram);
   ~DataChannel();
 
+  // Sends there from now on, and takes what comes from there. Error: as of open(); nothing has changed then.
+  Result<void> turn_to(const Address& server);
+
+  // That number of the server's has come another way.
+  void passed(uint64_t sequence);
+
   void send(protocol::DatagramKind kind, std::span<const uint8_t> body);
   const DataCounters& counters() const;
 

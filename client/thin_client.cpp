@@ -37,6 +37,7 @@ void ThinClient::connect() {
                                      opened_once_ = true;
                                      reconnect_.connected();
                                    },
+                               .asked_again = [this] { remember_asked(indices_.back()); },
                                .message =
                                    [this](const protocol::Message& message) {
                                      if (events_.message) events_.message(message);
@@ -65,6 +66,11 @@ void ThinClient::look(const protocol::CameraView& camera, Nanoseconds display_de
   order_.asked(camera, Clock::now());
   if (!online()) return;
   stream_->ask(camera, display_deadline);
+  remember_asked(index);
+}
+
+// Under the next id.
+void ThinClient::remember_asked(uint32_t index) {
   indices_.push_back(index);
   if (indices_.size() <= kMostAsked) return;
   indices_.pop_front();

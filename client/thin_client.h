@@ -88,6 +88,7 @@ class ThinClient {
 
  private:
   void connect();
+  void remember_asked(uint32_t index);
   void on_answer(const Answer& answer);
   void on_closed(const Error& error);
 

@@ -28,6 +28,7 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
   duplicate_slices += other.duplicate_slices;
   late_slices += other.late_slices;
   rebuilt_slices += other.rebuilt_slices;
+  resumed += other.resumed;
   wrong_frames += other.wrong_frames;
   return *this;
 }
@@ -39,6 +40,7 @@ VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events eve
       report_timer_(loop, [this] { report_arrivals(); }),
       connection_(loop, options_.connect,
                   {.opened = [this] { start(); },
+                   .resumed = [this] { go_on(); },
                    .message = [this](const protocol::Message& message) { on_message(message); },
                    .datagram = [this](const protocol::Opened& datagram,
                                       TimePoint arrived) { on_datagram(datagram, arrived); },
@@ -51,13 +53,30 @@ VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events eve
 
 void VisibilityStream::start() {
   const auto& welcome = connection_.welcome();
-  scene_ = welcome.scene;
-  keep_lights(welcome.lights_version, scene_.lights);
-  restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
+  take_up(welcome);
   const auto silence = std::chrono::milliseconds(welcome.silence_timeout_ms);
   repeat_interval_ = silence.count() > 0 ? std::min<Nanoseconds>(kRepeatInterval, silence / 4) : kRepeatInterval;
   upkeep(Clock::now());
   if (events_.opened) events_.opened();
+}
+
+void VisibilityStream::take_up(const protocol::Welcome& welcome) {
+  scene_ = welcome.scene;
+  lights_.clear();
+  keep_lights(welcome.lights_version, scene_.lights);
+  restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
+}
+
+// A camera that was under way is asked for anew: its answer may be lost, or begun and never to be ended.
+void VisibilityStream::go_on() {
+  ++counters_.resumed;
+  assembler_.reset();
+  recovery_ = {};
+  take_up(connection_.welcome());
+  if (in_flight() == 0) return;
+  const protocol::CameraView camera = newest_.camera;
+  ask(camera, std::chrono::microseconds(newest_.display_deadline_us));
+  if (events_.asked_again) events_.asked_again();
 }
 
 // Frames asked for before this have another shape: their slices are of no use any more.
@@ -115,6 +134,7 @@ void VisibilityStream::on_datagram(const protocol::Opened& datagram, TimePoint a
     arrivals_.received(datagram.header.sequence, arrived);
     plan_report();
   }
+  if (connection_.resuming()) return;  // it may be of the session as it is after the Welcome that is still to come
   if (datagram.header.kind == protocol::DatagramKind::frame_slice) return on_slice(datagram.body);
   if (datagram.header.kind != protocol::DatagramKind::frame_parity) return;
   if (const auto parity = protocol::decode_parity(datagram.body)) {

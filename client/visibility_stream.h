@@ -50,6 +50,7 @@ struct StreamCounters {
   uint64_t duplicate_slices = 0;
   uint64_t late_slices = 0;     // of frames already handed over
   uint64_t rebuilt_slices = 0;  // from parity
+  uint64_t resumed = 0;         // control connections that were lost and replaced
   uint64_t wrong_frames = 0;    // slices of frames never asked for, that contradict their frame or do not decode
 
   StreamCounters& operator+=(const StreamCounters& other);
@@ -59,7 +60,9 @@ class VisibilityStream {
  public:
   struct Events {
     std::function<void(const Answer&)> answer = {};
-    std::function<void()> opened = {};                           // may be empty, as those below
+    std::function<void()> opened = {};  // may be empty, as those below
+    // The session was resumed; the newest camera, not answered yet, is asked for anew under the next id.
+    std::function<void()> asked_again = {};
     std::function<void(const protocol::Message&)> message = {};  // Stats, Degraded, Draining, ...
     std::function<void(const Error&)> closed = {};
   };
@@ -91,6 +94,8 @@ class VisibilityStream {
   };
 
   void start();
+  void go_on();
+  void take_up(const protocol::Welcome& welcome);
   void restart_with(TileGrid grid);
   void on_message(const protocol::Message& message);
   void on_datagram(const protocol::Opened& datagram, TimePoint arrived);

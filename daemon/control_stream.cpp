@@ -201,4 +201,12 @@ Result<protocol::SealSecrets> ControlStream::seal_secrets(SessionId session, pro
   return protocol::export_secrets(stream_.native_handle(), session, cipher);
 }
 
+Result<protocol::Secret> ControlStream::resumption_secret(SessionId session) {
+  return protocol::export_resumption_secret(stream_.native_handle(), session);
+}
+
+Result<protocol::Secret> ControlStream::resumption_proof(SessionId session, const protocol::Secret& secret) {
+  return protocol::resumption_proof(stream_.native_handle(), session, secret);
+}
+
 }  // namespace gnomon::daemon

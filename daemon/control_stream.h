@@ -50,6 +50,11 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
   // Of the data channel, from this connection's TLS session; once a message has come.
   Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher);
 
+  // What the session's client will prove, here on the connection that opened it, that it knows; and what it has to send
+  // to prove it on this one.
+  Result<protocol::Secret> resumption_secret(SessionId session);
+  Result<protocol::Secret> resumption_proof(SessionId session, const protocol::Secret& secret);
+
   const asio::ip::address& peer() const { return peer_; }
 
   static constexpr size_t kMaxUnsentBytes = 256 * 1024;

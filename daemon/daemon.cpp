@@ -1,6 +1,7 @@
 #include "daemon/daemon.h"
 
 #include "daemon/credentials.h"
+#include "daemon/supervisor.h"
 
 #include <algorithm>
 
@@ -8,6 +9,9 @@ namespace gnomon::daemon {
 namespace {
 
 using namespace std::chrono_literals;
+
+constexpr size_t kRecordsPerSeat = 2;           // those that rest have no seat
+constexpr const char* kStoreName = "sessions";  // for the service manager
 
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
@@ -45,8 +49,9 @@ Result<void> Daemon::bring_up() {
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   tls_.publish(*tls);
   scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_);
+  if (auto opened = open_store(); !opened) return opened;
   auto server = Server::open(
-      {options_.config, roster_, tracer_, catalog_, health_, tls_, *scenes_, seats_, devices_, metrics_});
+      {options_.config, roster_, tracer_, catalog_, health_, tls_, *scenes_, seats_, *store_, devices_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
   auto admin = Admin::start(options_.config.admin, pages(), actions(), metrics_);
@@ -56,6 +61,17 @@ Result<void> Daemon::bring_up() {
   if (auto loaded = load_scenes(); !loaded) return loaded;
   server_->run();
   health_.scenes_loaded = true;
+  return {};
+}
+
+Result<void> Daemon::open_store() {
+  const ServerConfig& server = options_.config.server;
+  auto store = SessionStore::open(kRecordsPerSeat * server.max_sessions, server.silence_timeout,
+                                  supervisor::take_memory(kStoreName));
+  if (!store) return store.error();
+  store_ = std::move(*store);
+  if (!store_->taken_over()) supervisor::keep_memory(kStoreName, store_->descriptor());
+  if (store_->resting() > 0) log::info("sessions may be resumed", {{"count", store_->resting()}});
   return {};
 }
 
@@ -150,6 +166,13 @@ void Daemon::drain() {
   const TimePoint deadline = Clock::now() + timeout;
   while (seats_.taken() > 0 && Clock::now() < deadline) std::this_thread::sleep_for(5ms);
   stop();
+  store_->forget_resting();
+}
+
+// Nobody is refused meanwhile: who has lost the connection tries again until somebody answers.
+void Daemon::give_up() {
+  server_->leave();
+  stop();
 }
 
 // The flow's own order: no more views, then the frames on the device, in the pool, on the wire; then the rest.
@@ -158,6 +181,7 @@ void Daemon::stop() {
   devices_.stop();
   encode_pool_.reset();
   if (server_) server_->stop();
+  if (store_) store_->close();
   admin_.reset();
   scenes_.reset();
 }

@@ -13,6 +13,7 @@
 #include "daemon/device_pool.h"
 #include "daemon/encode_pool.h"
 #include "daemon/server.h"
+#include "daemon/session_store.h"
 
 namespace gnomon::daemon {
 
@@ -35,6 +36,10 @@ class Daemon {
   // Admits nobody, tells the clients, waits up to server.drain_timeout_ms for them to leave, finishes the frames in
   // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
   void drain();
+
+  // In the place of drain(), where no device is left: clients are told nothing, and whoever comes after us with the same
+  // memory goes on with their sessions.
+  void give_up();
 
   // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level, for new connections
   // the certificates that it names, and the operators' token: their files are read again. No session is dropped, but
@@ -62,6 +67,7 @@ class Daemon {
   Result<void> open_devices();
   void open_encoders();
   Result<void> load_scenes();
+  Result<void> open_store();
   void stop();
   Admin::Pages pages();
   Admin::Actions actions();
@@ -81,6 +87,7 @@ class Daemon {
   Health health_;
   Metrics metrics_;
   Seats seats_;
+  std::unique_ptr<SessionStore> store_;
   DevicePool devices_;
   Published<Terms> terms_;
   Published<Roster> roster_;

@@ -46,6 +46,7 @@ constexpr std::array kTable{
     FaultRow{Fault::refused_unknown_pass, kRefusal, "unknown_pass", Level::info, "refused"},
     FaultRow{Fault::refused_draining, kRefusal, "draining", Level::info, "refused"},
     FaultRow{Fault::refused_internal, kRefusal, "internal", Level::error, "refused"},
+    FaultRow{Fault::refused_unknown_session, kRefusal, "unknown_session", Level::info, "refused"},
     FaultRow{Fault::handshake_timeout, kRefusal, "handshake_timeout", Level::debug,
              "connection said no Hello in time"},
     FaultRow{Fault::handshake_abandoned, kRefusal, "abandoned", Level::debug, "connection closed before a session"},
@@ -92,6 +93,7 @@ Fault fault_of(protocol::RefusalCode code) {
     case RefusalCode::unknown_pass: return Fault::refused_unknown_pass;
     case RefusalCode::draining: return Fault::refused_draining;
     case RefusalCode::internal: return Fault::refused_internal;
+    case RefusalCode::unknown_session: return Fault::refused_unknown_session;
   }
   return Fault::refused_internal;
 }

@@ -46,6 +46,7 @@ enum class Fault : uint8_t {
   refused_unknown_pass,
   refused_draining,
   refused_internal,
+  refused_unknown_session,
   handshake_timeout,
   handshake_abandoned,
   half_open_replaced,

@@ -65,6 +65,7 @@ struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;
   protocol::Degraded news;
+  uint32_t life = 0;  // of the session's, see SessionOpened
 };
 
 struct EncodedFrame {

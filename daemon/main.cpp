@@ -134,7 +134,10 @@ int serve(const Config& config, const Arguments& arguments) {
   std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
   std::signal(SIGINT, [](int) { std::_Exit(EXIT_FAILURE); });
   supervisor::stopping();
-  if (failure) return fail(*failure);
+  if (failure) {
+    (*daemon)->give_up();
+    return fail(*failure);
+  }
   leave_at(Clock::now() + config.server.drain_timeout + kStopTime);
   (*daemon)->drain();
   watchdog.reset();

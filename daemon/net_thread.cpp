@@ -43,10 +43,17 @@ void NetThread::run() {
   thread_ = std::thread([this] { io_.run(); });
 }
 
-void NetThread::stop() {
+void NetThread::stop(bool for_good) {
   if (!thread_.joinable()) return;
-  asio::post(io_, [this] {
-    while (sessions_.size() > 0) close_session(sessions_.begin()->first, "the server is stopping");
+  asio::post(io_, [this, for_good] {
+    while (sessions_.size() > 0) {
+      const SessionId id = sessions_.begin()->first;
+      if (for_good || !sessions_.find(id)->resumable()) {
+        close_session(id, "the server is stopping");
+      } else {
+        leave_session(id, "the server is stopping and may come back");
+      }
+    }
     data_->close();
     stop_when_all_left(Clock::now() + kFarewellTime);
   });
@@ -89,8 +96,11 @@ void NetThread::deliver(EncodedFrame frame) {
 
 void NetThread::tell(const SessionDegraded& session) {
   asio::post(io_, [this, session] {
-    const auto found = streams_.find(session.session);
-    if (found != streams_.end()) found->second->send(session.news);
+    Session* const told = sessions_.find(session.session);
+    ControlStream* const stream = stream_of(session.session);
+    if (!told || !stream || told->life() != session.life) return;
+    stream->send(session.news);
+    told->told_of(session.news.width, session.news.height);
   });
 }
 
@@ -108,6 +118,9 @@ void NetThread::announce_drain(std::chrono::milliseconds deadline) {
   asio::post(io_, [this, deadline] {
     for (const auto& [id, stream] : streams_) {
       stream->send(protocol::Draining{static_cast<uint32_t>(deadline.count())});
+    }
+    for (const SessionId id : sessions_.not_resumed(TimePoint::max() - 1ns)) {
+      close_session(id, "without a control connection when the server went away");
     }
   });
 }
@@ -137,6 +150,9 @@ void NetThread::tick() {
   for (const SessionId id : sessions_.silent_since(now - shared_.config.server.silence_timeout)) {
     close_session(id, "silent");
   }
+  for (const SessionId id : sessions_.not_resumed(now))
+    close_session(id, "its control connection did not come back");
+  if (index_ == 0) shared_.store.expire(now);
   for (const Visitor& visitor : lobby_.expire(now)) {
     if (!visitor.leaving) shared_.metrics.report(Fault::handshake_timeout);
     visitor.stream->close();
@@ -158,7 +174,7 @@ void NetThread::report_stats() {
     shared_.metrics.link(session->take_link_report());
     const LinkWindow window = session->take_link_window();
     if (window.offered > 0) shared_.devices.review({id, window});
-    streams_.at(id)->send(stats);
+    if (ControlStream* const stream = stream_of(id)) stream->send(stats);
     std::string address;
     if (session->address()) {
       std::ostringstream text;

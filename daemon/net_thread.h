@@ -25,6 +25,7 @@
 #include "daemon/roster.h"
 #include "daemon/scene_host.h"
 #include "daemon/seats.h"
+#include "daemon/session_store.h"
 #include "daemon/session_table.h"
 #include "daemon/status.h"
 #include "daemon/tls.h"
@@ -42,6 +43,7 @@ struct NetShared {
   const PublishedTls& tls;
   SceneHost& scenes;
   Seats& seats;
+  SessionStore& store;
   DevicePool& devices;
   Metrics& metrics;
 };
@@ -63,7 +65,8 @@ class NetThread {
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);  // to the sessions of that scene
   void close_closed_tenants();                   // sessions of tenants that the roster has no more
-  void stop();                                   // says Bye to everybody, then ends the thread; returns when it has
+  // Ends the thread; returns when it has ended. Sessions are told Bye, or left for whoever comes after us to resume.
+  void stop(bool for_good = true);
   std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return published_.get(); }
 
  private:
@@ -72,6 +75,7 @@ class NetThread {
   void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
   void send(EncodedFrame& frame);
   void ask(const Session& session, const ViewRequest& view);
+  bool has_way(const Session& session) const;
   void serve(Session& session);
   void finish(Session& session, const Session::Ended& ended, TimePoint now);
   void arm_wakes();
@@ -81,18 +85,38 @@ class NetThread {
   void welcome_visitor(asio::ip::tcp::socket socket);
   void watch_visitor(const std::shared_ptr<ControlStream>& stream, OnVisitorMessage on_message);
   void hear_visitor(const std::shared_ptr<ControlStream>& stream, Result<protocol::Message> message);
+  // Who has been accepted and holds a seat while it waits for the rest. Shared with those whose answer it waits for.
+  struct Applicant {
+    std::weak_ptr<ControlStream> stream;  // should it end, nobody waits
+    Accepted accepted;
+    KeptSession kept;  // of the session that it resumes; empty: it opens one
+    Seat seat;
+  };
+  using ApplicantPtr = std::shared_ptr<Applicant>;
+
   void admit(const std::shared_ptr<ControlStream>& stream, const protocol::Hello& hello);
-  void open_session(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat seat,
+  void resume(const std::shared_ptr<ControlStream>& stream, const protocol::Resume& asked);
+  void resume(const std::shared_ptr<ControlStream>& stream, KeptSession kept);
+  void hold(const std::shared_ptr<ControlStream>& stream);
+  std::shared_ptr<ControlStream> held(const std::weak_ptr<ControlStream>& stream) const;
+  void seat(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, KeptSession kept);
+  void open_with(const ApplicantPtr& applicant, const Result<SceneForUse>& scene);
+  bool book(const std::shared_ptr<ControlStream>& stream, Applicant& applicant, const scenes::LoadedScene& scene);
+  void ask_room(const ApplicantPtr& applicant, const scenes::LoadedScene& scene);
+  Result<KeptSession> keep_new(ControlStream& stream, const Accepted& accepted, const scenes::LoadedScene& scene,
+                               SessionId id, std::unique_ptr<protocol::Seal>& seal);
+  void open_session(const std::shared_ptr<ControlStream>& stream, Applicant& applicant,
                     const scenes::LoadedScene& scene);
-  bool book(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, Seat& seat,
-            const scenes::LoadedScene& scene);
-  void open_if_room(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted,
-                    const std::shared_ptr<Seat>& seat, const scenes::LoadedScene& scene);
+  void greet(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused);
   void refuse(const std::shared_ptr<ControlStream>& stream, const protocol::Refused& refused, Fault fault);
   void hear_client(SessionId id, Result<protocol::Message> message);
   void hear_data(SessionId id, const protocol::Data& data);
+  void lose_control(SessionId id, const std::string& why);
   void close_session(SessionId id, const std::string& why);
+  void leave_session(SessionId id, const std::string& why);
+  std::shared_ptr<ControlStream> drop_session(SessionId id, const std::string& why);
+  ControlStream* stream_of(SessionId id) const;  // null: it has none at the moment
   void show_out(const std::shared_ptr<ControlStream>& stream);
 
   void stop_when_all_left(TimePoint deadline);

@@ -18,9 +18,14 @@ void NetThread::hear_data(SessionId id, const protocol::Data& data) {
   serve(session);
 }
 
+// To somewhere that the client has spoken from.
+bool NetThread::has_way(const Session& session) const {
+  return session.by_control() ? stream_of(session.id()) != nullptr : session.address().has_value();
+}
+
 void NetThread::send(EncodedFrame& frame) {
   Session* session = sessions_.find(frame.meta.session);
-  if (!session || !(session->address() || session->by_control()))
+  if (!session || !has_way(*session) || !(stream_of(session->id()) || session->expects(frame.meta.grid)))
     return shared_.metrics.dropped(frame.meta.tenant, frame.meta.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->sending(frame.meta, bytes);
@@ -30,11 +35,10 @@ void NetThread::send(EncodedFrame& frame) {
 // After whatever changed: sends what may go, asks for the view that was kept back, and comes back in time.
 void NetThread::serve(Session& session) {
   const TimePoint now = Clock::now();
-  if (session.address() || session.by_control()) {
-    const auto fault = session.by_control() ? send_over_control(session, *streams_.at(session.id()), now)
-                                            : sender_.send(session, *data_, now);
-    if (fault) shared_.metrics.dropped(session.accepted().tenant, session.id(), *fault);
-  }
+  ControlStream* const stream = session.by_control() ? stream_of(session.id()) : nullptr;
+  if (!has_way(session)) return wakes_.remove(session.id());  // its next word brings it back
+  const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
+  if (fault) shared_.metrics.dropped(session.accepted().tenant, session.id(), *fault);
   while (const auto ended = session.take_ended()) finish(session, *ended, now);
   if (const auto view = session.take_kept(now)) ask(session, *view);
   wakes_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));

@@ -30,6 +30,7 @@ struct SessionOpened {
   bool wants_moments = false;
   protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // where its link is short of bytes
   SessionReferencesPtr references = nullptr;                     // of a client that keeps frames
+  uint32_t life = 0;                                             // how often it was resumed
 };
 
 // A session of such frames is about to be opened: is there memory for them, at the least size that its tenant allows?

@@ -428,7 +428,7 @@ void RenderLoop::tell(const RenderSession& session) {
   } else {
     news.reason = full ? "the device keeps up again" : "the device cannot keep up";
   }
-  degraded_({session.opened.session, session.opened.net_thread, news});
+  degraded_({session.opened.session, session.opened.net_thread, news, session.opened.life});
 }
 
 // Who has no rate of its own asks again when it is answered: it cannot be overrun.

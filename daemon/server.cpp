@@ -118,9 +118,16 @@ std::vector<SessionStatus> Server::sessions() const {
   return all;
 }
 
+void Server::stop() { stop(true); }
+
+void Server::leave() {
+  asio::post(threads_.front()->io(), [this] { acceptor_->close(); });
+  stop(false);
+}
+
 // The last thread first: the acceptor lives on the first one and hands connections to all.
-void Server::stop() {
-  for (auto thread = threads_.rbegin(); thread != threads_.rend(); ++thread) (*thread)->stop();
+void Server::stop(bool for_good) {
+  for (auto thread = threads_.rbegin(); thread != threads_.rend(); ++thread) (*thread)->stop(for_good);
 }
 
 }  // namespace gnomon::daemon

@@ -31,10 +31,13 @@ class Server {
   std::vector<SessionStatus> sessions() const;
 
   void stop();  // everybody is told, everything is closed
+  // The same without a word: for whoever comes after us to resume the sessions.
+  void leave();
 
  private:
   explicit Server(const NetShared& shared);
   void accept();
+  void stop(bool for_good);
 
   Metrics& metrics_;
   ConnectionRate rate_;  // the first net thread's, as what follows it

@@ -31,14 +31,26 @@ uint32_t mean_us(Nanoseconds sum, uint32_t count) {
 
 }  // namespace
 
-Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now)
+Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now,
+                 KeptSession kept)
     : id_(id),
       accepted_(std::move(accepted)),
+      for_resuming_(std::move(kept)),
       seat_(std::move(seat)),
+      told_width_(accepted_.width),
+      told_height_(accepted_.height),
       seal_(std::move(seal)),
       last_heard_(now),
-      link_(accepted_.features) {
+      link_(accepted_.features, life() > 0) {
   if (accepted_.features & protocol::kFeatureReferences) references_ = std::make_shared<SessionReferences>();
+  // What was asked for before is not answered again: slices of two answers to one camera must not be mixed.
+  if (for_resuming_ && for_resuming_.record().newest_frame != 0)
+    newest_ = FrameId{for_resuming_.record().newest_frame};
+}
+
+void Session::forget() {
+  seal_.reset();
+  for_resuming_.forget();
 }
 
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
@@ -88,6 +100,7 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   if (references_) references_->client_has(update.have);
   if (again && !link_.take_lost(update.frame, now)) return {};
   newest_ = update.frame;
+  if (for_resuming_) for_resuming_.record().newest_frame = update.frame.value;
   // The client's clock is not ours: its deadline counts from the arrival.
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;

@@ -16,6 +16,7 @@
 #include "daemon/link_steps.h"
 #include "daemon/seats.h"
 #include "daemon/session_references.h"
+#include "daemon/session_store.h"
 #include "protocol/seal.h"
 
 namespace gnomon::daemon {
@@ -31,7 +32,9 @@ struct Received {
 // The net thread's that owns it.
 class Session {
  public:
-  Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now);
+  // `kept`: the session may be resumed; what the seal goes on from lies in there. Empty: it may not.
+  Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now,
+          KeptSession kept = {});
 
   SessionId id() const { return id_; }
   const Accepted& accepted() const { return accepted_; }
@@ -68,6 +71,18 @@ class Session {
 
   TimePoint last_heard() const { return last_heard_; }
 
+  // Without its control connection it goes on until then, if it may be resumed.
+  bool resumable() const { return static_cast<bool>(for_resuming_); }
+  void control_lost(TimePoint until) { resumed_until_ = until; }
+  TimePoint resumed_until() const { return resumed_until_; }
+  // How often it was resumed in all: news of an earlier life is void.
+  uint32_t life() const { return for_resuming_ ? for_resuming_.record().life : 0; }
+
+  // The size of frames that the client has been told to expect.
+  void told_of(uint16_t width, uint16_t height) { told_width_ = width, told_height_ = height; }
+  bool expects(const TileGrid& grid) const { return grid.width == told_width_ && grid.height == told_height_; }
+  void forget();  // nobody resumes it any more, and nothing is sealed any more
+
   void frame_sent(const FrameMeta& meta, TimePoint sent);
 
   LinkReport take_link_report();
@@ -92,7 +107,10 @@ class Session {
 
   SessionId id_;
   Accepted accepted_;
+  KeptSession for_resuming_;  // given up after the seat, which whoever resumes it takes
   Seat seat_;
+  uint32_t told_width_, told_height_;
+  TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
   std::optional<asio::ip::udp::endpoint> address_;
   bool by_control_ = false;

@@ -31,6 +31,15 @@ class SessionTable {
     return silent;
   }
 
+  // Those that lost their control connection and have waited for another until now.
+  std::vector<SessionId> not_resumed(TimePoint now) const {
+    std::vector<SessionId> waited;
+    for (const auto& [id, session] : sessions_) {
+      if (session->resumed_until() <= now) waited.push_back(id);
+    }
+    return waited;
+  }
+
   size_t size() const { return sessions_.size(); }
   auto begin() const { return sessions_.begin(); }
   auto end() const { return sessions_.end(); }

@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace gnomon::daemon::supervisor {
@@ -16,10 +18,21 @@ namespace {
 struct Given {
   std::mutex mutex;
   std::vector<int> sockets;
+  std::vector<std::pair<std::string, int>> memories;
   Given() {
     // The environment is left alone: sd_listen_fds only looks who is meant, and children are none of ours.
-    const int count = sd_listen_fds(0);
-    for (int i = 0; i < count; ++i) sockets.push_back(SD_LISTEN_FDS_START + i);
+    char** names = nullptr;
+    const int count = sd_listen_fds_with_names(0, &names);
+    for (int i = 0; i < count; ++i) {
+      const int descriptor = SD_LISTEN_FDS_START + i;
+      if (sd_is_socket(descriptor, AF_UNSPEC, 0, -1) > 0) {
+        sockets.push_back(descriptor);
+      } else {
+        memories.emplace_back(names[i], descriptor);
+      }
+      std::free(names[i]);
+    }
+    std::free(names);
   }
 };
 
@@ -78,12 +91,30 @@ std::optional<int> take_socket(SocketKind kind, uint16_t port) {
   return socket;
 }
 
+std::optional<int> take_memory(const std::string& name) {
+  Given& all = given();
+  std::lock_guard lock(all.mutex);
+  const auto found = std::find_if(all.memories.begin(), all.memories.end(),
+                                  [&](const auto& memory) { return memory.first == name; });
+  if (found == all.memories.end()) return std::nullopt;
+  const int descriptor = found->second;
+  all.memories.erase(found);
+  return descriptor;
+}
+
+void keep_memory(const std::string& name, int descriptor) {
+  sd_notify(0, std::string("FDSTOREREMOVE=1\nFDNAME=").append(name).c_str());
+  sd_pid_notify_with_fds(0, 0, std::string("FDSTORE=1\nFDPOLL=0\nFDNAME=").append(name).c_str(), &descriptor, 1);
+}
+
 int close_untaken() {
   Given& all = given();
   std::lock_guard lock(all.mutex);
-  const int count = static_cast<int>(all.sockets.size());
+  const int count = static_cast<int>(all.sockets.size() + all.memories.size());
   for (const int socket : all.sockets) close(socket);
+  for (const auto& [name, descriptor] : all.memories) close(descriptor);
   all.sockets.clear();
+  all.memories.clear();
   return count;
 }
 

@@ -25,6 +25,12 @@ enum class SocketKind { stream, datagram };  // a listening TCP socket; a UDP so
 // two lives of ours: who connects meanwhile waits instead of being refused.
 std::optional<int> take_socket(SocketKind kind, uint16_t port);
 
+// Memory that an earlier life of ours gave into keeping under this name; the caller owns it.
+std::optional<int> take_memory(const std::string& name);
+// Keeps a descriptor for our next life, if the manager does that (FileDescriptorStoreMax=); in the place of what it kept
+// under this name before.
+void keep_memory(const std::string& name, int descriptor);
+
 // Closes what nobody took; says how many.
 int close_untaken();
 

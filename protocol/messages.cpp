@@ -157,9 +157,15 @@ void fields(A& a, Of<A, Data>& m) {
   a.bytes(m.body, kMaxDataBytes);
 }
 
+template <class A>
+void fields(A& a, Of<A, Resume>& m) {
+  a(m.session, m.proof);
+}
+
 // A message's type on the wire is its place in the variant, counted from 1.
 constexpr std::array<const char*, std::variant_size_v<Message>> kNames = {
-    "Hello", "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded", "Draining", "Stats", "Bye", "Data"};
+    "Hello",    "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded",
+    "Draining", "Stats",   "Bye",     "Data",         "Resume"};
 
 template <size_t Index>
 Result<Message> decode_as(std::span<const uint8_t> body) {
@@ -202,6 +208,7 @@ const char* to_string(RefusalCode code) {
     case RefusalCode::unknown_pass: return "unknown_pass";
     case RefusalCode::draining: return "draining";
     case RefusalCode::internal: return "internal";
+    case RefusalCode::unknown_session: return "unknown_session";
   }
   return "unknown";
 }

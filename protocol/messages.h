@@ -74,6 +74,7 @@ enum class RefusalCode : uint16_t {
   unknown_pass = 10,
   draining = 11,
   internal = 12,
+  unknown_session = 13,
 };
 const char* to_string(RefusalCode code);
 
@@ -137,8 +138,15 @@ struct Data {
 };
 inline constexpr size_t kMaxDataBytes = 16'000;
 
-using Message =
-    std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye, Data>;
+// In the place of a Hello: the session goes on with this connection, as the same Welcome with what holds now says.
+struct Resume {
+  SessionId session;
+  Bytes32 proof{};  // resumption_proof (protocol/seal_exporter.h)
+  friend bool operator==(const Resume&, const Resume&) = default;
+};
+
+using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye,
+                             Data, Resume>;
 
 // The whole frame: length, type, body. Texts and lists longer than WIRE.md allows are cut to what it allows, and
 // bytes of a text that are not UTF-8 or control characters become '?'. Other values are the caller's promise.

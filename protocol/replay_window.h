@@ -10,6 +10,11 @@ class ReplayWindow {
  public:
   static constexpr uint64_t kSize = 1024;
 
+  // All up to `newest` counts as seen.
+  explicit ReplayWindow(uint64_t newest = 0) : newest_(newest) { seen_.set(); }
+
+  uint64_t newest() const { return newest_; }
+
   bool is_new(uint64_t sequence) const {
     return sequence > newest_ || (newest_ - sequence < kSize && !seen_[sequence % kSize]);
   }
@@ -33,8 +38,8 @@ class ReplayWindow {
     newest_ = sequence;
   }
 
-  uint64_t newest_ = 0;
-  std::bitset<kSize> seen_{1};
+  uint64_t newest_;
+  std::bitset<kSize> seen_;
 };
 
 }  // namespace gnomon::protocol

@@ -39,12 +39,26 @@ struct SealSecrets {
   Secret server{};
 };
 
+// How far a seal has come: all that is needed to go on from there with the same keys, and no number taken twice. Plain
+// memory, kept up to date with every datagram, so that it may be shared with whoever comes after.
+struct SealState {
+  uint64_t sent = 0;    // the newest sequence number
+  uint64_t opened = 0;  // the newest that was opened: what comes before is refused by whoever goes on from here
+  EpochSecret sending;
+  EpochSecret receiving;
+};
+SealState first_state(const SealSecrets& secrets, Side side);
+
 // One per session and side. One thread at a time. Allocates nothing for a datagram but where an epoch begins.
 class Seal {
  public:
+  // Goes on from `state`, which outlives it.
+  Seal(SessionId session, CipherId cipher, SealState& state, Side side, uint64_t epoch_datagrams = kEpochDatagrams);
+
   // `epoch_datagrams` is kEpochDatagrams but in tests.
   Seal(SessionId session, CipherId cipher, const SealSecrets& secrets, Side side,
        uint64_t epoch_datagrams = kEpochDatagrams);
+  ~Seal();  // wipes a state of its own
 
   // Writes a datagram of sealed_size(body.size()) bytes to `out`; takes the next sequence number of this side. The body
   // may stand where its sealed form goes (at kHeaderBytes of `out`), but not elsewhere in `out`.
@@ -54,8 +68,9 @@ class Seal {
   // The same, in the place of what `datagram` held.
   void seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram);
 
-  // Takes the next sequence number for something that goes another way.
-  uint64_t skip() { return ++sent_; }
+  // Takes the next sequence number for something that goes another way; the other side passes it.
+  uint64_t skip();
+  void pass(uint64_t sequence);
 
   // Empty: see rejection().
   std::optional<Opened> open(std::span<const uint8_t> datagram);
@@ -63,12 +78,14 @@ class Seal {
 
  private:
   std::optional<Opened> reject(Rejection why);
+  void begin(SealKeys& keys, uint64_t sequence);
 
   SessionId session_;
   uint64_t epoch_datagrams_;
+  SealState own_;  // where nobody else keeps it
+  SealState& state_;
   SealKeys sending_;
   SealKeys receiving_;
-  uint64_t sent_ = 0;
   uint64_t forged_ = 0;
   ReplayWindow window_;
   Rejection rejection_ = Rejection::header;

@@ -1,5 +1,6 @@
 #include "protocol/seal_exporter.h"
 
+#include <openssl/hmac.h>
 #include <openssl/ssl.h>
 
 #include <cstring>
@@ -8,11 +9,19 @@
 namespace gnomon::protocol {
 namespace {
 
+constexpr const char* kNoKeys = "the TLS session gives no keys";
+
 // Session and cipher are part of what is hashed: whoever mistakes one gets other keys, not wrong ones of the same.
 std::array<uint8_t, 9> exporter_context(SessionId session, CipherId cipher) {
   std::array<uint8_t, 9> bytes;
   std::memcpy(bytes.data(), &session.value, 8);
   bytes[8] = static_cast<uint8_t>(cipher);
+  return bytes;
+}
+
+std::array<uint8_t, 8> exporter_context(SessionId session) {
+  std::array<uint8_t, 8> bytes;
+  std::memcpy(bytes.data(), &session.value, 8);
   return bytes;
 }
 
@@ -29,9 +38,32 @@ Result<SealSecrets> export_secrets(ssl_st* tls, SessionId session, CipherId ciph
   if (SSL_version(tls) != TLS1_3_VERSION ||
       !export_one(tls, "EXPERIMENTAL gnomon 2 client", context, secrets.client) ||
       !export_one(tls, "EXPERIMENTAL gnomon 2 server", context, secrets.server)) {
-    return Error{"the TLS session gives no keys"};
+    return Error{kNoKeys};
   }
   return secrets;
+}
+
+Result<Secret> export_resumption_secret(ssl_st* tls, SessionId session) {
+  Secret secret;
+  if (SSL_version(tls) != TLS1_3_VERSION ||
+      !export_one(tls, "EXPERIMENTAL gnomon 2 resumption", exporter_context(session), secret)) {
+    return Error{kNoKeys};
+  }
+  return secret;
+}
+
+Result<Secret> resumption_proof(ssl_st* tls, SessionId session, const Secret& resumption_secret) {
+  Secret challenge, proof;
+  if (SSL_version(tls) != TLS1_3_VERSION ||
+      !export_one(tls, "EXPERIMENTAL gnomon 2 challenge", exporter_context(session), challenge)) {
+    return Error{kNoKeys};
+  }
+  unsigned size = 0;
+  if (!HMAC(EVP_sha256(), resumption_secret.data(), static_cast<int>(resumption_secret.size()), challenge.data(),
+            challenge.size(), proof.data(), &size)) {
+    return Error{kNoKeys};
+  }
+  return proof;
 }
 
 }  // namespace gnomon::protocol

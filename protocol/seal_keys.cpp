@@ -10,6 +10,7 @@
 #include <sys/auxv.h>
 #endif
 
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -54,7 +55,11 @@ AeadKey::AeadKey(CipherId cipher, const Secret& secret) : size(cipher == CipherI
   expand(secret, "gnomon 2 iv", iv);
 }
 
-AeadKey::~AeadKey() { OPENSSL_cleanse(bytes.data(), bytes.size()); }
+bool is_equal(const Secret& a, const Secret& b) { return CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0; }
+
+void wipe(void* memory, size_t bytes) { OPENSSL_cleanse(memory, bytes); }
+
+AeadKey::~AeadKey() { wipe(bytes.data(), bytes.size()); }
 
 Aead::Aead(CipherId cipher, const Secret& secret, bool sealing) : context_(EVP_CIPHER_CTX_new()) {
   const AeadKey made(cipher, secret);
@@ -99,23 +104,31 @@ Secret next_secret(const Secret& secret) {
   return next;
 }
 
-SealKeys::SealKeys(CipherId cipher, const Secret& secret, bool sealing)
-    : cipher_(cipher), sealing_(sealing), after_(next_secret(secret)) {
-  by_epoch_[0] = std::make_unique<Aead>(cipher, secret, sealing);
+void EpochSecret::go_on(const Secret& next) {
+  by_parity[(epoch + 1) % 2] = next;
+  std::atomic_signal_fence(std::memory_order_seq_cst);  // the compiler keeps the order, and the machine does
+  ++epoch;
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  wipe(by_parity[(epoch + 1) % 2].data(), sizeof(Secret));
 }
 
-SealKeys::~SealKeys() { OPENSSL_cleanse(after_.data(), after_.size()); }
+SealKeys::SealKeys(CipherId cipher, EpochSecret& at, bool sealing)
+    : cipher_(cipher), sealing_(sealing), newest_(at), after_(next_secret(at.secret())) {
+  by_epoch_[at.epoch % 3] = std::make_unique<Aead>(cipher, at.secret(), sealing);
+}
+
+SealKeys::~SealKeys() { wipe(after_.data(), after_.size()); }
 
 Aead* SealKeys::of(uint64_t epoch) {
-  if (epoch > newest_ + 1 || epoch + 1 < newest_) return nullptr;
+  if (epoch > newest_.epoch + 1 || epoch + 1 < newest_.epoch) return nullptr;
   auto& aead = by_epoch_[epoch % 3];
-  if (epoch == newest_ + 1 && !aead) aead = std::make_unique<Aead>(cipher_, after_, sealing_);
+  if (epoch == newest_.epoch + 1 && !aead) aead = std::make_unique<Aead>(cipher_, after_, sealing_);
   return aead.get();
 }
 
 void SealKeys::begin(uint64_t epoch) {
-  if (epoch != newest_ + 1) return;
-  newest_ = epoch;
+  if (epoch != newest_.epoch + 1) return;
+  newest_.go_on(after_);
   after_ = next_secret(after_);
   by_epoch_[(epoch + 1) % 3].reset();  // of two epochs ago
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -20,6 +21,21 @@ namespace gnomon::protocol {
 inline constexpr uint64_t kEpochDatagrams = uint64_t{1} << 22;
 
 using Secret = std::array<uint8_t, 32>;
+
+// In the same time, whatever they are.
+bool is_equal(const Secret& a, const Secret& b);
+// Also where nobody looks at it any more.
+void wipe(void* memory, size_t bytes);
+
+// How far one direction has come: an epoch and its secret, which is all that is needed to go on from there. Whoever is
+// killed between any two instructions leaves one epoch or the next, whole.
+struct EpochSecret {
+  uint64_t epoch = 0;
+  std::array<Secret, 2> by_parity{};  // this epoch's at epoch % 2
+
+  const Secret& secret() const { return by_parity[epoch % 2]; }
+  void go_on(const Secret& next);  // to the next epoch; wipes the secret of this one
+};
 
 // Of one epoch, from its secret. The key has 16 bytes for AES-128-GCM and 32 for ChaCha20-Poly1305.
 struct AeadKey {
@@ -65,8 +81,8 @@ Secret next_secret(const Secret& secret);
 // The AEADs of one direction's epochs around the newest.
 class SealKeys {
  public:
-  // `secret`: of epoch 0.
-  SealKeys(CipherId cipher, const Secret& secret, bool sealing);
+  // `at` outlives this, and is kept up to date.
+  SealKeys(CipherId cipher, EpochSecret& at, bool sealing);
   ~SealKeys();  // wipes what it knows
   SealKeys(const SealKeys&) = delete;
 
@@ -79,8 +95,8 @@ class SealKeys {
  private:
   CipherId cipher_;
   bool sealing_;
-  uint64_t newest_ = 0;
-  Secret after_;                                     // of epoch newest_ + 1
+  EpochSecret& newest_;
+  Secret after_;                                     // of the epoch after the newest
   std::array<std::unique_ptr<Aead>, 3> by_epoch_{};  // at epoch % 3
 };
 

@@ -25,10 +25,13 @@ inline constexpr uint64_t kFeatureMoments = 1;     // slices say what moment of 
 inline constexpr uint64_t kFeatureFeedback = 2;    // the client reports arrivals and takes probes of the path
 inline constexpr uint64_t kFeatureParity = 4;      // the client rebuilds lost slices from parity
 inline constexpr uint64_t kFeatureReferences = 8;  // the client decodes tiles_context and keeps frames for it
+inline constexpr uint64_t kFeatureResume =
+    16;  // a session outlives its control connection, and is resumed on another
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
 using Bytes16 = std::array<uint8_t, 16>;
+using Bytes32 = std::array<uint8_t, 32>;
 
 // Of the data channel's seal.
 enum class CipherId : uint8_t { aes_128_gcm = 1, chacha20_poly1305 = 2 };

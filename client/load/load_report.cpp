@@ -53,6 +53,7 @@ nlohmann::ordered_json to_json(const LoadRow& row) {
   json["p99_ms"] = ms(row, 0.99);
   json["bytes_per_frame"] = row.bytes_per_frame();
   json["lost_slices"] = row.counters.lost_slices;
+  json["resumed"] = row.counters.resumed;
   json["wrong_frames"] = row.counters.wrong_frames;
   json["incomplete_frames"] = row.counters.incomplete;
   json["cameras"] = row.counters.asked;

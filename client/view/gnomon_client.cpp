@@ -174,6 +174,7 @@ Report report_of(const Arguments& a, const FlightFigures& f, uint64_t covered_wo
                          {"mean_x", f.mean_ahead()},
                          {"response_p50_ms", age_ms(0.5)},
                          {"response_p99_ms", age_ms(0.99)},
+                         {"resumed", f.counters.resumed},
                          {"wrong_frames", f.counters.wrong_frames}});
   return report;
 }

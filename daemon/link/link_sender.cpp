@@ -27,7 +27,7 @@ DatagramKind kind_of(Cargo cargo) {
 
 }  // namespace
 
-LinkSender::LinkSender(uint64_t features) : features_(features) {}
+LinkSender::LinkSender(uint64_t features, bool resumed) : features_(features), counts_from_here_(resumed) {}
 
 size_t LinkSender::slice_body_bytes() const {
   return datagram_bytes() - kSealBytes - (parity() ? protocol::kParityOverhead : 0);
@@ -156,8 +156,14 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
 }
 
 void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
-  counters_.recovered += static_cast<uint32_t>(said.recovered - static_cast<uint32_t>(counters_.recovered));
-  counters_.incomplete += static_cast<uint32_t>(said.incomplete - static_cast<uint32_t>(counters_.incomplete));
+  if (std::exchange(counts_from_here_, false)) {
+    recovered_before_ = said.recovered;
+    incomplete_before_ = said.incomplete;
+  }
+  counters_.recovered +=
+      static_cast<uint32_t>(said.recovered - recovered_before_ - static_cast<uint32_t>(counters_.recovered));
+  counters_.incomplete +=
+      static_cast<uint32_t>(said.incomplete - incomplete_before_ - static_cast<uint32_t>(counters_.incomplete));
   const PathNews news = log_.take(said, now);
   handle_arrivals(news.arrived, now);
   handle_losses(news.lost, now);

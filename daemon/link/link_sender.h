@@ -57,7 +57,8 @@ struct LinkCounters {
 class LinkSender {
  public:
   // `features`: granted ones. Without kFeatureFeedback everything goes at once and nothing is known of the path.
-  explicit LinkSender(uint64_t features);
+  // `resumed`: the client has counted before.
+  explicit LinkSender(uint64_t features, bool resumed = false);
 
   // A frame to send. Nothing of it goes after the deadline; max: the client has said none. Returns the bytes of its
   // datagrams, parity included.
@@ -118,6 +119,8 @@ class LinkSender {
   static constexpr size_t kFrames = 4;
 
   uint64_t features_;
+  bool counts_from_here_;  // what the client has counted until its next report is none of ours
+  uint32_t recovered_before_ = 0, incomplete_before_ = 0;
   std::deque<StoredFrame> frames_;
   uint64_t answers_ = 0;
   std::optional<FrameId> made_anew_;  // the last one: its second answer goes without parity, as the first

@@ -93,10 +93,29 @@ class TestClient {
     welcome_ = *welcome;
     const auto secrets = protocol::export_secrets(control_.native_handle(), welcome_.session, welcome_.cipher);
     if (!secrets) return false;
+    resumption_ = protocol::export_resumption_secret(control_.native_handle(), welcome_.session).value();
     seal_ = std::make_unique<protocol::Seal>(welcome_.session, welcome_.cipher, *secrets, protocol::Side::client);
     return true;
   }
   const protocol::Welcome& welcome() const { return welcome_; }
+
+  // Takes the session of a client whose control connection may be gone, by this one. False: refused, or no answer.
+  bool resume(TestClient& other) {
+    send(protocol::Resume{other.welcome_.session, proof_of(other)});
+    const auto answer = receive();
+    const auto* welcome = answer ? std::get_if<protocol::Welcome>(&*answer) : nullptr;
+    if (const auto* refused = answer ? std::get_if<protocol::Refused>(&*answer) : nullptr) refused_ = *refused;
+    if (!welcome) return false;
+    welcome_ = *welcome;
+    resumption_ = other.resumption_;
+    seal_ = std::move(other.seal_);
+    return true;
+  }
+  protocol::Bytes32 proof_of(TestClient& other) {
+    return protocol::resumption_proof(control_.native_handle(), other.welcome_.session, other.resumption_).value();
+  }
+  const protocol::Refused& refused() const { return refused_; }
+  void lose_control() { control_.next_layer().close(); }
 
   std::vector<uint8_t> sealed_view(uint32_t frame, float x) {
     protocol::CameraUpdate update;
@@ -219,10 +238,12 @@ class TestClient {
   std::array<uint8_t, 4096> incoming_;
   protocol::MessageReader reader_;
   protocol::Welcome welcome_;
+  protocol::Refused refused_;
   protocol::ReferenceShelf references_;
   FrameId have_;
   protocol::CodecId codec_{};
   bool referred_ = false;
+  protocol::Secret resumption_{};
   std::unique_ptr<protocol::Seal> seal_;
 };
 

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/thin_client.h"
 #include "tests/e2e/bad_link.h"
 #include "tests/e2e/flier.h"
 #include "tests/e2e/own_renderer.h"
@@ -74,6 +75,78 @@ uint64_t counted(const std::string& output, const std::string& what) {
 }
 
 // Datagrams vanish at the relay, and nobody says so.
+// As where a client changes its network: its connection is gone, its session is not.
+TEST(Link, AConnectionThatBreaksIsReplacedUnderItsSession) {
+  const Daemon daemon;
+  std::optional<Relay> relay(std::in_place, daemon, std::vector<std::string>{"--delay", "2ms"});
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(
+      std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kSmall, "living_room", relay->address()));
+  const client::VisibilityStream& stream = fliers[0]->stream();
+  ASSERT_TRUE(all_progress(loop, fliers, 5));
+  const SessionId session = stream.connection().welcome().session;
+  for (uint64_t broken = 1; broken <= 3; ++broken) {
+    relay.reset();
+    relay.emplace(daemon, std::vector<std::string>{"--delay", "2ms"});
+    ASSERT_TRUE(loop.run_until(Clock::now() + kPatience, [&] { return stream.counters().resumed == broken; }))
+        << stream.connection().failure().value_or(Error{"it still tries"}).message;
+    ASSERT_TRUE(all_progress(loop, fliers, 5));
+    EXPECT_EQ(stream.connection().welcome().session, session);
+  }
+  EXPECT_EQ(stream.counters().wrong_frames, 0u);
+  EXPECT_EQ(daemon.sessions(), 1);
+  EXPECT_EQ(daemon.metric("gnomon_refusals_total"), 0);
+}
+
+// What it shows goes with its masks' cameras, also those that were asked for while the connection was gone.
+TEST(Link, AThinClientKnowsItsCamerasAfterItsConnectionWasReplaced) {
+  const Daemon daemon;
+  for (const client::Mode mode : {client::Mode::sequential, client::Mode::predicted}) {
+    std::optional<Relay> relay(std::in_place, daemon, std::vector<std::string>{"--delay", "2ms"});
+    client::Loop loop;
+    client::ThinClientOptions options;
+    options.mode = mode;
+    options.stream.connect.server = relay->address();
+    options.stream.connect.trust.pin = daemon.pin();
+    options.stream.connect.timeout = kPatience;
+    options.stream.connect.hello.tenant = "studio";
+    options.stream.connect.hello.scene = "living_room";
+    options.stream.connect.hello.width = kSmall.width;
+    options.stream.connect.hello.height = kSmall.height;
+    std::vector<protocol::CameraView> cameras;
+    size_t received = 0, wrong = 0;
+    client::ThinClient thin(loop, std::move(options), {.received = [&](const client::Received& masks) {
+                              ++received;
+                              wrong += !(masks.camera == cameras.at(masks.index));
+                            }});
+    ASSERT_TRUE(thin.wait_open());
+    const client::CameraPath path = living_room_path();
+    client::Timer pace(loop, [&] {
+      if (mode != client::Mode::sequential || thin.in_flight() == 0) {
+        cameras.push_back(client::view_of(path.at(0.1 * static_cast<double>(cameras.size())), kSmall));
+        thin.look(cameras.back());
+      }
+      pace.arm(Clock::now() + std::chrono::milliseconds(50));
+    });
+    pace.arm(Clock::now());
+    const auto gets = [&](size_t more) {
+      const size_t wanted = received + more;
+      return loop.run_until(Clock::now() + kPatience, [&] { return received >= wanted; });
+    };
+    for (uint64_t broken = 1; broken <= 2; ++broken) {
+      ASSERT_TRUE(gets(10));
+      relay.reset();
+      relay.emplace(daemon, std::vector<std::string>{"--delay", "2ms"});
+      ASSERT_TRUE(loop.run_until(Clock::now() + kPatience, [&] { return thin.counters().resumed == broken; }));
+      ASSERT_TRUE(gets(10));
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_EQ(thin.reconnects(), 0u);
+    EXPECT_EQ(thin.counters().wrong_frames, 0u);
+  }
+}
+
 TEST(Link, WithoutDatagramsMasksComeOverTheControlConnection) {
   Daemon daemon;
   Relay relay(daemon, {"--udp-traffic", "off"});

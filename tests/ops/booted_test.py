@@ -74,21 +74,40 @@ class Booted(unittest.TestCase):
         self.assertEqual(self.system.property("MainPID"), main)
         self.system.write(CONFIG, CONFIG_TEXT % 1)
 
-    def test_killed(self):
-        self.system.systemctl("kill", "-s", "KILL", "gnomond.service")
-        print(f"kill -9 to READY, cache warm: {self.restarted():.2f} s")
-        self.serves()
-
-    def test_hung(self):
+    def load(self):
+        """Two clients, until the test ends."""
         load = subprocess.Popen(list(map(str, self.system.command(*LOAD, "--seconds", 600))),
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(load.wait)
-        self.addCleanup(load.kill)
-        eventually(lambda: len(self.system.run("gnomonctl", "sessions").stdout.splitlines()) > 1, "sessions")
+        self.addCleanup(self.end_load)
+
+    def end_load(self):
+        self.system.run("pkill", "-x", "gnomon-load", check=False)  # it would go on with the next daemon
+        eventually(lambda: not self.sessions(), "no sessions any more")
+
+    def sessions(self):
+        lines = self.system.run("gnomonctl", "sessions", check=False).stdout.splitlines()[1:]
+        return sorted(line.split()[0] for line in lines)
+
+    def test_killed(self):
+        """Sessions go on with the same keys: systemd keeps their memory."""
+        self.load()
+        eventually(lambda: len(self.sessions()) == 2, "sessions")
+        before, resumed = self.sessions(), self.system.journal().count("session resumed")
+        self.system.systemctl("kill", "-s", "KILL", "gnomond.service")
+        print(f"kill -9 to READY, cache warm: {self.restarted():.2f} s")
+        eventually(lambda: self.sessions() == before, "the same sessions")
+        self.assertEqual(self.system.journal().count("session resumed"), resumed + 2)
+        self.end_load()
+        self.serves()
+
+    def test_hung(self):
+        self.load()
+        eventually(self.sessions, "sessions")
         self.system.run("touch", "/run/gnomon/hang")
         print(f"down after a tripped watchdog: {self.restarted():.2f} s")
         self.assertIn("Watchdog timeout", self.system.journal())
-        load.kill()
+        self.end_load()
         self.serves()
 
     def test_drained(self):

@@ -3,6 +3,7 @@
 
     notify_test.py BUILD
 """
+import fcntl
 import os
 import signal
 import socket
@@ -25,14 +26,21 @@ class Manager:
         path = str(node.folder / "notify")
         self.socket.bind(path)
         self.messages, self.lock = [], threading.Lock()
+        self.kept = {}  # descriptors by name
         node.environment.update(NOTIFY_SOCKET=path, WATCHDOG_USEC=str(int(WATCHDOG_S * 1e6)))
         threading.Thread(target=self.listen, daemon=True).start()
 
     def listen(self):
         while True:
-            text = self.socket.recv(4096).decode()
+            data, descriptors, _, _ = socket.recv_fds(self.socket, 4096, 1)
+            lines = data.decode().splitlines()
+            name = next((line.removeprefix("FDNAME=") for line in lines if line.startswith("FDNAME=")), None)
             with self.lock:
-                self.messages.append((time.monotonic(), text.splitlines()))
+                if "FDSTOREREMOVE=1" in lines:
+                    self.kept.pop(name, None)
+                if "FDSTORE=1" in lines:
+                    self.kept[name] = descriptors[0]
+                self.messages.append((time.monotonic(), lines))
 
     def lines(self, since=0):
         with self.lock:
@@ -118,6 +126,53 @@ class Notify(unittest.TestCase):
         rows = load.rows()
         self.assertGreater(rows[-1]["frames"], 0, rows)
         self.assertEqual(node.stop(), 0)
+
+    def test_sessions_outlive_the_daemon(self):
+        """Killed three times under its clients, with its ports and the sessions' memory kept for it."""
+        node = self.node
+        control, data = socket.create_server(("127.0.0.1", 0)), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        data.bind(("127.0.0.1", 0))
+        node.config["server"].update(control_port=control.getsockname()[1], data_port=data.getsockname()[1],
+                                     silence_timeout_ms=60_000)
+
+        def start():
+            kept = self.manager.kept
+            given = [fcntl.fcntl(fd, fcntl.F_DUPFD, 64)  # beyond the numbers that they are moved to
+                     for fd in (control.fileno(), data.fileno(), *kept.values())]
+            names = ":".join(["control", "data", *kept])
+            moved = " ".join(f"{3 + i}<&{fd}" for i, fd in enumerate(given))
+            script = f'export LISTEN_PID=$$ LISTEN_FDS={len(given)} LISTEN_FDNAMES={names}; exec "$@" {moved}'
+            node.start(wrapper=["bash", "-c", script, "bash"], pass_fds=given)
+            for fd in given:
+                os.close(fd)
+
+        def sessions():
+            return sorted(session["id"] for session in node.status()["sessions"])
+
+        def frames():
+            return node.metric("gnomon_visibility_buffers_total")
+
+        kills, clients = 3, 4
+        start()
+        load = node.load({"studio": 2, "arcade": 2}, rate=20, seconds=15)
+        self.addCleanup(load.kill)
+        eventually(lambda: len(sessions()) == clients and frames() > 20, "frames")
+        ids = sessions()
+        for _ in range(kills):
+            node.process.kill()
+            node.wait()
+            start()
+            eventually(lambda: sessions() == ids, "the same sessions")
+            had = frames()
+            eventually(lambda: frames() > had + 20, "frames of the same sessions")
+            self.assertEqual(node.metric("gnomon_refusals_total"), 0)
+        rows = load.rows()
+        self.assertEqual(load.process.returncode, 0, load.output)
+        self.assertEqual((rows[-1]["resumed"], rows[-1]["wrong_frames"]), (kills * clients, 0), rows[-1])
+        self.assertEqual(node.stop(), 0)
+
+        start()  # after an orderly end there is nothing to go on with
+        self.assertNotIn("sessions may be resumed", node.log_text())
 
     def test_a_port_open_at_another_address_is_an_error(self):
         node = self.node

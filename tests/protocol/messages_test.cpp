@@ -260,10 +260,10 @@ TEST(MessageReader, AnErrorIsFinal) {
 
 TEST(RefusalCodes, HaveDistinctNames) {
   std::vector<std::string> names;
-  for (uint16_t code = 1; code <= 12; ++code) names.emplace_back(to_string(static_cast<RefusalCode>(code)));
+  for (uint16_t code = 1; code <= 13; ++code) names.emplace_back(to_string(static_cast<RefusalCode>(code)));
   std::sort(names.begin(), names.end());
   EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
-  EXPECT_STREQ(to_string(static_cast<RefusalCode>(13)), "unknown");
+  EXPECT_STREQ(to_string(static_cast<RefusalCode>(14)), "unknown");
 }
 
 }  // namespace

@@ -172,6 +172,12 @@ CameraUpdate random_update(Random& random) {
   return update;
 }
 
+Resume resume(Random& random) {
+  Resume resume{SessionId{random()}, {}};
+  for (uint8_t& byte : resume.proof) byte = static_cast<uint8_t>(random());
+  return resume;
+}
+
 Message random_message(size_t type, Random& random) {
   switch (type) {
     case 0: return hello(random);
@@ -185,7 +191,8 @@ Message random_message(size_t type, Random& random) {
     case 6: return Draining{static_cast<uint32_t>(random())};
     case 7: return stats(random);
     case 8: return Bye{text(random)};
-    default: return data(random);
+    case 9: return data(random);
+    default: return resume(random);
   }
 }
 

@@ -55,6 +55,41 @@ TEST_P(SealTest, OpensWhatTheOtherSideSealed) {
   }
 }
 
+// Whoever comes after a side that is gone has its state alone.
+TEST_P(SealTest, GoesOnFromItsState) {
+  constexpr uint64_t kEpoch = 16;
+  SealState state = first_state(kSecrets, Side::server);
+  Seal peer = make(Side::client, kSession, kSecrets, kEpoch);
+  std::set<uint64_t> numbers;
+  Bytes old;
+  for (int life = 0; life < 12; ++life) {
+    Seal seal(kSession, GetParam(), state, Side::server, kEpoch);
+    if (!old.empty()) expect_rejected(old, Rejection::replayed, seal);
+    for (int i = 0; i < 1 + life * 3 % 7; ++i) {
+      const Bytes datagram = sealed(seal);
+      const auto opened = peer.open(datagram);
+      ASSERT_TRUE(opened) << "life " << life;
+      EXPECT_TRUE(numbers.insert(opened->header.sequence).second) << "a number twice";
+      old = sealed(peer);
+      ASSERT_TRUE(seal.open(old)) << "life " << life;
+    }
+  }
+  EXPECT_GT(*numbers.rbegin(), 2 * kEpoch);
+  EXPECT_EQ(state.sent, *numbers.rbegin());
+  const EpochSecret& at = state.sending;
+  EXPECT_EQ(at.epoch, state.sent / kEpoch);
+  EXPECT_NE(at.secret(), Secret{});
+  EXPECT_EQ(at.by_parity[(at.epoch + 1) % 2], Secret{}) << "what sealed earlier epochs is not kept";
+}
+
+TEST_P(SealTest, NumbersThatGoAnotherWayBeginEpochsToo) {
+  constexpr uint64_t kEpoch = 16;
+  Seal here = make(Side::server, kSession, kSecrets, kEpoch),
+       there = make(Side::client, kSession, kSecrets, kEpoch);
+  for (int i = 0; i < 100; ++i) there.pass(here.skip());
+  EXPECT_TRUE(there.open(sealed(here)));
+}
+
 TEST_P(SealTest, ABodyMayStandWhereItIsSealed) {
   const Bytes body = {7, 8, 9, 10};
   Bytes in_place(Seal::sealed_size(body.size()));

@@ -9,7 +9,7 @@ VERSION = 2
 LONGEST = 1_048_572
 MOST_PIXELS_A_SIDE = 7680
 
-MOMENTS, FEEDBACK, PARITY, REFERENCES = 1, 2, 4, 8  # feature bits
+MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME = 1, 2, 4, 8, 16  # feature bits
 
 
 class Type(IntEnum):
@@ -22,6 +22,7 @@ class Type(IntEnum):
     DRAINING = 7
     STATS = 8
     BYE = 9
+    RESUME = 11
 
 
 class Refusal(IntEnum):
@@ -37,6 +38,7 @@ class Refusal(IntEnum):
     UNKNOWN_PASS = 10
     DRAINING = 11
     INTERNAL = 12
+    UNKNOWN_SESSION = 13
 
     @classmethod
     def _missing_(cls, _):
@@ -72,6 +74,15 @@ class Hello:
         body += struct.pack("<HHHHf", self.width, self.height, self.border_x, self.border_y, self.rate_hz)
         body += list_of(self.codecs, u8) + list_of(self.passes, text)
         return framed(Type.HELLO, body)
+
+
+@dataclass
+class Resume:
+    session: int
+    proof: bytes
+
+    def message(self):
+        return framed(Type.RESUME, struct.pack("<Q", self.session) + self.proof)
 
 
 @dataclass
@@ -285,5 +296,5 @@ def take_message(buffer):
     type_ = reader.u16()
     if type_ in FROM_SERVER:
         return FROM_SERVER[type_].read(reader)
-    require(type_ != Type.HELLO, "a Hello from a server")
+    require(type_ not in (Type.HELLO, Type.RESUME), "a server that speaks as a client")
     return type_

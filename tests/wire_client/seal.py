@@ -18,6 +18,8 @@ CIPHERS = {AES_128_GCM: (AESGCM, 16), CHACHA20_POLY1305: (ChaCha20Poly1305, 32)}
 
 CLIENT_LABEL = b"EXPERIMENTAL gnomon 2 client"
 SERVER_LABEL = b"EXPERIMENTAL gnomon 2 server"
+RESUMPTION_LABEL = b"EXPERIMENTAL gnomon 2 resumption"
+CHALLENGE_LABEL = b"EXPERIMENTAL gnomon 2 challenge"
 
 
 def exporter_context(session, cipher):

@@ -1,4 +1,6 @@
 """A session of a client, after protocol/WIRE.md alone: cameras go out, frames come back."""
+import hashlib
+import hmac
 import select
 import socket
 import struct
@@ -34,7 +36,8 @@ def now_us():
 
 class Session:
     def __init__(self, host, port, pin, hello, certificate=None, key=None, patience_s=60):
-        self.control = Control(host, port, pin, certificate, key)
+        self.connect = lambda: Control(host, port, pin, certificate, key)
+        self.control = self.connect()
         self.hello = hello
         self.udp = None
         self.counts = Counter()
@@ -80,6 +83,24 @@ class Session:
         self.sealer = seal.Sealer(seal.Keys(secrets[0], welcome.cipher), welcome.session)
         self.opener = seal.Opener(seal.Keys(secrets[1], welcome.cipher), welcome.session, kinds,
                                   LONGEST_PROBED if self.feedback else 1200)
+        self.resumption = self.control.exported(seal.RESUMPTION_LABEL, struct.pack("<Q", welcome.session))
+        self.open_socket()
+
+    def resume(self, patience_s=60):
+        """Goes on with the session on another control connection, whatever became of the one before."""
+        control = self.connect()
+        challenge = control.exported(seal.CHALLENGE_LABEL, struct.pack("<Q", self.welcome.session))
+        proof = hmac.new(self.resumption, challenge, hashlib.sha256).digest()
+        before, self.control = self.control, control
+        before.socket.close()
+        control.send(messages.Resume(self.welcome.session, proof).message())
+        welcome = self._answer(patience_s)
+        if welcome.session != self.welcome.session:
+            raise Malformed("another session than the one to be resumed")
+        self.welcome = welcome
+        self._drop_frames()
+        self.size, self.lights, self.rate_hz = welcome.size, len(welcome.scene.lights), welcome.rate_hz
+        self.udp.close()
         self.open_socket()
 
     def open_socket(self):

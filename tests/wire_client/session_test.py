@@ -22,7 +22,8 @@ from node import Node, eventually, skip
 
 try:
     import png
-    from messages import FEEDBACK, MOMENTS, PARITY, REFERENCES, Bye, Draining, Hello, LightsChanged, Refusal, Stats
+    from messages import (FEEDBACK, MOMENTS, PARITY, REFERENCES, RESUME, Bye, Draining, Hello, LightsChanged, Refusal,
+                          Stats)
     from session import RefusedBy, Session
 except ModuleNotFoundError as error:
     skip(f"Debian's python3-{error.name.lower()} is missing")
@@ -299,6 +300,29 @@ class Sessions(unittest.TestCase):
         session.open_socket()
         there = session.picture(camera)
         self.assertEqual(there.words, here.words)
+
+    def test_a_session_goes_on_with_another_control_connection(self):
+        features = FEEDBACK | PARITY | REFERENCES | RESUME
+        session = self.session(codecs=(CONTEXT,), features=features)
+        self.assertEqual(session.welcome.features & RESUME, RESUME)
+        camera, number = session.welcome.scene.default_camera, session.welcome.session
+        before = session.picture(camera)
+        for _ in range(3):
+            session.control.socket.close()
+            session.resume()
+            self.assertEqual(session.welcome.session, number)
+            self.agree(before, session.picture(camera))
+        self.assertEqual((session.counts["malformed"], session.counts["dropped"]), (0, 0))
+        secret, session.resumption = session.resumption, bytes(32)
+        with self.assertRaises(RefusedBy) as raised:
+            session.resume()
+        self.assertEqual(raised.exception.refused.code, Refusal.UNKNOWN_SESSION)
+        session.resumption = secret
+        session.resume()
+        self.agree(before, session.picture(camera))
+        session.close()
+        with self.assertRaises(RefusedBy):
+            session.resume()
 
 
 class Certificates(unittest.TestCase):
