@@ -37,7 +37,7 @@ struct ServerConfig {
   std::chrono::milliseconds handshake_timeout{3000};  // from the connection to the Hello
   std::chrono::milliseconds silence_timeout{5000};    // after it, a session that said nothing is closed
   std::chrono::milliseconds drain_timeout{2000};      // from SIGTERM until the remaining sessions are closed
-  uint32_t max_half_open = 256;  // connections without a session; a further one replaces the oldest
+  uint32_t max_half_open = 1024;  // connections without a session; a further one replaces the oldest
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
   uint32_t connections_per_s = 100;  // of an address, in the long run; so many at once as it may have sessions
