@@ -173,6 +173,7 @@ void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
   report.delivered = delivered();
   report.arrived = static_cast<uint32_t>(news.arrived.size());
   for (const SentDatagram& datagram : news.lost) report.lost += datagram.cargo != Cargo::probe;
+  report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
   rate_.observe(report, now);
 }
@@ -180,6 +181,7 @@ void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
 void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now) {
   for (const Arrival& a : arrived) {
     ++counters_.arrived;
+    newest_arrived_sent_ = std::max(newest_arrived_sent_, a.sent.at);
     queue_.add(a.one_way, now);
     deliveries_.push_back({a.sent.at.time_since_epoch() + a.one_way, a.sent.bytes});
     if (a.sent.cargo == Cargo::probe) {

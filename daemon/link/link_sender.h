@@ -119,6 +119,7 @@ class LinkSender {
   static constexpr size_t kFrames = 4;
 
   uint64_t features_;
+  TimePoint newest_arrived_sent_{};
   bool counts_from_here_;  // what the client has counted until its next report is none of ours
   uint32_t recovered_before_ = 0, incomplete_before_ = 0;
   std::deque<StoredFrame> frames_;

@@ -38,7 +38,7 @@ void RateController::observe(const PathReport& report, TimePoint now) {
     set(std::max(rate_, kMildFall * delivered_));
     hold_until_ = now + rtt;
   }
-  if (now < hold_until_) return;
+  if (now < hold_until_ || report.newest_sent < fell_) return;
   if (report.queue > (starting_ ? kFirstSign : kTarget)) return fall(report, now);
   if (loss_ > kHighLoss && shed_load(now, rtt)) return;
   if (loss_ < kHighLoss / 2) shed_ = 0;
@@ -77,6 +77,7 @@ void RateController::fall(const PathReport& report, TimePoint now) {
     return;
   }
   queue_then_ = report.queue;
+  fell_ = now;
   starting_ = false;
   draining_ = true;
   clear_rtts_ = 0;

@@ -17,12 +17,13 @@ namespace gnomon::daemon {
 
 // What one Feedback told, summed up.
 struct PathReport {
-  Nanoseconds rtt{};     // smoothed; queueing included
-  Nanoseconds queue{};   // of it, on the way to the client
-  double delivered = 0;  // bytes a second that arrived lately
-  uint32_t arrived = 0;  // datagrams
-  uint32_t lost = 0;     // datagrams
-  bool limited = false;  // more would have been sent, had the rate allowed it
+  Nanoseconds rtt{};                         // smoothed; queueing included
+  Nanoseconds queue{};                       // of it, on the way to the client
+  double delivered = 0;                      // bytes a second that arrived lately
+  uint32_t arrived = 0;                      // datagrams
+  uint32_t lost = 0;                         // datagrams
+  bool limited = false;                      // more would have been sent, had the rate allowed it
+  TimePoint newest_sent = TimePoint::max();  // when the newest that arrived left
 };
 
 class RateController {
@@ -51,6 +52,7 @@ class RateController {
   TimePoint hold_until_{};  // the last change has not shown in reports yet
   bool starting_ = true;
   bool draining_ = false;  // below what the path delivers until the queue is gone
+  TimePoint fell_{};       // what was sent before says nothing of it, however long it has queued
   double delivered_ = 0;   // when the queue began
   double clear_rtts_ = 0;  // round trips without a queue
 
