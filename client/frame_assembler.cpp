@@ -42,8 +42,10 @@ SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
   Open* open = find_or_begin(header);
   if (!open) return SliceOutcome::late;
   AssembledFrame& frame = open->frame;
-  if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::malformed;
+  // The server may have answered a repeated camera twice, each time cut otherwise.
+  if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::late;
   if (open->slices[header.slice]) return SliceOutcome::duplicate;
+  if (protocol::lacks_reference(header, slice.payload, grid_, &references_)) return SliceOutcome::unreadable;
   if (!protocol::decode_slice(header, slice.payload, grid_, frame.words, &references_)) {
     cover_missing(frame, header);
     return SliceOutcome::malformed;

@@ -38,10 +38,11 @@ struct AssembledFrame {
 
 enum class SliceOutcome {
   stored,
-  completed,  // the frame's last: take_finished has it
-  duplicate,  // stored before
-  late,       // of a frame already finished or given up
-  malformed,  // contradicts its frame or the grid, or does not decode
+  completed,   // the frame's last: take_finished has it
+  duplicate,   // stored before
+  late,        // of a frame already finished or given up, or of another answer to its camera
+  unreadable,  // refers to a frame that is not kept any more, or was never whole: as good as lost
+  malformed,   // contradicts the grid, or does not decode
 };
 
 class FrameAssembler {

@@ -11,7 +11,7 @@ constexpr size_t kLightVersions = 16;  // kept for frames that are still on thei
 
 StreamOptions with_features(StreamOptions options) {
   using namespace protocol;
-  options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity;
+  options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity | kFeatureSizes;
   if (options.keep_references) options.connect.hello.features |= kFeatureReferences;
   return options;
 }
@@ -28,6 +28,7 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
   duplicate_slices += other.duplicate_slices;
   late_slices += other.late_slices;
   rebuilt_slices += other.rebuilt_slices;
+  unreadable_slices += other.unreadable_slices;
   resumed += other.resumed;
   wrong_frames += other.wrong_frames;
   return *this;
@@ -73,18 +74,19 @@ void VisibilityStream::go_on() {
   assembler_.reset();
   recovery_ = {};
   take_up(connection_.welcome());
+  first_of_use_ = FrameId{newest_asked_.value + 1};
   if (in_flight() == 0) return;
   const protocol::CameraView camera = newest_.camera;
   ask(camera, std::chrono::microseconds(newest_.display_deadline_us));
   if (events_.asked_again) events_.asked_again();
 }
 
-// Frames asked for before this have another shape: their slices are of no use any more.
+// Frames asked for before this may have another shape. Where slices do not say which, they are of no use any more.
 void VisibilityStream::restart_with(TileGrid grid) {
   if (assembler_ && assembler_->grid() == grid) return;
   assembler_.emplace(grid);
   if (connection_.welcome().features & protocol::kFeatureReferences) assembler_->keep_references();
-  first_of_grid_ = FrameId{newest_asked_.value + 1};
+  if (!has(protocol::kFeatureSizes)) first_of_use_ = FrameId{newest_asked_.value + 1};
 }
 
 void VisibilityStream::on_message(const protocol::Message& message) {
@@ -187,7 +189,7 @@ void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
   const FrameId frame = slice.header.frame;
   if (!has(protocol::kFeatureFeedback)) acks_.received(frame, slice.header.slice);
   Asked* asked = find(frame);
-  if (!asked || asked->answered || frame < first_of_grid_) {
+  if (!asked || asked->answered || frame < first_of_use_ || !is_of_grid(slice.header)) {
     ++counters_.late_slices;
     return;
   }
@@ -196,9 +198,22 @@ void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
     case SliceOutcome::completed: asked->last_slice = Clock::now(); break;
     case SliceOutcome::duplicate: ++counters_.duplicate_slices; break;
     case SliceOutcome::late: ++counters_.late_slices; break;
+    case SliceOutcome::unreadable:
+      ++counters_.unreadable_slices;
+      asked->last_slice = Clock::now();
+      break;
     case SliceOutcome::malformed: ++counters_.wrong_frames; break;
   }
   deliver_finished();
+}
+
+// Slices of a new size may overtake the news of it, and those of the former one come after it.
+bool VisibilityStream::is_of_grid(const protocol::SliceHeader& header) const {
+  if (!has(protocol::kFeatureSizes)) return true;
+  const auto& granted = connection_.welcome();
+  const bool says = (header.flags & protocol::kSliceHasSize) != 0;
+  return grid().width == (says ? header.width : granted.width) &&
+         grid().height == (says ? header.height : granted.height);
 }
 
 void VisibilityStream::deliver_finished() {

@@ -48,10 +48,11 @@ struct StreamCounters {
   uint64_t unanswered = 0;   // cameras without answer for the timeout, and no newer one either
   uint64_t lost_slices = 0;  // of incomplete frames
   uint64_t duplicate_slices = 0;
-  uint64_t late_slices = 0;     // of frames already handed over
-  uint64_t rebuilt_slices = 0;  // from parity
-  uint64_t resumed = 0;         // control connections that were lost and replaced
-  uint64_t wrong_frames = 0;    // slices of frames never asked for, that contradict their frame or do not decode
+  uint64_t late_slices = 0;        // of frames already handed over, or of other answers to their cameras
+  uint64_t unreadable_slices = 0;  // that refer to frames which are not kept any more
+  uint64_t rebuilt_slices = 0;     // from parity
+  uint64_t resumed = 0;            // control connections that were lost and replaced
+  uint64_t wrong_frames = 0;       // slices of frames never asked for, that contradict their frame or do not decode
 
   StreamCounters& operator+=(const StreamCounters& other);
 };
@@ -103,6 +104,7 @@ class VisibilityStream {
   void add_rebuilt(const std::vector<std::vector<uint8_t>>& bodies);
   bool has(uint64_t feature) const;  // granted
   bool may_be_asked_for(FrameId frame) const;
+  bool is_of_grid(const protocol::SliceHeader& header) const;
   void plan_report();
   void report_arrivals();
   void add_slice(const protocol::FrameSlice& slice);
@@ -126,7 +128,7 @@ class VisibilityStream {
   std::deque<Asked> asked_;  // of consecutive frames up to newest_asked_
   FrameId newest_asked_{0};
   FrameId newest_answered_{0};
-  FrameId first_of_grid_{1};  // frames before it have another shape
+  FrameId first_of_use_{1};  // what comes of frames before it is dropped
   StreamCounters counters_;
   protocol::CameraUpdate newest_;  // as last sent
   TimePoint last_sent_{};

@@ -77,7 +77,8 @@ void EncodePool::work(std::optional<uint32_t> home) {
 namespace {
 
 size_t payload_room(const FrameMeta& meta) {
-  return meta.slice_body_bytes - protocol::kSliceHeaderBytes - (meta.moment ? protocol::kMomentBytes : 0);
+  return meta.slice_body_bytes - protocol::kSliceHeaderBytes - (meta.moment ? protocol::kMomentBytes : 0) -
+         (meta.tells_size ? protocol::kSizeBytes : 0);
 }
 
 }  // namespace

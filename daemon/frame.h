@@ -40,6 +40,7 @@ struct FrameMeta {
   SessionReferencesPtr references;  // null: the client keeps none
   protocol::CameraView camera;
   TileGrid grid;
+  bool tells_size = false;                 // the client wants to know that it is not the granted one
   uint32_t traced_lights = 0;              // of the grid's; the others are lit everywhere
   std::optional<protocol::Moment> moment;  // that the client is to be told
   uint32_t coalesced = 0;                  // views of this session replaced since its last frame

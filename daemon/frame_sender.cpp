@@ -12,6 +12,11 @@ size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
       header.flags |= protocol::kSliceHasMoment;
       header.moment = *frame.meta.moment;
     }
+    if (frame.meta.tells_size) {
+      header.flags |= protocol::kSliceHasSize;
+      header.width = static_cast<uint16_t>(frame.meta.grid.width);
+      header.height = static_cast<uint16_t>(frame.meta.grid.height);
+    }
     header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.gpu));
   }
   return session.link().add(frame.slices, frame.meta.deadline, now);

@@ -13,7 +13,7 @@ using protocol::RefusalCode;
 using protocol::Refused;
 
 constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
-                               protocol::kFeatureReferences | protocol::kFeatureResume;
+                               protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes;
 
 // What came from a stranger is shown, but not at any length.
 std::string shown(const std::string& text) {

@@ -225,8 +225,8 @@ void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, Appli
                  [this, id](Fault, const std::string& why) { lose_control(id, why); });
   const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
   shared_.devices.open({id, accepted.tenant, scene.id, accepted.width, accepted.height, lights, accepted.codec,
-                        index_, accepted.rate_hz, (accepted.features & protocol::kFeatureMoments) != 0,
-                        accepted.dense_codec, session.references(), session.life()});
+                        index_, accepted.rate_hz, accepted.features, accepted.dense_codec, session.references(),
+                        session.life()});
   shared_.metrics.session_opened(accepted.tenant);
   greet(*stream, session, scene);
   log::info(resumed ? "session resumed" : "session opened",

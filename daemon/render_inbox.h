@@ -26,8 +26,8 @@ struct SessionOpened {
   uint32_t lights = 0;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   uint32_t net_thread = 0;
-  double rate_hz = 0;  // granted; 0: no limit
-  bool wants_moments = false;
+  double rate_hz = 0;                                            // granted; 0: no limit
+  uint64_t features = 0;                                         // protocol/types.h
   protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // where its link is short of bytes
   SessionReferencesPtr references = nullptr;                     // of a client that keeps frames
   uint32_t life = 0;                                             // how often it was resumed

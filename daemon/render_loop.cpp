@@ -41,6 +41,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
   meta.references = session.opened.references;
   meta.camera = to_wire(view.camera);
   meta.grid = session.grid();
+  meta.tells_size = (session.opened.features & protocol::kFeatureSizes) != 0 && !session.has_granted_size();
   meta.traced_lights = session.traced_lights();
   meta.coalesced = session.coalesced;
   meta.arrival = view.arrival;
@@ -342,7 +343,8 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   job.untraced = session.untraced;
   if (rows < all_rows) job.tile_rows = rows;
   job.time = motion_.time_of(session.opened.scene, now);
-  if (session.opened.wants_moments) frame.meta.moment = motion_.moment_of(session.opened.scene, now);
+  if (session.opened.features & protocol::kFeatureMoments)
+    frame.meta.moment = motion_.moment_of(session.opened.scene, now);
   const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
   if (!submitted) {
     if (shrink(session, ticket, view, now, submitted.error())) return;

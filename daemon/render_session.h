@@ -53,6 +53,7 @@ struct RenderSession {
   uint32_t wanted_lights() const;  // that are traced; at least one
   uint32_t traced_lights() const { return opened.lights - static_cast<uint32_t>(untraced.count()); }
   TileGrid grid() const { return {opened.width, opened.height, opened.lights}; }
+  bool has_granted_size() const { return opened.width == granted_width && opened.height == granted_height; }
   bool has_work() const { return begun || newest; }
 };
 

@@ -292,6 +292,11 @@ Result<void> SplitFrame::join(EncodedFrame& out) {
 
 TileMaskView SplitFrame::decoded() const { return {parts_->tiles.grid, parts_->tiles.words}; }
 
+bool lacks_reference(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
+                     const ReferenceShelf* references) {
+  return header.codec == CodecId::tiles_context && context::lacks_reference(payload, grid, references);
+}
+
 Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
                           std::span<uint64_t> words, const ReferenceShelf* references) {
   assert(words.size() == grid.word_count());

@@ -73,9 +73,13 @@ class SplitFrame {
   std::unique_ptr<Parts> parts_;
 };
 
+// A slice that refers to a frame which is not among `references`, or not the same there: as good as lost.
+bool lacks_reference(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
+                     const ReferenceShelf* references);
+
 // Writes a slice's tiles into `words` (grid.word_count() of them, laid out as common/tile_mask.h says).
 // Any bytes give tiles or an error; after an error the slice's own tiles are unspecified and all others untouched.
-// A slice that refers to a frame that is not among `references`, or not the same there, is an error.
+// A slice that lacks its reference is an error.
 Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
                           std::span<uint64_t> words, const ReferenceShelf* references = nullptr);
 

@@ -39,6 +39,7 @@ void fields(A& a, Of<A, SliceHeader>& m) {
   a(m.frame, m.slice, m.slice_count, m.first_tile, m.tile_count, m.first_light, m.light_count);
   a(m.codec, m.flags, m.padding, m.server_us, m.gpu_us);
   if (m.flags & kSliceHasMoment) a(m.moment.scene_time_us, m.moment.lights_version);
+  if (m.flags & kSliceHasSize) a(m.width, m.height);
   a.check(m.slice < m.slice_count, "slice is not below slice_count");
   a.check(m.tile_count > 0 && m.light_count > 0, "an empty slice");
 }

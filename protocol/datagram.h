@@ -18,10 +18,12 @@ namespace gnomon::protocol {
 // Bits of SliceHeader::flags.
 inline constexpr uint8_t kSliceHasMoment = 1;
 inline constexpr uint8_t kSliceIsPadded = 2;  // only with kFeatureFeedback
+inline constexpr uint8_t kSliceHasSize = 4;   // only with kFeatureSizes
 inline constexpr size_t kHeaderBytes = 20;
 inline constexpr size_t kTagBytes = 16;
 inline constexpr size_t kSliceHeaderBytes = 32;
 inline constexpr size_t kMomentBytes = 8;
+inline constexpr size_t kSizeBytes = 4;
 inline constexpr size_t kMaxSliceBodyBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 inline constexpr size_t kMaxSlicePayloadBytes = kMaxSliceBodyBytes - kSliceHeaderBytes;
 
@@ -83,6 +85,8 @@ struct SliceHeader {
   uint32_t server_us = 0;  // from the camera's arrival to this slice's sending
   uint32_t gpu_us = 0;     // of it, on the GPU
   Moment moment;           // on the wire if flags say so; then the payload has kMomentBytes less room
+  // The frame's, where that is not the granted one: on the wire if flags say so, which takes kSizeBytes.
+  uint16_t width = 0, height = 0;
   friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
 };
 

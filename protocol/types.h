@@ -27,6 +27,7 @@ inline constexpr uint64_t kFeatureParity = 4;      // the client rebuilds lost s
 inline constexpr uint64_t kFeatureReferences = 8;  // the client decodes tiles_context and keeps frames for it
 inline constexpr uint64_t kFeatureResume =
     16;  // a session outlives its control connection, and is resumed on another
+inline constexpr uint64_t kFeatureSizes = 32;  // slices of frames of another size than granted say which
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w

@@ -167,6 +167,8 @@ Report report_of(const Arguments& a, const FlightFigures& f, uint64_t covered_wo
                          {"bytes_per_frame", f.bytes_per_frame()},
                          {"lost_slices", f.counters.lost_slices},
                          {"rebuilt_slices", f.counters.rebuilt_slices},
+                         {"late_slices", f.counters.late_slices},
+                         {"unreadable_slices", f.counters.unreadable_slices},
                          {"covered_words", covered_words},
                          {"reconnects", f.reconnects},
                          {"shown", f.shown},

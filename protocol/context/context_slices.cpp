@@ -264,6 +264,12 @@ bool walk_through(const SliceRange& range, std::span<const uint8_t> coded, const
 
 }  // namespace
 
+bool lacks_reference(std::span<const uint8_t> payload, const TileGrid& grid, const ReferenceShelf* references) {
+  if (payload.size() < kReferencedHead || payload[0] != static_cast<uint8_t>(Form::referenced)) return false;
+  const MaskReference* reference = references ? references->find(FrameId{read_u32(&payload[1])}) : nullptr;
+  return !reference || reference->grid() != grid || reference->checksum() != read_u32(&payload[5]);
+}
+
 Result<void> decode(const SliceRange& range, std::span<const uint8_t> payload, const TileGrid& grid,
                     const ReferenceShelf* references, std::span<uint64_t> words) {
   if (payload.empty()) return Error{"a slice without payload"};
@@ -271,11 +277,8 @@ Result<void> decode(const SliceRange& range, std::span<const uint8_t> payload, c
   if (payload[0] == static_cast<uint8_t>(Form::alone)) {
     exact = walk_through<false>(range, payload.subspan(1), grid, nullptr, words);
   } else if (payload[0] == static_cast<uint8_t>(Form::referenced) && payload.size() >= kReferencedHead) {
-    const FrameId frame{read_u32(&payload[1])};
-    const MaskReference* reference = references ? references->find(frame) : nullptr;
-    if (!reference || reference->grid() != grid) return Error{"a slice refers to a frame that is not here"};
-    if (reference->checksum() != read_u32(&payload[5]))
-      return Error{"a slice refers to another mask of that frame"};
+    if (lacks_reference(payload, grid, references)) return Error{"a slice refers to a frame that is not here"};
+    const MaskReference* reference = references->find(FrameId{read_u32(&payload[1])});
     exact = walk_through<true>(range, payload.subspan(kReferencedHead), grid, reference, words);
   } else {
     return Error{"a slice's payload is of unknown form"};

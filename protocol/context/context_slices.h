@@ -44,6 +44,9 @@ class UnitEncoder {
 // Parts of a frame that may be encoded side by side: the same ones however many threads there are.
 std::vector<SliceRange> plan_units(const FrameTiles& frame, size_t max_payload_bytes);
 
+// As in codec.h.
+bool lacks_reference(std::span<const uint8_t> payload, const TileGrid& grid, const ReferenceShelf* references);
+
 // As decode_slice. Memory is kept for the thread's next call.
 Result<void> decode(const SliceRange& range, std::span<const uint8_t> payload, const TileGrid& grid,
                     const ReferenceShelf* references, std::span<uint64_t> words);

@@ -131,7 +131,7 @@ TEST(FrameAssembler, RefusesSlicesThatContradictGridOrFrame) {
   };
   EXPECT_EQ(assembler.add(sliced.slice(0)), SliceOutcome::stored);
   EXPECT_EQ(with([](auto& h) { h.slice_count = 0; }), SliceOutcome::malformed);
-  EXPECT_EQ(with([](auto& h) { h.slice_count += 1; }), SliceOutcome::malformed);
+  EXPECT_EQ(with([](auto& h) { h.slice_count += 1; }), SliceOutcome::late);
   EXPECT_EQ(with([](auto& h) { h.slice = h.slice_count; }), SliceOutcome::malformed);
   EXPECT_EQ(with([](auto& h) { h.first_tile = kGrid.tile_count(); }), SliceOutcome::malformed);
   EXPECT_EQ(with([](auto& h) { h.tile_count = 0xffffffff; }), SliceOutcome::malformed);
@@ -140,6 +140,21 @@ TEST(FrameAssembler, RefusesSlicesThatContradictGridOrFrame) {
   // The frame goes on unharmed.
   for (size_t i = 1; i < sliced.count(); ++i) assembler.add(sliced.slice(i));
   EXPECT_EQ(assembler.take_finished()->words, sliced.mask.words);
+}
+
+// Retransmitted so late that what it refers to is not kept any more.
+TEST(FrameAssembler, ASliceWhoseReferenceIsGoneIsAsGoodAsLost) {
+  const auto mask = tests::noise(kGrid, 5);
+  const auto reference = std::make_shared<protocol::MaskReference>(FrameId{1}, mask.view());
+  protocol::SplitFrame split(PackedMask(mask.view(), std::vector<uint64_t>(mask.words.size(), ~uint64_t{0})).view(),
+                             1100, reference);
+  for (size_t unit = 0; unit < split.unit_count(); ++unit) split.encode(unit);
+  protocol::EncodedFrame encoded;
+  ASSERT_TRUE(split.join(encoded));
+  for (auto& header : encoded.slices) header.frame = FrameId{2};
+  FrameAssembler assembler(kGrid);
+  EXPECT_EQ(assembler.add({encoded.slices[0], encoded.payload(0)}), SliceOutcome::unreadable);
+  EXPECT_EQ(assembler.add({encoded.slices[0], encoded.payload(0)}), SliceOutcome::unreadable) << "still missing";
 }
 
 TEST(FrameAssembler, AFrameWithAllSlicesAndAHoleIsMalformed) {

@@ -236,5 +236,47 @@ TEST(Stream, ASmallerSizeMidwayLeavesOldFramesBehind) {
   watched.stream.close("");
 }
 
+// Datagrams may overtake the news over the control connection, and come long after it.
+TEST(Stream, SlicesThatSayTheirSizeAreNeverTakenForAnother) {
+  const TileGrid half{kWidth / 2, kHeight / 2, kLights};
+  const auto mask = tests::noise(half, 1);
+  const auto send = [&mask](Peer& peer, FrameId frame) {
+    auto encoded = tests::sliced(frame, mask.view(), 700);
+    for (size_t i = 0; i < encoded.slices.size(); ++i) {
+      encoded.slices[i].flags |= protocol::kSliceHasSize;
+      encoded.slices[i].width = kWidth / 2;
+      encoded.slices[i].height = kHeight / 2;
+      peer.send_slice(encoded.slices[i], encoded.payload(i));
+    }
+  };
+  FakeServer server([&](Peer& peer) {
+    peer.read();
+    auto welcome = tests::small_welcome(kWidth, kHeight, kLights);
+    welcome.features = protocol::kFeatureSizes;
+    peer.welcome(welcome);
+    peer.read_new_camera();
+    send(peer, FrameId{1});
+    peer.read_new_camera();
+    peer.write(protocol::Degraded{.width = kWidth / 2, .height = kHeight / 2, .rate_hz = 30, .reason = "load"});
+    peer.read_new_camera();
+    peer.send_frame(FrameId{2}, tests::noise(kGrid, 2).view());
+    send(peer, FrameId{2});
+    peer.read();
+  });
+  Watched watched(options_for(server.address()));
+  ASSERT_TRUE(watched.stream.wait_open());
+  watched.stream.ask(camera_at(0));
+  ASSERT_TRUE(watched.until([&] { return watched.stream.counters().late_slices > 0; }))
+      << "the new size, before the news";
+  watched.stream.ask(camera_at(1));
+  ASSERT_TRUE(watched.until([&] { return !watched.messages.empty(); }));
+  watched.stream.ask(camera_at(2));
+  ASSERT_TRUE(watched.until([&] { return !watched.answers.empty(); }));
+  EXPECT_EQ(watched.answers[0].frame, FrameId{2}) << "asked for before the news, rendered after it";
+  EXPECT_EQ(watched.answers[0].words, mask.words);
+  EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  watched.stream.close("");
+}
+
 }  // namespace
 }  // namespace gnomon::client

@@ -19,6 +19,7 @@ class NarrowLink : public RenderLoopTest {
         .session = kFar, .tenant = kTenant, .scene = kScene, .width = 160, .height = 96, .lights = 2};
     opened.codec = protocol::CodecId::raw32_lz4;
     opened.dense_codec = protocol::CodecId::tiles_lz4;
+    opened.features = protocol::kFeatureSizes;
     loop_->handle(opened, now_);
   }
 
@@ -33,6 +34,7 @@ class NarrowLink : public RenderLoopTest {
     }
     settle();
     codec_ = rendered_.back().meta.codec;
+    tells_size_ = rendered_.back().meta.tells_size;
     rendered_.clear();
     now_ += 1s;
   }
@@ -40,6 +42,7 @@ class NarrowLink : public RenderLoopTest {
   uint32_t frame_ = 0;
   gpu::RenderJob last_;
   protocol::CodecId codec_{};
+  bool tells_size_ = false;
 };
 
 TEST_F(NarrowLink, FewerFramesAreNoReasonDownToTheTenantsLeastRate) {
@@ -53,15 +56,18 @@ TEST_F(NarrowLink, TheCodecGetsDenserThenThePictureSmallerAndBothComeBack) {
   second(5);
   EXPECT_EQ(codec_, protocol::CodecId::tiles_lz4);
   EXPECT_EQ(last_.width, 160u);
+  EXPECT_FALSE(tells_size_);
   EXPECT_TRUE(degraded_.empty()) << "slices say which codec they have";
   for (int i = 0; i < 20; ++i) second(5);
   EXPECT_LT(last_.width, 160u);
   EXPECT_GE(last_.width, 80u);
+  EXPECT_TRUE(tells_size_);
   ASSERT_FALSE(degraded_.empty());
   EXPECT_EQ(degraded_.back().news.width, last_.width);
   EXPECT_EQ(degraded_.back().news.reason, "the link cannot carry more");
   for (int i = 0; i < 200; ++i) second(40);
   EXPECT_EQ(last_.width, 160u);
+  EXPECT_FALSE(tells_size_);
   EXPECT_EQ(codec_, protocol::CodecId::raw32_lz4);
 }
 

@@ -25,6 +25,11 @@ Bytes bytes_of(const SliceHeader& header, std::span<const uint8_t> payload) {
   return bytes;
 }
 
+size_t header_bytes_of(const SliceHeader& header) {
+  return kSliceHeaderBytes + (header.flags & kSliceHasMoment ? kMomentBytes : 0) +
+         (header.flags & kSliceHasSize ? kSizeBytes : 0);
+}
+
 SliceHeader random_slice(Random& random) {
   SliceHeader header;
   header.frame = FrameId{static_cast<uint32_t>(random())};
@@ -40,6 +45,10 @@ SliceHeader random_slice(Random& random) {
   header.flags = static_cast<uint8_t>(random());
   if (header.flags & kSliceHasMoment)
     header.moment = {static_cast<uint32_t>(random()), static_cast<uint32_t>(random())};
+  if (header.flags & kSliceHasSize) {
+    header.width = static_cast<uint16_t>(random());
+    header.height = static_cast<uint16_t>(random());
+  }
   return header;
 }
 
@@ -160,7 +169,7 @@ TEST(Datagram, FrameSlicesComeBackAsTheyWere) {
     ASSERT_TRUE(slice);
     EXPECT_EQ(slice->header, header);
     EXPECT_TRUE(std::equal(slice->payload.begin(), slice->payload.end(), payload.begin(), payload.end()));
-    const size_t header_bytes = kSliceHeaderBytes + (header.flags & kSliceHasMoment ? kMomentBytes : 0);
+    const size_t header_bytes = header_bytes_of(header);
     EXPECT_EQ(bytes.size(), header_bytes + payload.size());
     for (size_t size = 0; size < header_bytes; ++size) {
       EXPECT_FALSE(decode_frame_slice(std::span(bytes).first(size)));
@@ -190,9 +199,8 @@ TEST(Datagram, RandomBytesGiveAValueOrNothing) {
     for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random() % 2 ? random() : random() % 3);
     decode_header(bytes);
     if (const auto slice = decode_frame_slice(bytes)) {
-      const size_t moment = slice->header.flags & kSliceHasMoment ? kMomentBytes : 0;
       const size_t padding = slice->header.flags & kSliceIsPadded ? slice->header.padding : 0;
-      EXPECT_EQ(slice->payload.size(), bytes.size() - kSliceHeaderBytes - moment - padding);
+      EXPECT_EQ(slice->payload.size(), bytes.size() - header_bytes_of(slice->header) - padding);
     }
     if (const auto update = decode_camera_update(bytes)) {
       EXPECT_LE(update->ack_count, kMaxAcks);

@@ -17,7 +17,7 @@ class Kind(IntEnum):
 MOST_ACKNOWLEDGEMENTS = 16
 MOST_AGES = 512
 AGE_UNIT_US = 32
-HAS_MOMENT, PADDED = 1, 2  # flags of a slice
+HAS_MOMENT, PADDED, HAS_SIZE = 1, 2, 4  # flags of a slice
 
 
 def newer(a, b):
@@ -57,6 +57,7 @@ class FrameSlice:
     server_us: int
     gpu_us: int
     moment: tuple  # scene_time_us, lights_version
+    size: tuple  # None: the granted one
     payload: bytes
 
     @staticmethod
@@ -67,11 +68,12 @@ class FrameSlice:
         flags, padding = reader.u8(), reader.u16()
         server_us, gpu_us = reader.u32(), reader.u32()
         moment = (reader.u32(), reader.u32()) if flags & HAS_MOMENT else (0, 0)
+        size = (reader.u16(), reader.u16()) if flags & HAS_SIZE else None
         payload = reader.rest()
         if flags & PADDED:
             require(padding <= len(payload), "more padding than there are bytes")
             payload = payload[:len(payload) - padding]
-        slice_ = FrameSlice(*fields, server_us, gpu_us, moment, payload)
+        slice_ = FrameSlice(*fields, server_us, gpu_us, moment, size, payload)
         require(slice_.slice < slice_.slice_count, "a slice beyond the frame's count")
         require(slice_.tile_count and slice_.light_count, "a slice of nothing")
         return slice_

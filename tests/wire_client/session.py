@@ -77,6 +77,7 @@ class Session:
         context = seal.exporter_context(welcome.session, welcome.cipher)
         secrets = [self.control.exported(label, context) for label in (seal.CLIENT_LABEL, seal.SERVER_LABEL)]
         self.feedback = bool(welcome.features & messages.FEEDBACK)
+        self.sizes = bool(welcome.features & messages.SIZES)
         kinds = {Kind.FRAME_SLICE}
         kinds |= {Kind.PROBE} if self.feedback else set()
         kinds |= {Kind.FRAME_PARITY} if welcome.features & messages.PARITY else set()
@@ -234,7 +235,9 @@ class Session:
         if frame is None:
             self.counts["late"] += 1
             return
-        if kind == Kind.FRAME_SLICE:
+        if kind == Kind.FRAME_SLICE and (part.size or self.welcome.size) != self.size and self.sizes:
+            self.counts["other_size"] += 1
+        elif kind == Kind.FRAME_SLICE:
             self.counts["repeated"] += not frame.add_slice(body)
             self.counts["references"] += part.codec == CONTEXT and part.payload[0] == 1
         else:

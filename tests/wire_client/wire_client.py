@@ -12,13 +12,13 @@ from dataclasses import replace
 from control import Closed, NotTheServer
 from fields import Malformed
 from mask_codecs import CONTEXT, LIT, RAW32, TILES
-from messages import FEEDBACK, MOMENTS, PARITY, REFERENCES, Hello
+from messages import FEEDBACK, MOMENTS, PARITY, REFERENCES, SIZES, Hello
 from seal import AES_128_GCM, CHACHA20_POLY1305
 from session import RefusedBy, Session
 
 CODECS = {"raw32": RAW32, "tiles": TILES, "context": CONTEXT}
 CIPHERS = {"aes": AES_128_GCM, "chacha": CHACHA20_POLY1305}
-FEATURES = {"moments": MOMENTS, "feedback": FEEDBACK, "parity": PARITY, "references": REFERENCES}
+FEATURES = {"moments": MOMENTS, "feedback": FEEDBACK, "parity": PARITY, "references": REFERENCES, "sizes": SIZES}
 STEP_RADIANS = 0.05
 
 

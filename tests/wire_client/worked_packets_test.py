@@ -46,7 +46,7 @@ def read_back(camera):
 
 
 def a_slice(payload, tiles, lights, codec):
-    return FrameSlice(1, 0, 1, 0, tiles, 0, lights, codec, 0, 0, (0, 0), payload)
+    return FrameSlice(1, 0, 1, 0, tiles, 0, lights, codec, 0, 0, (0, 0), None, payload)
 
 
 class Packets(unittest.TestCase):
