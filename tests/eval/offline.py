@@ -1,4 +1,5 @@
 """What needs no network: gnomon-eval renders the paths, this machine's device traces them."""
+import concurrent.futures
 import functools
 import os
 import re
@@ -79,8 +80,10 @@ def videos(args, scene):
     try:
         eval_program(args, "video", scene, prefix, "--fps", VIDEO_FPS, "--seconds", seconds, "--from", 2 if args.quick else 0,
                      *[part for x in every_x for part in ("--x", x)])
-        return [{"scene": scene, "size": args.size, "seconds": seconds, "x": x, **quality(args.size, files[0], files[x])}
-                for x in every_x if x > 0]
+        predicted = [x for x in every_x if x > 0]
+        with concurrent.futures.ThreadPoolExecutor(max(1, (os.cpu_count() or 1) // 2)) as pool:
+            figures = pool.map(lambda x: quality(args.size, files[0], files[x]), predicted)
+        return [{"scene": scene, "size": args.size, "seconds": seconds, "x": x, **row} for x, row in zip(predicted, figures)]
     finally:
         for file in files.values():
             if os.path.exists(file):

@@ -105,4 +105,21 @@ def vanishing(args):
     return rows
 
 
-ALL = {"shares": shares, "equal": equal, "neighbour": neighbour, "classes": classes, "vanishing": vanishing}
+def devices(args):
+    """As many clients for each device, who ask for a new frame as soon as one is there: on the first device alone, on two ..."""
+    rows = []
+    for count in range(1, len(args.devices) + 1):
+        with serving(args, "fair", [{"name": "clients"}], devices=args.devices[:count]) as daemon:
+            # A program of clients is one thread: so many that it is not they who are measured.
+            loads = [daemon.load({"clients": 4}, args.size, 0, args.seconds + 2 * WARM_UP_S) for _ in range(4 * count)]
+            time.sleep(WARM_UP_S)
+            vbps = change(daemon, BUFFERS, args.seconds)["clients"]
+            clients = [load.rows()["clients"] for load in loads]
+        rows.append({"experiment": "devices", "policy": "fair", "tenant": f"clients of {count}", "weight": 1, "vbps": vbps,
+                     "vbps_alone": rows[0]["vbps"] if rows else vbps, "p50_ms": max(c["p50_ms"] for c in clients),
+                     "p99_ms": max(c["p99_ms"] for c in clients), "jain": jain([c["vbps"] for c in clients])})
+    return rows
+
+
+ALL = {"shares": shares, "equal": equal, "neighbour": neighbour, "classes": classes, "vanishing": vanishing,
+       "devices": devices}

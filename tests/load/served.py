@@ -16,7 +16,7 @@ class Daemon:
     """Serves on free ports until stop(). `tenants`: list of dicts of configuration keys. args.cache: a folder for light buffers,
     if any."""
 
-    def __init__(self, args, policy, tenants, **scheduler):
+    def __init__(self, args, policy, tenants, devices=(), **scheduler):
         self.folder = tempfile.TemporaryDirectory(prefix="gnomon-load-")
         self.args = args
         self.config = {
@@ -27,8 +27,10 @@ class Daemon:
             "tenants": tenants,
             "log": {"level": "error"},
         }
+        if devices:
+            self.config["render"] = {"devices": list(devices)}
         if getattr(args, "cache", None):
-            self.config["render"] = {"cache_folder": str(pathlib.Path(args.cache).absolute())}
+            self.config.setdefault("render", {})["cache_folder"] = str(pathlib.Path(args.cache).absolute())
         config = self.write_config()
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen([args.bin / "gnomond", "--config", config], stdout=self.log,
@@ -101,8 +103,8 @@ class Load:
 
 
 @contextlib.contextmanager
-def serving(args, policy, tenants, **scheduler):
-    daemon = Daemon(args, policy, tenants, **scheduler)
+def serving(args, policy, tenants, devices=(), **scheduler):
+    daemon = Daemon(args, policy, tenants, devices, **scheduler)
     try:
         yield daemon
     finally:
