@@ -81,12 +81,14 @@ void VisibilityStream::go_on() {
   if (events_.asked_again) events_.asked_again();
 }
 
-// Frames asked for before this may have another shape. Where slices do not say which, they are of no use any more.
+// Frames asked for before this may have another shape. Where slices do not say which, they are of no use any more: they
+// say their size to whom wants it, and nothing of lights.
 void VisibilityStream::restart_with(TileGrid grid) {
   if (assembler_ && assembler_->grid() == grid) return;
+  const bool tell_apart = has(protocol::kFeatureSizes) && assembler_ && assembler_->grid().lights == grid.lights;
   assembler_.emplace(grid);
   if (connection_.welcome().features & protocol::kFeatureReferences) assembler_->keep_references();
-  if (!has(protocol::kFeatureSizes)) first_of_use_ = FrameId{newest_asked_.value + 1};
+  if (!tell_apart) first_of_use_ = FrameId{newest_asked_.value + 1};
 }
 
 void VisibilityStream::on_message(const protocol::Message& message) {

@@ -278,5 +278,33 @@ TEST(Stream, SlicesThatSayTheirSizeAreNeverTakenForAnother) {
   watched.stream.close("");
 }
 
+TEST(Stream, AnotherNumberOfLightsLeavesOldFramesBehindWhateverTheirSize) {
+  const TileGrid more{kWidth, kHeight, kLights + 1};
+  const auto mask = tests::noise(more, 1);
+  FakeServer server([&](Peer& peer) {
+    peer.read();
+    auto welcome = tests::small_welcome(kWidth, kHeight, kLights);
+    welcome.features = protocol::kFeatureSizes;
+    peer.welcome(welcome);
+    peer.read_new_camera();
+    peer.write(protocol::SceneChanged{tests::small_welcome(kWidth, kHeight, kLights + 1).scene});
+    const auto camera = peer.read_new_camera();
+    if (!camera) return;
+    peer.send_frame(FrameId{1}, tests::noise(kGrid, 2).view());
+    peer.send_frame(camera->frame, mask.view());
+    peer.read();
+  });
+  Watched watched(options_for(server.address()));
+  ASSERT_TRUE(watched.stream.wait_open());
+  watched.stream.ask(camera_at(0));
+  ASSERT_TRUE(watched.until([&] { return !watched.messages.empty(); }));
+  watched.stream.ask(camera_at(1));
+  ASSERT_TRUE(watched.until([&] { return !watched.answers.empty(); }));
+  EXPECT_EQ(watched.answers[0].frame, FrameId{2});
+  EXPECT_EQ(watched.answers[0].words, mask.words);
+  EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  watched.stream.close("");
+}
+
 }  // namespace
 }  // namespace gnomon::client
