@@ -1,7 +1,5 @@
 // A client far away that asks at a steady pace: whatever comes late or is answered twice on such a path, what it gets
 // is right, and nothing of it is taken for a broken server's.
-#include <future>
-
 #include "client/view/own_view.h"
 #include "client/visibility_stream.h"
 #include "protocol/pin.h"
@@ -14,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr uint16_t kWidth = 640, kHeight = 480;
-constexpr uint32_t kFrames = 120;
+constexpr uint32_t kFrames = 60;  // that arrive whole
 constexpr auto kEvery = 16667us;  // a camera
 
 // The link between both, on a thread of its own.
@@ -79,14 +77,13 @@ TEST_P(FarClient, GetsWhatItAskedForAndNothingWrong) {
   uint32_t asked = 0;
   client::Timer pace(loop, [&] {
     stream.ask(camera_at(++asked));
-    if (asked < kFrames) pace.arm(Clock::now() + kEvery);
+    if (whole < kFrames) pace.arm(Clock::now() + kEvery);
   });
   pace.arm(Clock::now());
-  loop.run_until(Clock::now() + 60s, [&] { return asked == kFrames && stream.in_flight() == 0; });
+  EXPECT_TRUE(loop.run_until(Clock::now() + 60s, [&] { return whole >= kFrames; })) << whole;
   const auto& counters = stream.counters();
   EXPECT_EQ(other, 0u) << "words";
   EXPECT_EQ(counters.wrong_frames, 0u);
-  EXPECT_GT(whole, kFrames / 8) << "the link gets faster from round trip to round trip";
 }
 
 INSTANTIATE_TEST_SUITE_P(Paths, FarClient,
