@@ -78,10 +78,11 @@ struct RenderConfig {
   std::string device = "auto";       // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
   std::vector<std::string> devices;  // several, each as `device`; empty: that one
   std::string tracer = "auto";
-  std::string raster = "auto";         // "auto", "hardware", "compute"
-  std::vector<std::string> passes;     // in order; empty: the renderer's own list
-  std::filesystem::path cache_folder;  // what tracers build is kept there for the next start; empty: nowhere
-  uint32_t light_buffer_mb = 0;        // of a scene, for the light_buffer tracer; 0: by the number of lights
+  std::string raster = "auto";          // "auto", "hardware", "compute"
+  std::vector<std::string> passes;      // in order; empty: the renderer's own list
+  std::filesystem::path cache_folder;   // what tracers build is kept there for the next start; empty: nowhere
+  uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by the number of lights
+  bool wait_for_light_buffers = false;  // before a scene is served
   uint32_t frames_in_flight = 6;
   uint32_t queues = 1;  // of the device, that frames overlap on
   uint16_t max_width = 3840;

@@ -184,6 +184,7 @@ Keys<RenderConfig> render_keys() {
       scalars("passes", &R::passes, "a list of pass names", parse_name),
       scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
       integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
+      choice("wait_for_light_buffers", &R::wait_for_light_buffers, {{"false", false}, {"true", true}}),
       integer("frames_in_flight", &R::frames_in_flight, 1, 16),
       integer("queues", &R::queues, 1, 16),
       integer("max_width", &R::max_width, 8, protocol::kMaxSide),

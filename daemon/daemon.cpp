@@ -40,7 +40,8 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
   return made;
 }
 
-// Ports first: they fail at once, a scene may take seconds. Clients are taken when everything is there.
+// Ports first: they fail at once, a scene may take seconds. Clients are taken when the devices are there, and wait for
+// the scene that they ask for.
 Result<void> Daemon::bring_up() {
   terms_.publish(terms_of(options_.config));
   roster_.publish(Roster().with(options_.config.tenants));
@@ -58,8 +59,9 @@ Result<void> Daemon::bring_up() {
   if (!admin) return admin.error();
   admin_ = std::move(*admin);
   if (auto opened = open_devices(); !opened) return opened;
-  if (auto loaded = load_scenes(); !loaded) return loaded;
+  SceneHost::Fetches fetches = fetch_scenes();  // before any that a client asks for
   server_->run();
+  if (auto loaded = wait_for_scenes(fetches); !loaded) return loaded;
   health_.scenes_loaded = true;
   return {};
 }
@@ -107,9 +109,16 @@ void Daemon::open_encoders() {
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
 }
 
-Result<void> Daemon::load_scenes() {
-  for (const SceneFile& scene : options_.config.scenes.list) {
-    if (auto fetched = scenes_->fetch_now(scene.name); !fetched) {
+SceneHost::Fetches Daemon::fetch_scenes() {
+  SceneHost::Fetches fetches;
+  for (const SceneFile& scene : options_.config.scenes.list) fetches.push_back(scenes_->fetch_later(scene.name));
+  return fetches;
+}
+
+Result<void> Daemon::wait_for_scenes(SceneHost::Fetches& fetches) const {
+  for (size_t i = 0; i < fetches.size(); ++i) {
+    const SceneFile& scene = options_.config.scenes.list[i];
+    if (auto fetched = fetches[i].get(); !fetched) {
       return Error{scene.place + ": scene " + scene.name + ": " + fetched.error().message};
     }
   }

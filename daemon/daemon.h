@@ -29,7 +29,8 @@ class Daemon {
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
   };
 
-  // Returns when clients are served: device open, scenes resident, ports open. Error: which of them failed, and why.
+  // Returns when clients are served: device open, scenes resident, ports open. A client of a scene that is resident
+  // before the others is served at once. Error: which of them failed, and why.
   static Result<std::unique_ptr<Daemon>> start(Options options);
   ~Daemon();  // drains without waiting for clients
 
@@ -66,7 +67,8 @@ class Daemon {
   Result<void> bring_up();
   Result<void> open_devices();
   void open_encoders();
-  Result<void> load_scenes();
+  SceneHost::Fetches fetch_scenes();
+  Result<void> wait_for_scenes(SceneHost::Fetches& fetches) const;
   Result<void> open_store();
   void stop();
   Admin::Pages pages();

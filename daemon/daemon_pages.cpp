@@ -15,7 +15,27 @@ using namespace std::chrono_literals;
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr size_t kMaxWhy = 200;  // bytes that a client is told
 
-json to_json(const std::string& name, const HostedScene& scene) {
+const char* state_of(const SceneReport& scene) {
+  if (scene.failed) return "failed";
+  if (scene.built_share() == 0) return "waiting";
+  return scene.progress.lights.empty() ? "ready" : "building";
+}
+
+// What the tracer builds for the scene's lights. Until it is ready frames are as exact, and cost more.
+json to_json(const SceneReport& scene) {
+  return {{"state", state_of(scene)},
+          {"percent", 100 * scene.built_share()},
+          {"lights_percent",
+           [&] {
+             json lights = json::array();
+             for (const float share : scene.progress.lights) lights.push_back(100 * share);
+             return lights;
+           }()},
+          {"average_list", scene.on_device.tracer_average_list},
+          {"longest_list", scene.on_device.tracer_longest_list}};
+}
+
+json to_json(const std::string& name, const HostedScene& scene, const SceneReport& report) {
   return {{"name", name},
           {"triangles", scene.loaded.scene->triangle_count},
           {"lights", scene.loaded.scene->lights.size()},
@@ -23,8 +43,9 @@ json to_json(const std::string& name, const HostedScene& scene) {
           {"sessions", scene.users},
           {"load_seconds", scene.loaded.load_seconds},
           {"memory_bytes", scene.loaded.memory_bytes},
-          {"device_memory_bytes", scene.on_device.memory_bytes},
-          {"tracer_build_seconds", scene.on_device.tracer_build_seconds},
+          {"device_memory_bytes", report.on_device.memory_bytes},
+          {"tracer_build_seconds", report.on_device.tracer_build_seconds},
+          {"light_buffers", to_json(report)},
           {"period_seconds", std::chrono::duration<double>(scene.loaded.scene->period).count()},
           {"lights_version", scene.lights.version}};
 }
@@ -80,7 +101,12 @@ std::string Daemon::status_json() const {
               {"tenants", json::array()},
               {"sessions", json::array()}};
   for (const PooledDevice& device : devices_.report()) status["devices"].push_back(to_json(device));
-  for (const auto& [name, scene] : scenes_->resident()) status["scenes"].push_back(to_json(name, scene));
+  const SceneReports reports = devices_.scenes();
+  for (const auto& [name, scene] : scenes_->resident()) {
+    const auto report = reports.find(scene.loaded.id);
+    const SceneReport just_arrived{name, scene.on_device, {.unbuilt = 1}, {}};
+    status["scenes"].push_back(to_json(name, scene, report == reports.end() ? just_arrived : report->second));
+  }
   for (uint32_t i = 0; i < std::min(roster->size(), terms->tenants.size()); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });

@@ -89,6 +89,17 @@ CostModels DevicePool::costs() const {
   return all;
 }
 
+SceneReports DevicePool::scenes() const {
+  SceneReports all;
+  for (const auto& device : devices_) {
+    for (const auto& [id, scene] : *device->scenes()) {
+      const auto [known, is_new] = all.emplace(id, scene);
+      if (!is_new && scene.built_share() < known->second.built_share()) known->second = scene;
+    }
+  }
+  return all;
+}
+
 std::vector<Heartbeat*> DevicePool::heartbeats() {
   std::vector<Heartbeat*> all;
   for (const auto& device : devices_) all.push_back(&device->heartbeat());
@@ -226,6 +237,7 @@ bool DevicePool::any_up() const {
 // Once a second from each device: the figures of all of them together.
 void DevicePool::reported() {
   metrics_.shares(shares());
+  for (const auto& [id, scene] : scenes()) metrics_.scene_built(scene);
   if (devices_.size() == 1) return;
   std::lock_guard lock(mutex_);
   for (uint32_t i = 0; i < devices_.size(); ++i) metrics_.device_sessions(i, placement_.sessions(i));

@@ -41,6 +41,8 @@ class DevicePool {
   std::vector<PooledDevice> report() const;
   ShareReport shares() const;
   CostModels costs() const;
+  // Of each scene, what the device says that is the least ready for it.
+  SceneReports scenes() const;
   // Every device's.
   std::vector<Heartbeat*> heartbeats();
 

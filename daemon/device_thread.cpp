@@ -8,13 +8,20 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kReportInterval = 1s;
-constexpr auto kLongestBuild = 5min;  // of all that a tracer needs for one scene, on a slow device
+constexpr auto kLongestBuild = 5min;  // of a device with all its scenes
+
+// What the renderer has finished beside the frames was taken over since: a scene is there, or its light buffers.
+bool scenes_may_differ(const std::vector<RenderEvent>& batch) {
+  return std::any_of(batch.begin(), batch.end(), [](const RenderEvent& event) {
+    return std::holds_alternative<BackgroundDone>(event) || std::holds_alternative<SceneArrived>(event);
+  });
+}
 
 }  // namespace
 
 Result<void> DeviceThread::start(RendererFactory factory, const Terms& terms, SceneMotion::Settings motion,
                                  Calls calls) {
-  auto device = RenderDevice::open(std::move(factory));
+  auto device = RenderDevice::open(std::move(factory), [this] { inbox_.push(BackgroundDone{}); });
   if (!device) return device.error();
   device_ = std::move(*device);
   calls_ = std::move(calls);
@@ -49,6 +56,7 @@ void DeviceThread::render() {
       handle(batch);
     }
     loop_->start(Clock::now());
+    if (scenes_may_differ(batch)) scenes_.publish(loop_->motion().report());
     tell_change();
     if (loop_->finished()) break;
     publish(Clock::now());
@@ -61,21 +69,17 @@ void DeviceThread::render() {
   refuse_the_rest(*loop_->failure());
 }
 
-// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as a scene.
+// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as its scenes.
 void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
   const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
-    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event) ||
-           std::holds_alternative<SceneArrived>(event);
+    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event);
   });
   if (moved || loop_->frames_out() == 0) heartbeat_.beat();
   if (!loop_->device_up()) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
 }
 
 void DeviceThread::handle(std::vector<RenderEvent>& batch) {
-  for (RenderEvent& event : batch) {
-    if (std::holds_alternative<SceneArrived>(event)) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
-    loop_->handle(std::move(event), Clock::now());
-  }
+  for (RenderEvent& event : batch) loop_->handle(std::move(event), Clock::now());
 }
 
 bool DeviceThread::tell_change() {
@@ -91,6 +95,7 @@ void DeviceThread::publish(TimePoint now) {
   loop_->review_sessions(kReportInterval);
   shares_.publish(loop_->shares());
   costs_.publish(loop_->costs());
+  scenes_.publish(loop_->motion().report());
   calls_.reported();
 }
 

@@ -21,7 +21,7 @@ class DeviceThread {
     std::function<void(const SessionDegraded&)> degraded;
     std::function<void(bool up)> changed;      // the device was lost, or is back
     std::function<void(const Error&)> failed;  // once, at the end: it is beyond repair
-    std::function<void()> reported;            // shares() and costs() are new
+    std::function<void()> reported;            // shares(), costs() and scenes() are new
   };
 
   // `number`: among the daemon's devices. All references outlive it.
@@ -40,6 +40,7 @@ class DeviceThread {
   DeviceStatus status() const { return *status_.get(); }
   std::shared_ptr<const ShareReport> shares() const { return shares_.get(); }
   std::shared_ptr<const CostModels> costs() const { return costs_.get(); }
+  std::shared_ptr<const SceneReports> scenes() const { return scenes_.get(); }
 
  private:
   void render();
@@ -58,6 +59,7 @@ class DeviceThread {
   Published<DeviceStatus> status_;
   Published<ShareReport> shares_;
   Published<CostModels> costs_;
+  Published<SceneReports> scenes_;
   TimePoint next_report_{};           // the render thread's
   std::unique_ptr<RenderLoop> loop_;  // outlives the device, whose last frames report to it
   std::unique_ptr<RenderDevice> device_;

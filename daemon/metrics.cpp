@@ -150,12 +150,11 @@ struct Metrics::Families {
                                       "Device memory of what the tracer built, as light buffers.");
   Family<Gauge>& from_cache = gauge(registry, "gnomon_scene_light_buffer_cached",
                                     "1: the light buffers were read from the cache, 0: built.");
-  Family<Gauge>& average_list =
-      gauge(registry, "gnomon_scene_light_buffer_average_list", "Mean length of the light buffers' lists.");
-  Family<Gauge>& longest_list =
-      gauge(registry, "gnomon_scene_light_buffer_longest_list", "Length of the light buffers' longest list.");
-  Family<Gauge>& lights = gauge(registry, "gnomon_scene_lights",
-                                "Lights, by state: resting where the tracer built for them, or moving.");
+  Family<Gauge>& built = gauge(registry, "gnomon_scene_light_buffers_built_ratio",
+                               "Share of the light buffers' build that is done; until 1, frames cost more.");
+  Family<Gauge>& lights =
+      gauge(registry, "gnomon_scene_lights",
+            "Lights, by state: resting where the tracer built for them, moving, or waiting for the first build.");
   Family<Counter>& rebuilds = counter(registry, "gnomon_scene_light_rebuilds_total",
                                       "Times that light buffers were built anew for changed lights.");
   Family<Gauge>& build = gauge(registry, "gnomon_build_info", "Always 1; the version is the label.");
@@ -364,8 +363,6 @@ void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene
   families_->device_bytes.Add(labels).Set(static_cast<double>(on_device.memory_bytes));
   families_->tracer_bytes.Add(labels).Set(static_cast<double>(on_device.tracer_memory_bytes));
   families_->from_cache.Add(labels).Set(on_device.tracer_from_cache ? 1 : 0);
-  families_->average_list.Add(labels).Set(on_device.tracer_average_list);
-  families_->longest_list.Add(labels).Set(on_device.tracer_longest_list);
 }
 
 void Metrics::scene_unloaded(const std::string& scene) {
@@ -381,7 +378,13 @@ void Metrics::scene_lights(const std::string& scene, const gpu::LightState& ligh
   if (!families_->scenes.contains(scene)) return;
   families_->lights.Add({{"scene", scene}, {"state", "resting"}}).Set(lights.resting);
   families_->lights.Add({{"scene", scene}, {"state", "moving"}}).Set(lights.moving);
+  families_->lights.Add({{"scene", scene}, {"state", "unbuilt"}}).Set(lights.unbuilt);
   families_->rebuilds.Add({{"scene", scene}});
+}
+
+void Metrics::scene_built(const SceneReport& scene) {
+  if (families_->scenes.contains(scene.name))
+    families_->built.Add({{"scene", scene.name}}).Set(scene.built_share());
 }
 
 void Metrics::lights_rebuilt(const std::string& scene) {

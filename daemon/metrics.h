@@ -14,6 +14,7 @@
 #include "daemon/frame.h"
 #include "daemon/link_report.h"
 #include "daemon/share_account.h"
+#include "daemon/status.h"
 #include "scenes/registry.h"
 #include "scheduler/admission.h"
 
@@ -72,6 +73,7 @@ class Metrics {
 
   // The same.
   void scene_lights(const std::string& scene, const gpu::LightState& lights);
+  void scene_built(const SceneReport& scene);
   void lights_rebuilt(const std::string& scene);
 
   TenantTotals totals(TenantId tenant) const;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "common/clock.h"
 #include "common/result.h"
@@ -22,12 +23,17 @@ inline constexpr std::chrono::seconds kLossWindow{60};
 // The render thread's.
 class RenderDevice {
  public:
-  static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory);
+  // `wake` is called from the renderer's threads when finish_background has something to do.
+  static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory, std::function<void()> wake);
 
   gpu::Renderer& renderer() const { return *renderer_; }
 
-  // Blocking: uploads the scene and builds what the tracer needs.
-  Result<gpu::SceneFootprint> add_scene(const scenes::LoadedScene& scene);
+  // Brings the scene to the device, beside the frames; `arrived` is called once, now or from finish_background. Whoever
+  // asks for a scene on its way is answered with those before. On its way when the device is lost: brought to the next.
+  using Arrived = std::function<void(Result<gpu::SceneFootprint>)>;
+  void bring_scene(const scenes::LoadedScene& scene, Arrived arrived);
+  // Answers who still waits for a scene: the device is beyond repair.
+  void refuse_arriving(const Error& why);
 
   void remove_scene(SceneId scene);  // precondition: nobody will submit a frame of it
 
@@ -36,10 +42,20 @@ class RenderDevice {
   Result<void> rebuild(TimePoint now);
 
  private:
+  struct Arriving {
+    scenes::LoadedScene scene;
+    std::vector<Arrived> waiting;
+  };
+
+  void bring(SceneId id);
+  void answer(SceneId id, const Result<gpu::SceneFootprint>& result);
+
   RendererFactory factory_;
-  std::unique_ptr<gpu::Renderer> renderer_;
+  std::function<void()> wake_;
   std::map<SceneId, scenes::ScenePtr> scenes_;
+  std::map<SceneId, Arriving> arriving_;
   std::deque<TimePoint> losses_;
+  std::unique_ptr<gpu::Renderer> renderer_;  // ends first: it refers to the rest
 };
 
 }  // namespace gnomon::daemon

@@ -94,7 +94,8 @@ struct JobFinished {
   scheduler::Work work;
   scheduler::Cost model_cost{};  // 0: a guess of a model that knew nothing
   Nanoseconds gpu{};
-  Nanoseconds trace{};  // of it, the part that grows with the bits
+  Nanoseconds trace{};   // of it, the part that grows with the bits
+  bool unbuilt = false;  // a hierarchy answered for the lights of its scene
   bool device_lost = false;
   bool out_of_memory = false;  // it was not started
 };

@@ -69,7 +69,7 @@ RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& in
 void RenderLoop::start(TimePoint now) {
   if (lost_ && in_flight_ == 0 && submits_ == 0 && !stopping_ && !failure_) recover(now);
   if (lost_ || failure_) return;
-  motion_.step(now);
+  for (const SceneId scene : motion_.step(now)) meet_new_costs(scene, now);
   release_held(now);
   room_at_ = TimePoint::max();
   if (!has_room(now)) return;
@@ -177,10 +177,12 @@ void RenderLoop::on(const CodecChosen& chosen, TimePoint) {
 }
 
 void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
+  if (stopping_) return arrived.resident(Error{"the server is stopping"});
   if (lost_) return waiting_.push_back(arrived);
-  const auto added = device_.add_scene(arrived.scene);
-  if (added) motion_.add(arrived.scene.id, arrived.name, arrived.scene);
-  arrived.resident(added);
+  device_.bring_scene(arrived.scene, [this, arrived](Result<gpu::SceneFootprint> made) {
+    if (made) motion_.add(arrived.scene.id, arrived.name, arrived.scene);
+    arrived.resident(std::move(made));
+  });
 }
 
 void RenderLoop::on(const SceneLeaves& leaves, TimePoint) {
@@ -209,7 +211,7 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
     return lose_device();
   }
   if (job.out_of_memory) return not_afforded(job, now);
-  scheduler::CostModel& model = models_[job.scene];
+  scheduler::CostModel& model = (job.unbuilt ? unbuilt_models_ : models_)[job.scene];
   const auto found = sessions_.find(job.ticket.session);
   if (found != sessions_.end()) found->second.view.learn(job.model_cost, {job.gpu - job.trace, job.trace});
   const double before = to_seconds(model.predict(job.work).total());
@@ -228,6 +230,19 @@ void RenderLoop::not_afforded(const JobFinished& job, TimePoint now) {
   RenderSession& session = found->second;
   give_up_begun(session);
   if (session.newest && !session.held) ask_when_allowed(session, now);
+}
+
+// While a hierarchy answers for a scene, its frames cost many times what they will: that is learned apart, and what
+// sessions are admitted by does not know it.
+scheduler::CostModel& RenderLoop::model_of(SceneId scene) {
+  return (motion_.unbuilt(scene) ? unbuilt_models_ : models_)[scene];
+}
+
+void RenderLoop::meet_new_costs(SceneId scene, TimePoint now) {
+  for (auto& [id, session] : sessions_) {
+    if (session.opened.scene == scene) session.view = {};
+  }
+  ask_anew(scene, now);
 }
 
 // Those who wait stand in the queue with what was believed when they asked.
@@ -299,7 +314,7 @@ void RenderLoop::release_held(TimePoint now) {
 }
 
 void RenderLoop::ask(RenderSession& session, TimePoint now) {
-  session.next = next_job(session, models_[session.opened.scene], slice());
+  session.next = next_job(session, model_of(session.opened.scene), slice());
   const TimePoint deadline = session.begun ? session.begun->meta.deadline : session.newest->deadline;
   scheduler_->make_ready(session.opened.session, {session.next.cost, deadline, session.begun.has_value()}, now);
   if (!std::exchange(session.asked, true)) account_.asked(session.opened.tenant);
@@ -335,10 +350,11 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   const uint32_t all_rows = session.grid().tiles_y();
   // A frame that is cut holds a slot for long: the last one is for those that are done at once.
   if (session.next.rows.count < all_rows && device_.renderer().free_slots() < 2) {
-    session.next = next_job(session, models_[session.opened.scene], Nanoseconds{});
+    session.next = next_job(session, model_of(session.opened.scene), Nanoseconds{});
   }
   const uint32_t rows = session.next.rows.count;
-  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, number_, now), 0, std::make_shared<Nanoseconds>()};
+  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, number_, now), 0, std::make_shared<Nanoseconds>(),
+                   motion_.unbuilt(session.opened.scene)};
   gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
   job.untraced = session.untraced;
   if (rows < all_rows) job.tile_rows = rows;
@@ -382,7 +398,7 @@ void RenderLoop::adopt_size(RenderSession& session) {
   const TileGrid wanted = session.wanted_grid();
   session.opened.width = wanted.width;
   session.opened.height = wanted.height;
-  session.next = next_job(session, models_[session.opened.scene], slice());
+  session.next = next_job(session, model_of(session.opened.scene), slice());
   tell(session);
 }
 
@@ -394,7 +410,7 @@ void RenderLoop::choose_lights(RenderSession& session, const gpu::CameraView& ca
       least_important(motion_.lights_of(session.opened.scene), camera.position, keep, session.untraced);
   if (untraced == session.untraced) return;
   session.untraced = untraced;
-  session.next = next_job(session, models_[session.opened.scene], slice());
+  session.next = next_job(session, model_of(session.opened.scene), slice());
   tell(session);
 }
 
@@ -489,6 +505,7 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
   job.scene = session.opened.scene;
   job.work = session.next.work;
   job.model_cost = session.next.model_cost;
+  job.unbuilt = frame.unbuilt;
   return [job, meta = frame.meta, so_far = frame.gpu, &inbox = inbox_,
           &rendered = rendered_](gpu::FrameDone done) mutable {
     job.gpu = Nanoseconds(done.gpu_ns);
@@ -542,6 +559,7 @@ void RenderLoop::lose_device() {
 }
 
 void RenderLoop::refuse_waiting(const Error& why) {
+  device_.refuse_arriving(why);
   for (const RenderEvent& event : std::exchange(waiting_, {})) {
     if (const auto* arrived = std::get_if<SceneArrived>(&event)) arrived->resident(why);
   }

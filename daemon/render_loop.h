@@ -70,6 +70,8 @@ class RenderLoop {
   bool has_room(TimePoint now);
   void ask(RenderSession& session, TimePoint now);
   void ask_anew(SceneId scene, TimePoint now);
+  scheduler::CostModel& model_of(SceneId scene);
+  void meet_new_costs(SceneId scene, TimePoint now);
   void ask_when_allowed(RenderSession& session, TimePoint now);
   void release_held(TimePoint now);
   void drop_hopeless(TimePoint now);
@@ -107,7 +109,7 @@ class RenderLoop {
   std::unique_ptr<scheduler::Scheduler> scheduler_;
   uint64_t policy_ = 0;  // counts the schedulers that there were
   ShareAccount account_;
-  CostModels models_;
+  CostModels models_, unbuilt_models_;  // of frames that are answered by what the tracer builds, or not yet
   std::unordered_map<SessionId, RenderSession> sessions_;
   std::multimap<TimePoint, SessionId> held_;  // until then they may not ask
   std::vector<RenderEvent> waiting_;          // for the device to be back: scenes, changed lights

@@ -1,7 +1,5 @@
 #include "daemon/scene_host.h"
 
-#include <future>
-
 namespace gnomon::daemon {
 
 SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics)
@@ -93,12 +91,12 @@ Result<void> SceneHost::unload(const std::string& name) {
   return {};
 }
 
-Result<void> SceneHost::fetch_now(const std::string& name) {
-  std::promise<Result<void>> answered;
-  fetch(name, [&](Result<SceneForUse> scene) {
-    answered.set_value(scene ? Result<void>() : Result<void>(scene.error()));
+std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
+  const auto answered = std::make_shared<std::promise<Result<void>>>();
+  fetch(name, [answered](Result<SceneForUse> scene) {
+    answered->set_value(scene ? Result<void>() : Result<void>(scene.error()));
   });
-  return answered.get_future().get();
+  return answered->get_future();
 }
 
 void SceneHost::keep_lights(const LightsNews& news) {

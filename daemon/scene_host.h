@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <map>
 #include <mutex>
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/inbox.h"
 #include "daemon/device_pool.h"
@@ -40,8 +42,9 @@ class SceneHost {
   // Any thread. `ready` is called once, on the caller's, the loader's or a render thread.
   void fetch(const std::string& name, Ready ready);
 
-  // Blocking, for the start: the scene is resident, or why not. Needs running render threads.
-  Result<void> fetch_now(const std::string& name);
+  // For who waits elsewhere: the scene is resident, or why not. Needs running render threads.
+  using Fetches = std::vector<std::future<Result<void>>>;
+  std::future<Result<void>> fetch_later(const std::string& name);
 
   // Any thread: takes a scene that nobody uses off the devices and out of memory; whoever asks for it next has its
   // file read anew. Error: not resident, or in use.

@@ -8,11 +8,33 @@ SceneMotion::SceneMotion(RenderDevice& device, Metrics& metrics, std::function<v
     : device_(device), metrics_(metrics), wake_(std::move(wake)) {}
 
 void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedScene& scene) {
+  if (scenes_.contains(id)) return;
   State& state = scenes_[id];
   state.name = name;
   state.loaded = scene;
   state.wanted = scene.scene->lights;
-  report(id, state);
+  look_for_unbuilt(id, state);
+  count(id, state);
+}
+
+void SceneMotion::look_for_unbuilt(SceneId id, State& state) {
+  state.unbuilt = device_.renderer().light_state(id).unbuilt > 0;
+  if (state.unbuilt) settle(id, state);
+}
+
+bool SceneMotion::unbuilt(SceneId scene) const {
+  const auto found = scenes_.find(scene);
+  return found != scenes_.end() && found->second.unbuilt;
+}
+
+SceneReports SceneMotion::report() const {
+  SceneReports reports;
+  const gpu::Renderer& renderer = device_.renderer();
+  for (const auto& [id, state] : scenes_) {
+    reports[id] = {state.name, renderer.footprint(id), renderer.light_state(id), renderer.build_progress(id),
+                   state.failed};
+  }
+  return reports;
 }
 
 // The clock stands still between its steps, so that frames of one step show the same.
@@ -64,7 +86,7 @@ void SceneMotion::apply(SceneId id, State& state) {
     s.version = asked;
     log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
     if (settings_.announce) settings_.announce({s.name, s.version, lights});
-    report(id, s);
+    count(id, s);
     if (s.asked != s.applied) apply(id, s);
   };
   device_.renderer().set_lights(id, state.wanted, changed, wake_);
@@ -72,37 +94,47 @@ void SceneMotion::apply(SceneId id, State& state) {
 
 void SceneMotion::settle(SceneId id, State& state) {
   state.settling = true;
-  const TimePoint changed_at = *state.changed_at;
-  const auto settled = [this, id, changed_at](Result<void> done) {
+  const auto done = [this, id, scene = state.loaded.scene,
+                     changed_at = state.changed_at](const Result<void>& built) {
     const auto found = scenes_.find(id);
-    if (found == scenes_.end()) return;  // unloaded meanwhile
-    State& s = found->second;
-    s.settling = false;
-    if (s.changed_at == changed_at) s.changed_at.reset();
-    if (!done)
-      return log::error("light buffers not built anew", {{"scene", s.name}, {"why", done.error().message}});
-    metrics_.lights_rebuilt(s.name);
-    report(id, s);
+    if (found == scenes_.end() || found->second.loaded.scene != scene) return;  // unloaded meanwhile
+    if (found->second.changed_at == changed_at) found->second.changed_at.reset();
+    settled(id, found->second, built);
   };
-  device_.renderer().settle_lights(id, settled, wake_);
+  device_.renderer().settle_lights(id, done, wake_);
 }
 
-void SceneMotion::step(TimePoint now) {
+void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {
+  state.settling = false;
+  state.failed = !done;
+  if (!done) return log::error("light buffers not built", {{"scene", state.name}, {"why", done.error().message}});
+  if (std::exchange(state.unbuilt, false)) {
+    built_.push_back(id);
+  } else {
+    metrics_.lights_rebuilt(state.name);
+  }
+  count(id, state);
+}
+
+std::vector<SceneId> SceneMotion::step(TimePoint now) {
   device_.renderer().finish_background();
   for (auto& [id, state] : scenes_) {
     const bool due = state.changed_at && now - *state.changed_at >= settings_.light_rest;
     if (due && !state.applying && !state.settling) settle(id, state);
   }
+  return std::exchange(built_, {});
 }
 
 void SceneMotion::restore() {
   for (auto& [id, state] : scenes_) {
     state.applying = state.settling = false;
     if (state.asked > 0) apply(id, state);
+    look_for_unbuilt(id, state);
+    count(id, state);
   }
 }
 
-void SceneMotion::report(SceneId id, const State& state) {
+void SceneMotion::count(SceneId id, const State& state) {
   metrics_.scene_resident(state.name, state.loaded, device_.renderer().footprint(id));
   metrics_.scene_lights(state.name, device_.renderer().light_state(id));
 }

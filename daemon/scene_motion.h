@@ -14,6 +14,7 @@
 #include "daemon/light_change.h"
 #include "daemon/metrics.h"
 #include "daemon/render_device.h"
+#include "daemon/status.h"
 #include "protocol/types.h"
 #include "scenes/motion.h"
 
@@ -39,7 +40,7 @@ class SceneMotion {
   SceneMotion(RenderDevice& device, Metrics& metrics, std::function<void()> wake);
   void configure(Settings settings) { settings_ = std::move(settings); }
 
-  // A scene that was made resident.
+  // A scene that was made resident; idempotent. What the tracer builds for it and was not there is built from now on.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);
 
   void remove(SceneId id) { scenes_.erase(id); }
@@ -52,10 +53,15 @@ class SceneMotion {
 
   // Unknown scenes and lights are passed over.
   void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now);
-  // Takes over what was done beside the frames; has done what is due.
-  void step(TimePoint now);
+  // Takes over what was done beside the frames; has done what is due. Returns the scenes that were unbuilt() until now:
+  // their frames cost something else from here on.
+  std::vector<SceneId> step(TimePoint now);
   // The device was made anew, with the scenes' own lights.
   void restore();
+
+  // A hierarchy answers for the scene's lights, as what the tracer builds for them is not there yet.
+  bool unbuilt(SceneId scene) const;
+  SceneReports report() const;
 
  private:
   struct State {
@@ -65,18 +71,22 @@ class SceneMotion {
     uint32_t asked = 0, applied = 0;    // changes; counted
     uint32_t version = 0;               // changes in the lights that frames are of: the same on every device
     bool applying = false, settling = false;
+    bool unbuilt = false, failed = false;
     std::optional<TimePoint> changed_at;  // nothing was built for these lights yet
   };
 
   void apply(SceneId id, State& state);
   void settle(SceneId id, State& state);
-  void report(SceneId id, const State& state);
+  void settled(SceneId id, State& state, const Result<void>& done);
+  void look_for_unbuilt(SceneId id, State& state);
+  void count(SceneId id, const State& state);
 
   RenderDevice& device_;
   Metrics& metrics_;
   std::function<void()> wake_;
   Settings settings_;
   std::map<SceneId, State> scenes_;
+  std::vector<SceneId> built_;  // since the last step
 };
 
 }  // namespace gnomon::daemon

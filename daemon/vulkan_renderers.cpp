@@ -22,6 +22,7 @@ std::vector<RendererFactory> vulkan_renderers(const Config& config) {
   options.tracer = render.tracer;
   options.tracer_options.cache_folder = render.cache_folder;
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
+  options.wait_for_builds = render.wait_for_light_buffers;
   if (!render.passes.empty()) options.passes = render.passes;
   options.frames_in_flight = frame_slots(config);
   options.queues = render.queues;

@@ -1,5 +1,8 @@
 #include "gpu/background.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <utility>
 #include <vector>
 
@@ -16,6 +19,8 @@ void Background::run(std::function<Finish()> work, std::function<void()> wake) {
 }
 
 void Background::serve() {
+  // On Linux a thread has a niceness of its own, and hands it down to threads that it starts.
+  if (niceness_ != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness_);
   std::vector<Job> batch;
   for (jobs_.take(batch); !batch.empty(); jobs_.take(batch)) {
     for (Job& job : batch) {

@@ -12,7 +12,8 @@ class Background {
  public:
   using Finish = std::function<void()>;
 
-  Background() = default;
+  // `niceness`: of the thread and of those that the work starts, as nice(2) counts; 0: as the rest of the program.
+  explicit Background(int niceness = 0) : niceness_(niceness) {}
   ~Background();  // waits for the work in progress; what it and the others leave is dropped
 
   // `work` is done on the thread, one after the other; then `wake` is called there, and what `work` returned waits for
@@ -28,6 +29,7 @@ class Background {
   };
   void serve();
 
+  const int niceness_;
   Inbox<Job> jobs_;
   Inbox<Finish> finished_;
   std::thread thread_;  // from the first job on

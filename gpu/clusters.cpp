@@ -6,7 +6,10 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <thread>
 #include <utility>
+
+#include "gpu/tracers/light_buffer/parallel.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -18,6 +21,7 @@ constexpr size_t kMaxVertices = 3 * kMaxTriangles;
 constexpr float kConeWeight = 0.25f;  // meshoptimizer's own advice where cones are used
 // So many of the opaque triangles, the largest, are occluders: drawn without asking what hides them.
 constexpr double kOccluderShare = 0.1;
+constexpr size_t kMostInPiece = 32768;  // triangles that are made into clusters in one go
 
 // Corners at the same place are one vertex. Built from positions alone: how a file shares its vertices does not
 // change the clusters.
@@ -118,7 +122,50 @@ class Builder {
     add_chunks(group, first_cluster);
   }
 
-  void add_clusters(const std::vector<uint32_t>& members, bool double_sided) {
+  // Some clusters and their triangles' numbers, which they count from 0.
+  struct Piece {
+    std::vector<uint32_t> numbers;
+    std::vector<Cluster> clusters;
+  };
+
+  void add_clusters(std::vector<uint32_t>& members, bool double_sided) {
+    std::vector<std::span<uint32_t>> parts;
+    divide(members, parts);
+    std::vector<Piece> pieces(parts.size());
+    light_buffer::parallel_for(parts.size(), std::max(1u, std::thread::hardware_concurrency()),
+                               [&](size_t i) { pieces[i] = make_piece(parts[i], double_sided); });
+    for (const Piece& piece : pieces) {
+      const auto first = static_cast<uint32_t>(out_.numbers.size());
+      out_.numbers.insert(out_.numbers.end(), piece.numbers.begin(), piece.numbers.end());
+      for (const Cluster& cluster : piece.clusters) {
+        out_.clusters.push_back(cluster);
+        out_.clusters.back().first_triangle += first;
+      }
+    }
+  }
+
+  // Halves, again and again, along the longest side: small enough for the cores to share. The same on any machine.
+  void divide(std::span<uint32_t> members, std::vector<std::span<uint32_t>>& parts) const {
+    if (members.size() <= kMostInPiece) return parts.push_back(members);
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (const uint32_t t : members) {
+      const glm::vec3 p = welded_.positions[welded_.triangles[t].x];
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    const glm::vec3 sides = high - low;
+    const int axis = sides.x >= sides.y && sides.x >= sides.z ? 0 : sides.y >= sides.z ? 1 : 2;
+    const auto at = [&](uint32_t t) { return welded_.positions[welded_.triangles[t].x][axis]; };
+    const size_t half = members.size() / 2;
+    std::nth_element(members.begin(), members.begin() + static_cast<ptrdiff_t>(half), members.end(),
+                     [&](uint32_t a, uint32_t b) { return at(a) != at(b) ? at(a) < at(b) : a < b; });
+    for (const auto part : {members.first(half), members.subspan(half)}) {
+      std::sort(part.begin(), part.end());
+      divide(part, parts);
+    }
+  }
+
+  Piece make_piece(std::span<const uint32_t> members, bool double_sided) const {
     std::vector<glm::uvec3> triangles;
     for (const uint32_t t : members) triangles.push_back(welded_.triangles[t]);
     const size_t index_count = 3 * triangles.size();
@@ -131,26 +178,28 @@ class Builder {
                                           sizeof(glm::vec3), kMaxVertices, kMaxTriangles,
                                           double_sided ? 0.0f : kConeWeight));
     Corners known(welded_, members);
+    Piece piece;
     for (const meshopt_Meshlet& meshlet : meshlets) {
       const uint32_t* v = &vertices[meshlet.vertex_offset];
       const uint8_t* c = &corners[meshlet.triangle_offset];
-      const auto first = static_cast<uint32_t>(out_.numbers.size());
+      const auto first = static_cast<uint32_t>(piece.numbers.size());
       for (uint32_t i = 0; i < meshlet.triangle_count; ++i, c += 3)
-        out_.numbers.push_back(known.take({v[c[0]], v[c[1]], v[c[2]]}));
-      out_.clusters.push_back(bounds(first, double_sided));
+        piece.numbers.push_back(known.take({v[c[0]], v[c[1]], v[c[2]]}));
+      piece.clusters.push_back(bounds(piece.numbers, first, double_sided));
     }
+    return piece;
   }
 
   // Of the triangles from `first` on.
-  Cluster bounds(uint32_t first, bool double_sided) const {
+  Cluster bounds(const std::vector<uint32_t>& numbers, uint32_t first, bool double_sided) const {
     Cluster cluster;
     cluster.first_triangle = first;
-    cluster.triangle_count = static_cast<uint32_t>(out_.numbers.size()) - first;
+    cluster.triangle_count = static_cast<uint32_t>(numbers.size()) - first;
     cluster.box_min = glm::vec3(std::numeric_limits<float>::max());
     cluster.box_max = -cluster.box_min;
     std::vector<glm::uvec3> triangles;
-    for (size_t i = first; i < out_.numbers.size(); ++i) {
-      triangles.push_back(welded_.triangles[out_.numbers[i]]);
+    for (size_t i = first; i < numbers.size(); ++i) {
+      triangles.push_back(welded_.triangles[numbers[i]]);
       for (int corner = 0; corner < 3; ++corner) {
         const glm::vec3 p = welded_.positions[triangles.back()[corner]];
         cluster.box_min = glm::min(cluster.box_min, p);

@@ -24,6 +24,12 @@ class Lanes {
 
   // The lane for a scene that is posed like this. Error: out of memory.
   Result<Lane*> lane_for(const PosedScene& posed);
+  // The lane for motion takes a while to be made: here on any thread, so that lane_for finds it.
+  bool has_motion() const { return motion_ != nullptr; }
+  Result<std::unique_ptr<Lane>> make_motion() const { return make(true); }
+  void give_motion(std::unique_ptr<Lane> lane) {
+    if (!motion_) motion_ = std::move(lane);
+  }
   uint32_t slots() const { return slots_; }
 
  private:

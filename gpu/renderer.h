@@ -73,10 +73,17 @@ class FrameLease {
   std::function<void()> release_;
 };
 
-// Of a resident scene's lights: those for which what the tracer built holds, and those that something else answers for.
+// A resident scene's lights by what answers for them. All masks are exact; resting lights are the fastest.
 struct LightState {
-  uint32_t resting = 0;
-  uint32_t moving = 0;
+  uint32_t resting = 0;  // what the tracer built for them
+  uint32_t moving = 0;   // a hierarchy, as they are not where the tracer built for
+  uint32_t unbuilt = 0;  // a hierarchy, as what the tracer builds for a new scene is not there yet
+};
+
+// How far what the tracer builds beside the frames has come: of each light the share that is done, 0 to 1. No lights:
+// nothing is being built.
+struct BuildProgress {
+  std::vector<float> lights;
 };
 
 // What one pass of a frame took, by the device's timestamps.
@@ -120,8 +127,14 @@ class Renderer {
   virtual bool on_cpu() const { return false; }           // the device is the host's processor
   virtual std::string raster_name() const { return {}; }
 
-  // Uploads a scene and builds what the tracer needs; blocking. Twice is no news.
+  // Uploads a scene and builds what the tracer needs before it can answer; blocking. Idempotent.
   virtual Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) = 0;
+  // The same beside the frames, on another thread, which calls `wake` when finish_background has something to do;
+  // `resident` is called once, now or from there. Precondition: not resident, and not on its way already.
+  virtual void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
+                     std::function<void()> /*wake*/) {
+    resident(make_resident(id, scene));
+  }
   virtual void evict(SceneId id) = 0;
   // Of a resident scene; zeros for another.
   virtual SceneFootprint footprint(SceneId) const { return {}; }
@@ -141,6 +154,7 @@ class Renderer {
   }
   virtual void finish_background() {}
   virtual LightState light_state(SceneId) const { return {}; }
+  virtual BuildProgress build_progress(SceneId) const { return {}; }  // of settle_lights
 
   // How many submits will be accepted now. Grows when leases are dropped.
   virtual uint32_t free_slots() const = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 namespace gnomon::gpu {
 namespace {
@@ -15,6 +16,17 @@ std::vector<exact::TracedLight> lights_to_build_for(const Tracer& tracer, const 
     out.push_back(moves ? silenced_light(scene.bounds) : traced_light(light, scene.bounds));
   }
   return out;
+}
+
+// Answers for no light: what frames trace with while a tracer still builds for a scene.
+Result<TracedLights> traced_for_none(const Tracer& tracer, const scenes::Scene& scene) {
+  TracedLights none{nullptr, {scene.lights.size(), silenced_light(scene.bounds)}};
+  const scenes::WorldMesh no_mesh;
+  const Buffer no_buffer;
+  auto traced = tracer.build({scene, no_mesh, none.built_for, false, no_buffer, no_buffer});
+  if (!traced) return traced.error();
+  none.traced = std::move(*traced);
+  return none;
 }
 
 }  // namespace
@@ -37,7 +49,7 @@ exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds
 }
 
 Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& device, const scenes::ScenePtr& scene,
-                                                             const Tracer* tracer, uint32_t slots) {
+                                                             const Tracer* tracer, uint32_t slots, Built built) {
   if (scene->lights.size() > kMaxLights)
     return Error{"scene '" + scene->name + "' has " + std::to_string(scene->lights.size()) + " lights; at most " +
                  std::to_string(kMaxLights) + " are supported"};
@@ -51,18 +63,24 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
   if (!tracer) return resident;
-  if (auto done = resident->build_traced(device, *tracer, mesh); !done) return done.error();
+  if (auto done = resident->build_traced(device, *tracer, mesh, built); !done) return done.error();
   return resident;
 }
 
 Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& tracer,
-                                         const scenes::WorldMesh& mesh) {
+                                         const scenes::WorldMesh& mesh, Built built) {
   built_for_lights_ = tracer.builds_for_lights();
   traced_.built_for = lights_to_build_for(tracer, *scene_, lights_);
   const TracerInput input{*scene_, mesh, traced_.built_for, true, positions_, triangles_};
-  auto traced = tracer.build(input);
+  auto traced = built == Built::everything ? tracer.build(input) : tracer.build_at_once(input);
   if (!traced) return traced.error();
   traced_.traced = std::move(*traced);
+  unbuilt_ = !traced_.traced;
+  if (unbuilt_) {
+    auto none = traced_for_none(tracer, *scene_);
+    if (!none) return none.error();
+    traced_ = std::move(*none);
+  }
   if (!needs_still_bvh(lights_)) return {};
   auto bvh = make_bvh_tracer(device)->build(input);
   if (!bvh) return bvh.error();
@@ -94,15 +112,19 @@ Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
 void ResidentScene::give_traced(TracedLights traced) {
   traced_ = std::move(traced);
   posed_.reset();
+  if (!std::exchange(unbuilt_, false)) return;
+  // Frames in flight keep the hierarchy that they were recorded with.
+  auto bvh = std::exchange(still_bvh_, nullptr);
+  if (needs_still_bvh(lights_)) still_bvh_ = std::move(bvh);
 }
 
 LightState ResidentScene::light_state() const {
   LightState state;
   const std::vector<exact::TracedLight> lights = traced_lights(lights_);
   for (size_t i = 0; i < lights.size(); ++i) {
-    const bool moves =
-        lights_[i].moved_by != scenes::kNone || (built_for_lights_ && !same_light(lights[i], traced_.built_for[i]));
-    ++(moves ? state.moving : state.resting);
+    const bool animated = lights_[i].moved_by != scenes::kNone;
+    const bool built = !built_for_lights_ || same_light(lights[i], traced_.built_for[i]);
+    ++(animated || (!built && !unbuilt_) ? state.moving : built ? state.resting : state.unbuilt);
   }
   return state;
 }
@@ -130,12 +152,15 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
 }
 
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
-                                      const std::vector<scenes::Light>& lights) {
+                                      const std::vector<scenes::Light>& lights, const BuildWatch& watch) {
   scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
   make_clusters(scene, mesh);  // for the order of the triangles
   TracedLights built{nullptr, lights_to_build_for(tracer, scene, lights)};
+  const std::vector<exact::TracedLight> loaded = lights_to_build_for(tracer, scene, scene.lights);
+  const bool as_loaded =
+      std::equal(loaded.begin(), loaded.end(), built.built_for.begin(), built.built_for.end(), same_light);
   const Buffer none;  // tracers that build for lights do so from the mesh
-  auto traced = tracer.build({scene, mesh, built.built_for, false, none, none});
+  auto traced = tracer.build({scene, mesh, built.built_for, as_loaded, none, none, watch});
   if (!traced) return traced.error();
   built.traced = std::move(*traced);
   return built;

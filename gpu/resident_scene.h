@@ -20,12 +20,19 @@ struct TracedLights {
   std::vector<exact::TracedLight> built_for;
 };
 
+// What a scene waits for before it is resident.
+enum class Built {
+  everything,    // what the tracer builds
+  what_is_quick  // where that takes long, a hierarchy answers for all lights until give_traced
+};
+
 class ResidentScene {
  public:
-  // Blocking. `tracer` is null for a scene that is only looked at. `slots`: frames in flight. Error: out of memory,
-  // device lost, or more lights than kMaxLights.
+  // Blocking; any thread. `tracer` is null for a scene that is only looked at. `slots`: frames in flight. Error: out of
+  // memory, device lost, or more lights than kMaxLights.
   static Result<std::unique_ptr<ResidentScene>> create(const DevicePtr& device, const scenes::ScenePtr& scene,
-                                                       const Tracer* tracer, uint32_t slots = 1);
+                                                       const Tracer* tracer, uint32_t slots = 1,
+                                                       Built built = Built::everything);
 
   const scenes::Scene& scene() const { return *scene_; }
   const scenes::ScenePtr& scene_ptr() const { return scene_; }
@@ -59,6 +66,8 @@ class ResidentScene {
 
   // From now on this answers for the lights that are where it was built for.
   void give_traced(TracedLights traced);
+  // What the tracer builds was not there when the scene was made, and has not been given yet.
+  bool unbuilt() const { return unbuilt_; }
 
   LightState light_state() const;
 
@@ -67,7 +76,8 @@ class ResidentScene {
 
  private:
   Result<void> upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots);
-  Result<void> build_traced(const DevicePtr& device, const Tracer& tracer, const scenes::WorldMesh& mesh);
+  Result<void> build_traced(const DevicePtr& device, const Tracer& tracer, const scenes::WorldMesh& mesh,
+                            Built built);
   std::vector<exact::TracedLight> traced_lights(const std::vector<scenes::Light>& lights) const;
   Result<void> upload_clusters(const DevicePtr& device);
   Result<void> upload_materials(const DevicePtr& device);
@@ -78,6 +88,7 @@ class ResidentScene {
   Clusters clusters_;
   std::vector<scenes::Light> lights_;
   bool built_for_lights_ = false;
+  bool unbuilt_ = false;
   Buffer positions_, normals_, uvs_, triangles_, triangle_materials_, materials_, cluster_buffer_, chunk_buffer_;
   std::vector<Buffer> textures_;
   TracedLights traced_;
@@ -86,9 +97,9 @@ class ResidentScene {
 };
 
 // What `tracer`, which builds for lights, builds for a scene with these. Blocking; any thread. Error: out of memory,
-// device lost.
+// device lost, stopped.
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
-                                      const std::vector<scenes::Light>& lights);
+                                      const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
 // A hierarchy of what rests in the scene. The same.
 Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene);
 

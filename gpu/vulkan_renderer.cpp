@@ -8,6 +8,7 @@
 #include "common/inbox.h"
 #include "gpu/background.h"
 #include "gpu/lanes.h"
+#include "gpu/light_builds.h"
 #include "gpu/passes/passes.h"
 #include "gpu/raster_choice.h"
 #include "gpu/tracers/tracer.h"
@@ -17,8 +18,8 @@ namespace {
 
 // What leases share with the renderer and keep alive after it.
 struct SlotPool {
-  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, std::string r, Lanes l)
-      : device(std::move(d)), tracer(std::move(t)), raster(std::move(r)), lanes(std::move(l)) {
+  SlotPool(DevicePtr d, std::unique_ptr<Tracer> t, std::string r, Lanes l, Built b)
+      : device(std::move(d)), tracer(std::move(t)), raster(std::move(r)), built(b), lanes(std::move(l)) {
     for (size_t i = 0; i < lanes.slots(); ++i) free.push_back(i);
   }
 
@@ -40,6 +41,7 @@ struct SlotPool {
   DevicePtr device;
   std::unique_ptr<Tracer> tracer;
   std::string raster;
+  Built built;  // of a scene, before it is resident
   Lanes lanes;  // the render loop's
   mutable std::mutex mutex;
   std::vector<size_t> free;
@@ -99,14 +101,29 @@ class VulkanRenderer : public Renderer {
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
     if (scenes_.contains(id)) return {};
-    auto resident = ResidentScene::create(pool_->device, scene, pool_->tracer.get(), pool_->lanes.slots());
+    auto resident =
+        ResidentScene::create(pool_->device, scene, pool_->tracer.get(), pool_->lanes.slots(), pool_->built);
     if (!resident) return resident.error();
     scenes_[id] = std::move(*resident);
     return {};
   }
+  void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
+             std::function<void()> wake) override {
+    light_builds_.hold();  // until the scene can be looked at, if only by way of a hierarchy
+    background_.run(
+        [this, id, scene, pool = pool_, lane_is_there = pool_->lanes.has_motion(), resident] {
+          const auto made = std::make_shared<Arrived>(arrive(*pool, scene, lane_is_there));
+          return [this, id, made, resident] {
+            resident(settle_in(id, *made));
+            light_builds_.release();
+          };
+        },
+        std::move(wake));
+  }
   void evict(SceneId id) override {
     start_pending();  // what it parks is freed when all that was started before has passed
     scenes_.erase(id);
+    light_builds_.stop(id);
   }
 
   SceneFootprint footprint(SceneId id) const override {
@@ -141,9 +158,11 @@ class VulkanRenderer : public Renderer {
     const auto found = scenes_.find(id);
     if (found == scenes_.end()) return settled(not_resident(id));
     if (!pool_->tracer->builds_for_lights()) return settled({});
-    background_.run(
-        [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = found->second->lights(), settled] {
-          const auto built = build_for_lights(*pool->tracer, *scene, lights);
+    light_builds_.start(
+        id, found->second->light_count(),
+        [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = found->second->lights(),
+         settled](const BuildWatch& watch) {
+          const auto built = build_for_lights(*pool->tracer, *scene, lights, watch);
           return [this, id, scene, built, settled] {
             ResidentScene* resident = resident_of(id, scene);
             if (!resident) return settled(not_resident(id));
@@ -155,12 +174,17 @@ class VulkanRenderer : public Renderer {
         std::move(wake));
   }
 
-  void finish_background() override { background_.finish(); }
+  void finish_background() override {
+    background_.finish();
+    light_builds_.finish();
+  }
 
   LightState light_state(SceneId id) const override {
     const auto found = scenes_.find(id);
     return found == scenes_.end() ? LightState{} : found->second->light_state();
   }
+
+  BuildProgress build_progress(SceneId id) const override { return light_builds_.progress(id); }
 
   uint32_t free_slots() const override { return pool_->free_count(); }
 
@@ -238,6 +262,28 @@ class VulkanRenderer : public Renderer {
   }
 
  private:
+  // A scene made beside the frames, and the lane for motion, if it is the first that needs it.
+  struct Arrived {
+    Result<std::unique_ptr<ResidentScene>> scene;
+    std::unique_ptr<Lane> motion;
+  };
+
+  // Any thread.
+  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, bool lane_is_there) {
+    Arrived made{ResidentScene::create(pool.device, scene, pool.tracer.get(), pool.lanes.slots(), pool.built),
+                 nullptr};
+    if (!made.scene || lane_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
+    if (auto lane = pool.lanes.make_motion()) made.motion = std::move(*lane);  // else the first frame says why
+    return made;
+  }
+
+  Result<void> settle_in(SceneId id, Arrived& made) {
+    if (!made.scene) return made.scene.error();
+    if (made.motion) pool_->lanes.give_motion(std::move(made.motion));
+    scenes_[id] = std::move(*made.scene);
+    return {};
+  }
+
   static Error not_resident(SceneId id) { return Error{"scene " + std::to_string(id.value) + " is not resident"}; }
   // Null: it was evicted, or is another scene by now.
   ResidentScene* resident_of(SceneId id, const scenes::ScenePtr& scene) const {
@@ -327,7 +373,8 @@ class VulkanRenderer : public Renderer {
   std::map<JobId, Begun> begun_;
   bool batching_ = false;
   std::vector<Line> lines_;
-  Background background_;  // ends first
+  Background background_;  // these end first
+  LightBuilds light_builds_;
 };
 
 }  // namespace
@@ -345,7 +392,8 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (!lanes) return lanes.error();
   if (std::find(options.passes.begin(), options.passes.end(), "readback") == options.passes.end())
     return Error{"the pass list has no 'readback': no mask would reach the host"};
-  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), *raster, std::move(*lanes));
+  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), *raster, std::move(*lanes),
+                                         options.wait_for_builds ? Built::everything : Built::what_is_quick);
   return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool)));
 }
 

@@ -19,7 +19,8 @@ struct RendererOptions {
   TracerOptions tracer_options;
   std::vector<std::string> passes{"gbuffer", "trace", "pack", "readback"};
   uint32_t frames_in_flight = 3;
-  uint32_t queues = 1;  // that frames are spread over: they overlap on the device; fewer where it has fewer
+  uint32_t queues = 1;          // that frames are spread over: they overlap on the device; fewer where it has fewer
+  bool wait_for_builds = true;  // before a scene is resident; false: settle_lights builds what takes long
   ValidationOptions validation;
 };
 

@@ -89,12 +89,26 @@ std::string status_text(const json& status) {
   return out + "\n" + scenes_text(status) + "\n" + tenants.text();
 }
 
+// How far a scene's light buffers are, and of which light.
+std::string light_buffers_of(const json& scene) {
+  const auto found = scene.find("light_buffers");
+  if (found == scene.end()) return "";
+  const std::string state = text(*found, "state");
+  if (state != "building") return state;
+  const json& lights = list(*found, "lights_percent");
+  const auto done = std::count_if(lights.begin(), lights.end(), [](const json& share) { return share >= 100; });
+  return fixed(number(*found, "percent"), 0) + "%, light " + std::to_string(done + 1) + " of " +
+         std::to_string(lights.size());
+}
+
 std::string scenes_text(const json& status) {
-  Table table({"SCENE", ">TRIANGLES", ">LIGHTS", ">SESSIONS", ">HOST MiB", ">DEVICE MiB", ">LOAD s", ">BUILD s"});
+  Table table({"SCENE", ">TRIANGLES", ">LIGHTS", ">SESSIONS", ">HOST MiB", ">DEVICE MiB", ">LOAD s", ">BUILD s",
+               "LIGHT BUFFERS"});
   for (const json& scene : list(status, "scenes")) {
     table.add({text(scene, "name"), whole(scene, "triangles"), whole(scene, "lights"), whole(scene, "sessions"),
                mebibytes(number(scene, "memory_bytes")), mebibytes(number(scene, "device_memory_bytes")),
-               fixed(number(scene, "load_seconds"), 2), fixed(number(scene, "tracer_build_seconds"), 2)});
+               fixed(number(scene, "load_seconds"), 2), fixed(number(scene, "tracer_build_seconds"), 2),
+               light_buffers_of(scene)});
   }
   return table.text();
 }

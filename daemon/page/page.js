@@ -150,6 +150,13 @@ const percent = (ratio) => ((ratio || 0) * 100).toFixed(1) + '%';
 const mebibytes = (bytes) => (bytes / 1048576).toFixed(1);
 const ms = (us) => (us / 1000).toFixed(1);
 
+// Until they are ready, frames are as exact and cost more.
+function lightBuffers(built) {
+  if (built.state !== 'building') return built.state;
+  const done = built.lights_percent.filter((share) => share >= 100).length;
+  return `${built.percent.toFixed(0)}%, light ${done + 1} of ${built.lights_percent.length}`;
+}
+
 function showTables(status) {
   const newest = history[history.length - 1];
   fillTable('tenants', [
@@ -165,6 +172,7 @@ function showTables(status) {
     ['Device, MiB', (s) => mebibytes(s.device_memory_bytes), true],
     ['Loaded in, s', (s) => s.load_seconds.toFixed(2), true],
     ['Built in, s', (s) => s.tracer_build_seconds.toFixed(2), true],
+    ['Light buffers', (s) => lightBuffers(s.light_buffers)],
   ], status.scenes);
   const sessions = [...status.sessions].sort((a, b) => b.total_us - a.total_us);
   fillTable('sessions', [

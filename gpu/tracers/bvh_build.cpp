@@ -4,7 +4,6 @@
 #include <array>
 #include <future>
 #include <limits>
-#include <numeric>
 #include <span>
 
 namespace gnomon::gpu {
@@ -35,6 +34,25 @@ struct Box {
   glm::vec3 centre() const { return 0.5f * (lo + hi); }
 };
 
+// A triangle as the builder moves it about: beside its neighbours in memory, which is what most of the time depends on.
+struct Item {
+  Box box;
+  uint32_t triangle = 0;
+};
+
+// Which of the bins along each axis an item falls into.
+struct Bins {
+  glm::vec3 low, per_unit;
+
+  explicit Bins(const Box& centres)
+      : low(centres.lo), per_unit(static_cast<float>(kBins) / (centres.hi - centres.lo)) {}
+  // Precondition: the centres differ along the axis.
+  uint32_t of(const Item& item, int axis) const {
+    const float at = (item.box.centre()[axis] - low[axis]) * per_unit[axis];
+    return std::min(static_cast<uint32_t>(at), kBins - 1);
+  }
+};
+
 struct Split {
   int axis = -1;
   uint32_t bin = 0;  // triangles of bins below go first
@@ -47,31 +65,29 @@ using Subtree = std::vector<BvhNode>;
 class Builder {
  public:
   Builder(const scenes::WorldMesh& mesh, unsigned threads) : threads_(threads) {
-    boxes_.reserve(mesh.triangles.size());
+    items_.reserve(mesh.triangles.size());
     for (const glm::uvec3& t : mesh.triangles) {
       Box box;
       for (int i = 0; i < 3; ++i) box.grow(mesh.positions[t[i]]);
-      boxes_.push_back(box);
+      items_.push_back({box, static_cast<uint32_t>(items_.size())});
     }
-    order_.resize(boxes_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
   }
 
   Subtree build() {
-    if (order_.empty()) return {};
+    if (items_.empty()) return {};
     unsigned depth = 0;
-    while ((1u << depth) < threads_ * 2) ++depth;
-    return build(order_, 0, threads_ > 1 ? depth : 0);
+    while ((1u << depth) < threads_ * 4) ++depth;
+    return build(items_, 0, threads_ > 1 ? depth : 0);
   }
-  const std::vector<uint32_t>& order() const { return order_; }
+  const std::vector<Item>& items() const { return items_; }  // in the order of the leaves, once built
 
  private:
-  // `part`: the slice of order_ that begins at `first`.
-  Subtree build(std::span<uint32_t> part, uint32_t first, unsigned parallel_depth) {
+  // `part`: the slice of items_ that begins at `first`.
+  Subtree build(std::span<Item> part, uint32_t first, unsigned parallel_depth) {
     Box bounds, centres;
-    for (const uint32_t t : part) {
-      bounds.grow(boxes_[t]);
-      centres.grow(boxes_[t].centre());
+    for (const Item& item : part) {
+      bounds.grow(item.box);
+      centres.grow(item.box.centre());
     }
     const uint32_t count = static_cast<uint32_t>(part.size());
     const Split split = best_split(part, centres);
@@ -111,15 +127,16 @@ class Builder {
     }
   }
 
-  Split best_split(std::span<const uint32_t> part, const Box& centres) const {
+  static Split best_split(std::span<const Item> part, const Box& centres) {
     Split best;
+    const Bins bins(centres);
     for (int axis = 0; axis < 3; ++axis) {
       if (centres.hi[axis] <= centres.lo[axis]) continue;
       std::array<Box, kBins> boxes;
       std::array<uint32_t, kBins> counts{};
-      for (const uint32_t t : part) {
-        const uint32_t bin = bin_of(t, axis, centres);
-        boxes[bin].grow(boxes_[t]);
+      for (const Item& item : part) {
+        const uint32_t bin = bins.of(item, axis);
+        boxes[bin].grow(item.box);
         ++counts[bin];
       }
       std::array<float, kBins> below{};  // cost of the triangles in bins below
@@ -142,23 +159,17 @@ class Builder {
     return best;
   }
 
-  uint32_t bin_of(uint32_t triangle, int axis, const Box& centres) const {
-    const float width = centres.hi[axis] - centres.lo[axis];
-    const float at = (boxes_[triangle].centre()[axis] - centres.lo[axis]) / width;
-    return std::min(static_cast<uint32_t>(at * static_cast<float>(kBins)), kBins - 1);
-  }
-
   // Where the second half begins; 0: cannot be divided and need not be.
-  size_t divide(std::span<uint32_t> part, const Split& split, const Box& centres) const {
+  static size_t divide(std::span<Item> part, const Split& split, const Box& centres) {
     if (split.axis < 0) return part.size() <= kHardMaxLeaf ? 0 : part.size() / 2;
+    const Bins bins(centres);
     const auto middle = std::partition(part.begin(), part.end(),
-                                       [&](uint32_t t) { return bin_of(t, split.axis, centres) < split.bin; });
+                                       [&](const Item& item) { return bins.of(item, split.axis) < split.bin; });
     return static_cast<size_t>(middle - part.begin());
   }
 
   unsigned threads_;
-  std::vector<Box> boxes_;
-  std::vector<uint32_t> order_;
+  std::vector<Item> items_;
 };
 
 }  // namespace
@@ -167,8 +178,9 @@ Bvh build_bvh(const scenes::WorldMesh& mesh, unsigned threads) {
   Builder builder(mesh, threads);
   Bvh bvh;
   bvh.nodes = builder.build();
-  bvh.triangles.reserve(builder.order().size());
-  for (const uint32_t t : builder.order()) {
+  bvh.triangles.reserve(builder.items().size());
+  for (const Item& item : builder.items()) {
+    const uint32_t t = item.triangle;
     const glm::uvec3 corners = mesh.triangles[t];
     bvh.triangles.push_back({mesh.positions[corners.x], t, mesh.positions[corners.y],
                              t >= mesh.opaque_count ? 1u : 0u, mesh.positions[corners.z], 0});

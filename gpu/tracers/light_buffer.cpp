@@ -1,5 +1,6 @@
 // Tracer "light_buffer": what each light sees, built once (gpu/tracers/light_buffer/). For static geometry and lights.
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "common/clock.h"
@@ -86,46 +87,80 @@ class LightBufferTracer : public Tracer {
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();
-    bool from_cache = false;
-    const light_buffer::LightBuffer buffer = load_or_build(input, from_cache);
+    if (auto cached = load(input)) return upload_built(input, *cached, start, true);
+    const light_buffer::BuildSettings settings = settings_for(input);
+    const light_buffer::LightBuffer buffer =
+        light_buffer::build(input.mesh, input.scene.bounds, input.lights, settings);
+    if (settings.stop.stop_requested()) return Error{"the build was stopped"};
+    save(input, buffer);
+    return upload_built(input, buffer, start, false);
+  }
+
+  Result<std::unique_ptr<TracedScene>> build_at_once(const TracerInput& input) const override {
+    if (input.mesh.triangles.size() * input.lights.size() <= kShortBuild) return build(input);
+    const TimePoint start = Clock::now();
+    const auto cached = load(input);
+    if (!cached) return std::unique_ptr<TracedScene>();
+    return upload_built(input, *cached, start, true);
+  }
+
+ private:
+  // Triangles times lights of which a build takes some milliseconds.
+  static constexpr size_t kShortBuild = 20'000;
+
+  light_buffer::BuildSettings settings_for(const TracerInput& input) const {
+    light_buffer::BuildSettings settings;
+    settings.budget_bytes = options_.light_buffer_bytes;
+    settings.stop = input.watch.stop;
+    settings.progress = [&input, said = size_t{0}](size_t light, double share) mutable {
+      if (light == said && !input.mesh.triangles.empty()) {
+        log::info("building light buffers",
+                  {{"scene", input.scene.name}, {"light", light + 1}, {"of", input.lights.size()}});
+      }
+      said = light + 1;
+      if (input.watch.progress) input.watch.progress(light, share);
+    };
+    return settings;
+  }
+
+  // Only lights as the scene's file has them are known by its content hash.
+  bool is_cached(const TracerInput& input) const {
+    return !options_.cache_folder.empty() && input.lights_as_loaded;
+  }
+
+  light_buffer::CacheKey key_of(const TracerInput& input) const {
+    return light_buffer::cache_key(input.scene.content_hash, settings_for(input), input.mesh.triangles);
+  }
+
+  std::optional<light_buffer::LightBuffer> load(const TracerInput& input) const {
+    if (!is_cached(input)) return std::nullopt;
+    const light_buffer::CacheKey key = key_of(input);
+    std::string why;
+    auto cached = light_buffer::load(options_.cache_folder, key, why);
+    if (!cached && !why.empty()) {
+      log::warning("cached light buffer not used",
+                   {{"file", light_buffer::cache_file(options_.cache_folder, key).string()}, {"reason", why}});
+    }
+    return cached;
+  }
+
+  void save(const TracerInput& input, const light_buffer::LightBuffer& buffer) const {
+    if (!is_cached(input)) return;
+    if (auto saved = light_buffer::save(options_.cache_folder, key_of(input), buffer); !saved) {
+      log::warning("light buffer not cached", {{"reason", saved.error().message}});
+    }
+  }
+
+  Result<std::unique_ptr<TracedScene>> upload_built(const TracerInput& input,
+                                                    const light_buffer::LightBuffer& buffer, TimePoint start,
+                                                    bool from_cache) const {
     auto created = LightBufferScene::create(device_, buffer, input.mesh);
     if (!created) return created.error();
     std::unique_ptr<TracedScene> scene = std::move(*created);
     scene->build_seconds = to_seconds(Clock::now() - start);
     scene->list_statistics = lists_of(buffer.statistics, from_cache);
-    log_built(input.scene, buffer.statistics.bytes, *scene);
+    if (!input.mesh.triangles.empty()) log_built(input.scene, buffer.statistics.bytes, *scene);
     return scene;
-  }
-
- private:
-  light_buffer::LightBuffer load_or_build(const TracerInput& input, bool& from_cache) const {
-    light_buffer::BuildSettings settings;
-    settings.budget_bytes = options_.light_buffer_bytes;
-    if (options_.cache_folder.empty() || !input.lights_as_loaded) return build_anew(input, settings);
-    const light_buffer::CacheKey key =
-        light_buffer::cache_key(input.scene.content_hash, settings, input.mesh.triangles);
-    std::string why;
-    if (auto cached = light_buffer::load(options_.cache_folder, key, why)) {
-      from_cache = true;
-      return std::move(*cached);
-    }
-    if (!why.empty()) {
-      log::warning("cached light buffer not used",
-                   {{"file", light_buffer::cache_file(options_.cache_folder, key).string()}, {"reason", why}});
-    }
-    light_buffer::LightBuffer buffer = build_anew(input, settings);
-    if (auto saved = light_buffer::save(options_.cache_folder, key, buffer); !saved) {
-      log::warning("light buffer not cached", {{"reason", saved.error().message}});
-    }
-    return buffer;
-  }
-
-  static light_buffer::LightBuffer build_anew(const TracerInput& input, light_buffer::BuildSettings settings) {
-    settings.progress = [&](double share) {
-      log::info("building light buffers",
-                {{"scene", input.scene.name}, {"percent", static_cast<int>(100 * share)}});
-    };
-    return light_buffer::build(input.mesh, input.scene.bounds, input.lights, settings);
   }
 
   static ListStatistics lists_of(const light_buffer::Statistics& s, bool from_cache) {

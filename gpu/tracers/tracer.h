@@ -4,8 +4,10 @@
 // that shader reads.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -35,6 +37,12 @@ class TracedScene {
   ListStatistics list_statistics;
 };
 
+// Who follows a long build, and may end it.
+struct BuildWatch {
+  std::function<void(size_t light, double share)> progress = {};  // of that light's work; on the building thread
+  std::stop_token stop = {};                                      // once stopped, the build fails soon
+};
+
 // What a tracer builds from. The buffers are those of the resident scene and outlive what is built.
 struct TracerInput {
   const scenes::Scene& scene;
@@ -43,6 +51,7 @@ struct TracerInput {
   bool lights_as_loaded = true;  // false: they have moved since, the scene's content hash does not know them
   const Buffer& positions;
   const Buffer& triangles;
+  BuildWatch watch = {};
 };
 
 class Tracer {
@@ -52,8 +61,13 @@ class Tracer {
   virtual std::span<const uint32_t> shader() const = 0;  // the trace pass with this tracer
   // Whether what it builds answers for the lights that it was built for and no others.
   virtual bool builds_for_lights() const { return false; }
-  // Blocking; the render loop's thread. Error: out of memory, device lost.
+  // Blocking; any thread. Error: out of memory, device lost, stopped.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
+  // What can be had without a long build: everything, or what was kept of an earlier one. Null: it has to be built. As
+  // above.
+  virtual Result<std::unique_ptr<TracedScene>> build_at_once(const TracerInput& input) const {
+    return build(input);
+  }
 };
 
 // `name`: "bvh", "light_buffer", "ray_query", or "auto" for the fastest that this device can run. Error: no such tracer, or

@@ -46,6 +46,28 @@ class FakeRenderer : public gpu::Renderer {
     resident_.erase(id);
   }
 
+  // What is done beside the frames: at once, or, where the test holds it, when finish_background is called later.
+  // The render thread's.
+  void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
+             std::function<void()>) override {
+    ++brought;
+    beside(holds_scenes, [this, id, scene, resident] { resident(make_resident(id, scene)); });
+  }
+  void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
+    beside(holds_builds, [this, settled] {
+      state_of_lights.unbuilt = 0;
+      settled({});
+    });
+  }
+  void finish_background() override {
+    if (holds_scenes || holds_builds) return;
+    for (const auto& each : std::exchange(background_, {})) each();
+  }
+  gpu::LightState light_state(SceneId) const override { return state_of_lights; }
+  gpu::LightState state_of_lights;  // of every scene
+  bool holds_scenes = false, holds_builds = false;
+  int brought = 0;
+
   uint32_t free_slots() const override {
     std::lock_guard lock(mutex_);
     return free_;
@@ -143,6 +165,13 @@ class FakeRenderer : public gpu::Renderer {
 
   uint32_t most_pixels = UINT32_MAX;  // of a frame that it has memory for
   bool refuse_submits = false;        // set it before the renderer is in use, or from the thread that submits
+
+ private:
+  void beside(bool hold, std::function<void()> done) {
+    if (!hold) return done();
+    background_.push_back(std::move(done));
+  }
+  std::vector<std::function<void()>> background_;
 
  protected:
   gpu::FrameLease answer(const gpu::RenderJob& job) {

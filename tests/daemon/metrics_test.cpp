@@ -130,17 +130,20 @@ TEST(Metrics, AScenesLightBuffersAreDescribed) {
   on_device.tracer_memory_bytes = 3000;
   on_device.tracer_build_seconds = 1.5;
   on_device.tracer_from_cache = true;
-  on_device.tracer_average_list = 2.5;
-  on_device.tracer_longest_list = 70;
   metrics.scene_resident("room", {}, on_device);
   metrics.scene_resident("some/file.glb", {}, on_device);
+  for (const char* scene : {"room", "some/file.glb"}) {
+    SceneReport built{scene, on_device, {0, 0, 2}, {{1.0f, 0.5f}}};
+    metrics.scene_lights(scene, built.lights);
+    metrics.scene_built(built);
+  }
   const std::string text = metrics.text();
   for (const char* line :
        {"gnomon_scene_device_memory_bytes{scene=\"room\"} 5000",
         "gnomon_scene_tracer_memory_bytes{scene=\"room\"} 3000", "gnomon_scene_build_seconds{scene=\"room\"} 1.5",
         "gnomon_scene_light_buffer_cached{scene=\"room\"} 1",
-        "gnomon_scene_light_buffer_average_list{scene=\"room\"} 2.5",
-        "gnomon_scene_light_buffer_longest_list{scene=\"room\"} 70"}) {
+        "gnomon_scene_light_buffers_built_ratio{scene=\"room\"} 0.75",
+        "gnomon_scene_lights{scene=\"room\",state=\"unbuilt\"} 2"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line;
   }
   EXPECT_EQ(text.find("some/file.glb"), std::string::npos);

@@ -18,14 +18,16 @@ class RenderLoopTest : public testing::Test {
   static constexpr uint32_t kSlots = 2;
 
   void SetUp() override {
-    device_ = std::move(*RenderDevice::open([this]() -> Result<std::unique_ptr<gpu::Renderer>> {
-      ++renderers_made_;
-      if (no_more_renderers_) return Error{"no device left"};
-      auto made = std::make_unique<FakeRenderer>(slots_);
-      made->cpu = cpu_;
-      fake_ = made.get();
-      return std::unique_ptr<gpu::Renderer>(std::move(made));
-    }));
+    device_ = std::move(*RenderDevice::open(
+        [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
+          ++renderers_made_;
+          if (no_more_renderers_) return Error{"no device left"};
+          auto made = std::make_unique<FakeRenderer>(slots_);
+          made->cpu = cpu_;
+          fake_ = made.get();
+          return std::unique_ptr<gpu::Renderer>(std::move(made));
+        },
+        [] {}));
     loop_ = std::make_unique<RenderLoop>(
         Terms{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_, inbox_,
         metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },

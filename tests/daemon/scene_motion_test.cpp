@@ -28,8 +28,14 @@ class LightsFake : public FakeRenderer {
   }
   void finish_background() override {
     if (!allowed) return;
-    for (auto& each : std::exchange(waiting, {})) each({});
+    for (auto& each : std::exchange(waiting, {})) each(answer);
   }
+  gpu::LightState light_state(SceneId) const override { return state; }
+  gpu::BuildProgress build_progress(SceneId) const override { return progress; }
+
+  gpu::LightState state;
+  gpu::BuildProgress progress;
+  Result<void> answer;
 
   bool allowed = true;
   int settles = 0;
@@ -40,11 +46,13 @@ class LightsFake : public FakeRenderer {
 class SceneMotionTest : public testing::Test {
  protected:
   void SetUp() override {
-    device_ = std::move(*RenderDevice::open([this]() -> Result<std::unique_ptr<gpu::Renderer>> {
-      auto made = std::make_unique<LightsFake>();
-      fake_ = made.get();
-      return std::unique_ptr<gpu::Renderer>(std::move(made));
-    }));
+    device_ = std::move(*RenderDevice::open(
+        [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
+          auto made = std::make_unique<LightsFake>();
+          fake_ = made.get();
+          return std::unique_ptr<gpu::Renderer>(std::move(made));
+        },
+        [] {}));
     motion_ = std::make_unique<SceneMotion>(*device_, metrics_, [] {});
     motion_->configure({10, 2s, start_, [this](const LightsNews& news) { announced_.push_back(news); }});
     scene_->lights.resize(2);
@@ -66,6 +74,72 @@ class SceneMotionTest : public testing::Test {
   std::vector<LightsNews> announced_;
   std::unique_ptr<SceneMotion> motion_;
 };
+
+TEST_F(SceneMotionTest, WhatIsNotBuiltWhenASceneComesIsBuiltBesideTheFrames) {
+  fake_->allowed = false;
+  fake_->state = {0, 0, 2};
+  add();
+  EXPECT_EQ(fake_->settles, 1);
+  EXPECT_TRUE(motion_->unbuilt(kScene));
+  EXPECT_NE(metrics_.text().find("gnomon_scene_lights{scene=\"hall\",state=\"unbuilt\"} 2"), std::string::npos);
+  fake_->progress = {{1, 0.5f}};
+  EXPECT_EQ(motion_->report().at(kScene).built_share(), 0.75);
+  EXPECT_TRUE(motion_->step(start_).empty());
+
+  fake_->allowed = true;
+  fake_->progress = {};
+  fake_->state = {2, 0, 0};
+  EXPECT_EQ(motion_->step(start_), std::vector{kScene}) << "its frames cost something else now";
+  EXPECT_FALSE(motion_->unbuilt(kScene));
+  EXPECT_EQ(motion_->report().at(kScene).built_share(), 1);
+  EXPECT_TRUE(motion_->step(start_ + 1s).empty());
+  EXPECT_NE(metrics_.text().find("gnomon_scene_light_rebuilds_total{scene=\"hall\"} 0"), std::string::npos)
+      << "the first build is no rebuild";
+}
+
+TEST_F(SceneMotionTest, ABuildThatFailsIsToldAndTheHierarchyGoesOn) {
+  fake_->state = {0, 0, 2};
+  fake_->answer = Error{"no memory"};
+  add();
+  EXPECT_TRUE(motion_->step(start_).empty());
+  EXPECT_TRUE(motion_->unbuilt(kScene));
+  EXPECT_TRUE(motion_->report().at(kScene).failed);
+  EXPECT_EQ(motion_->report().at(kScene).built_share(), 0);
+  EXPECT_TRUE(motion_->step(start_ + 60s).empty());
+  EXPECT_EQ(fake_->settles, 1) << "nothing has changed that would make it succeed";
+}
+
+TEST_F(SceneMotionTest, ALightThatIsChangedMeanwhileSettlesAfterwards) {
+  fake_->allowed = false;
+  fake_->state = {0, 0, 2};
+  add();
+  motion_->change(kScene, 0, at_height(2), start_);
+  EXPECT_TRUE(motion_->step(start_ + 5s).empty());
+  EXPECT_EQ(fake_->settles, 1) << "one build at a time";
+  fake_->allowed = true;
+  EXPECT_EQ(motion_->step(start_ + 6s), std::vector{kScene});
+  EXPECT_EQ(fake_->settles, 2);
+  motion_->step(start_ + 7s);
+  EXPECT_NE(metrics_.text().find("gnomon_scene_light_rebuilds_total{scene=\"hall\"} 1"), std::string::npos);
+}
+
+TEST_F(SceneMotionTest, ADeviceMadeAnewBuildsAgainWhatItHasNot) {
+  fake_->state = {0, 0, 2};
+  add();
+  motion_->step(start_);
+  fake_->state = {0, 0, 2};
+  motion_->restore();
+  EXPECT_EQ(fake_->settles, 2);
+  EXPECT_TRUE(motion_->unbuilt(kScene));
+}
+
+TEST_F(SceneMotionTest, ASceneThatComesTwiceKeepsItsLights) {
+  add();
+  motion_->change(kScene, 1, at_height(3), start_);
+  motion_->step(start_);
+  add();
+  EXPECT_EQ(motion_->lights_of(kScene)[1].position.y, 3);
+}
 
 TEST_F(SceneMotionTest, TheClockGoesInStepsAndAround) {
   scene_->moving_nodes.resize(1);

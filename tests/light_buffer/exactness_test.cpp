@@ -1,6 +1,7 @@
 // Light buffers answer bit for bit what brute force over all triangles answers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "gpu/tracers/light_buffer/builder.h"
@@ -96,6 +97,38 @@ TEST(Build, SameBytesWithAnyNumberOfThreads) {
   ASSERT_EQ(a.leaves.size(), b.leaves.size());
   EXPECT_EQ(std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size() * sizeof(a.leaves[0])), 0);
   EXPECT_EQ(a.entries, b.entries);
+}
+
+TEST(Build, TellsOfEachLightHowMuchOfItIsDone) {
+  Random random(8);
+  const Soup soup = make_soup(Shape::even, Lamp::point, 400, random);
+  const std::vector<gpu::exact::TracedLight> lights(3, soup.light);
+  std::vector<double> shares(lights.size());
+  light_buffer::BuildSettings settings;
+  settings.progress = [&](size_t light, double share) {
+    EXPECT_GE(share, shares.at(light));
+    EXPECT_EQ(std::count(shares.begin(), shares.begin() + static_cast<ptrdiff_t>(light), 1.0), light)
+        << "one light after the other";
+    shares[light] = share;
+  };
+  light_buffer::build(soup.mesh, soup.bounds, lights, settings);
+  EXPECT_EQ(shares, std::vector<double>(lights.size(), 1.0));
+}
+
+TEST(Build, EndsSoonWhenItIsStopped) {
+  Random random(9);
+  const Soup soup = make_soup(Shape::even, Lamp::point, 400, random);
+  const std::vector<gpu::exact::TracedLight> lights(1000, soup.light);
+  std::stop_source stop;
+  size_t begun = 0;
+  light_buffer::BuildSettings settings;
+  settings.stop = stop.get_token();
+  settings.progress = [&](size_t light, double share) {
+    begun = light;
+    if (light == 1 && share > 0.3) stop.request_stop();
+  };
+  light_buffer::build(soup.mesh, soup.bounds, lights, settings);
+  EXPECT_EQ(begun, 1u);
 }
 
 }  // namespace

@@ -27,10 +27,11 @@ class Daemon:
             "tenants": tenants,
             "log": {"level": "error"},
         }
+        self.config["render"] = {"wait_for_light_buffers": True}  # what is measured does not change meanwhile
         if devices:
-            self.config["render"] = {"devices": list(devices)}
+            self.config["render"]["devices"] = list(devices)
         if getattr(args, "cache", None):
-            self.config.setdefault("render", {})["cache_folder"] = str(pathlib.Path(args.cache).absolute())
+            self.config["render"]["cache_folder"] = str(pathlib.Path(args.cache).absolute())
         config = self.write_config()
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen([args.bin / "gnomond", "--config", config], stdout=self.log,

@@ -1,9 +1,11 @@
 #include "gpu/tracers/light_buffer/builder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <thread>
 
 #include "common/clock.h"
 #include "gpu/tracers/light_buffer/parallel.h"
@@ -26,12 +28,13 @@ struct Root {
 class LightBuild {
  public:
   LightBuild(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds, const exact::TracedLight& light,
-             unsigned threads)
-      : mesh_(mesh), light_(light), faces_(light_faces(light, bounds)), threads_(threads) {
+             unsigned threads, std::stop_token stop)
+      : mesh_(mesh), light_(light), faces_(light_faces(light, bounds)), threads_(threads), stop_(std::move(stop)) {
     for (size_t f = 0; f < faces_.faces.size(); ++f) {
       footprints_.push_back(faces_.used[f] ? footprints(faces_.faces[f]) : std::vector<Footprint>());
       add_roots(f);
     }
+    for (const Root& root : roots_) met_by_all_ += root.met.size();
     // Long ones first, so that no thread is left with one at the end.
     order_.resize(roots_.size());
     std::iota(order_.begin(), order_.end(), size_t{0});
@@ -42,17 +45,27 @@ class LightBuild {
   size_t face_count() const { return faces_.faces.size(); }
   const LightView& view() const { return faces_.view; }
 
-  // One root in `stride`, in the order of their faces; the others stay empty.
-  std::vector<Piece> pieces(const Detail& detail, size_t stride) const {
+  // One root in `stride`, in the order of their faces; the others stay empty. `progress`, if any, is called on this
+  // thread with the share of the footprints that were looked at.
+  std::vector<Piece> pieces(const Detail& detail, size_t stride,
+                            const std::function<void(double)>& progress = {}) const {
     std::vector<Piece> pieces(roots_.size());
+    const std::thread::id caller = std::this_thread::get_id();
+    std::atomic<size_t> met{0};
     parallel_for(order_.size(), threads_, [&](size_t n) {
       const size_t r = order_[n];
       if ((r + r / 16 * 5) % stride != 0) return;  // spread over rows and columns
+      if (stop_.stop_requested()) return;
       const Root& root = roots_[r];
       pieces[r] = build_piece(faces_.faces[root.face], detail, root.i, root.j, root.met);
+      const size_t so_far = met += root.met.size();
+      if (progress && std::this_thread::get_id() == caller)
+        progress(static_cast<double>(so_far) / static_cast<double>(std::max<size_t>(met_by_all_, 1)));
     });
     return pieces;
   }
+
+  bool stopped() const { return stop_.stop_requested(); }
 
  private:
   // What cannot block a segment of this light: beyond its range.
@@ -68,6 +81,7 @@ class LightBuild {
     const size_t count = mesh_.triangles.size();
     std::vector<std::vector<Footprint>> chunks((count + kChunk - 1) / kChunk);
     parallel_for(chunks.size(), threads_, [&](size_t c) {
+      if (stop_.stop_requested()) return;
       for (size_t t = c * kChunk; t < std::min(count, (c + 1) * kChunk); ++t) {
         std::array<glm::dvec3, 3> corners;
         for (int k = 0; k < 3; ++k) {
@@ -114,8 +128,10 @@ class LightBuild {
   const exact::TracedLight& light_;
   const LightFaces faces_;
   const unsigned threads_;
+  const std::stop_token stop_;
   Footprints footprints_;
   std::vector<Root> roots_;
+  size_t met_by_all_ = 0;
   std::vector<size_t> order_;
 };
 
@@ -135,7 +151,8 @@ Detail coarser(Detail detail) {
 }
 
 // As fine as fits into `bytes`, beside the cells.
-std::vector<Piece> fitting_pieces(const LightBuild& build, Detail detail, uint64_t bytes) {
+std::vector<Piece> fitting_pieces(const LightBuild& build, Detail detail, uint64_t bytes,
+                                  const std::function<void(double)>& progress) {
   constexpr size_t kStride = 16;
   constexpr int kMostSteps = 12;
   int step = 0;
@@ -143,10 +160,10 @@ std::vector<Piece> fitting_pieces(const LightBuild& build, Detail detail, uint64
     detail = coarser(detail);
     ++step;
   }
-  std::vector<Piece> pieces = build.pieces(detail, 1);
-  for (; step < kMostSteps && bytes_of(pieces) > bytes; ++step) {
+  std::vector<Piece> pieces = build.pieces(detail, 1, progress);
+  for (; step < kMostSteps && bytes_of(pieces) > bytes && !build.stopped(); ++step) {
     detail = coarser(detail);
-    pieces = build.pieces(detail, 1);
+    pieces = build.pieces(detail, 1, progress);
   }
   return pieces;
 }
@@ -214,16 +231,21 @@ LightBuffer build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
   LightBuffer buffer;
   Assembly assembly(buffer);
   for (size_t l = 0; l < lights.size(); ++l) {
-    if (settings.progress) settings.progress(static_cast<double>(l) / static_cast<double>(lights.size()));
-    const LightBuild build(mesh, bounds, lights[l], threads);
+    const auto progress = [&](double share) {
+      if (settings.progress) settings.progress(l, share);
+    };
+    progress(0);
+    const LightBuild build(mesh, bounds, lights[l], threads, settings.stop);
     // What earlier lights left over is shared by those to come.
     const uint64_t cells = build.face_count() * kCellCount * sizeof(uint32_t);
     const uint64_t used = buffer.memory_bytes();
     const uint64_t share = budget > used ? (budget - used) / (lights.size() - l) : 0;
-    assembly.add(build.view(), build.face_count(),
-                 fitting_pieces(build, settings.detail, share > cells ? share - cells : 0));
+    const std::vector<Piece> pieces =
+        fitting_pieces(build, settings.detail, share > cells ? share - cells : 0, progress);
+    if (settings.stop.stop_requested()) break;  // some pieces are missing
+    assembly.add(build.view(), build.face_count(), pieces);
+    progress(1);
   }
-  if (settings.progress) settings.progress(1.0);
   count(buffer);
   buffer.statistics.build_seconds = to_seconds(Clock::now() - start);
   return buffer;
