@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/performance.md and the script that writes its tables: each knows the other's tables, and a run is shown as it was.
+"""docs/performance.md and the script that writes its tables: each knows the other's, and a run is shown as it was.
 
     performance_test.py ROOT BIN
 """
@@ -48,7 +48,8 @@ class Performance(unittest.TestCase):
             folder = pathlib.Path(folder)
             page = folder / "page.md"
             page.write_text(PAGE.read_text())
-            ran = self.run_script("--bin", BIN, "--out", folder, "--page", page, "--sessions", 10, 20, "--", "scheduler")
+            ran = self.run_script("--bin", BIN, "--out", folder, "--page", page, "--sessions", 10, 20, "--",
+                                  "scheduler")
             self.assertEqual(ran.returncode, 0, ran.stderr)
             report = json.loads((folder / "scheduler.json").read_text())
             shown = blocks(page.read_text())
