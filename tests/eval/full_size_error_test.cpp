@@ -1,4 +1,4 @@
-// What the README promises of prediction, at the dissertation's size and on its camera paths: four frames ahead, with
+// What docs/prediction.md promises, at the dissertation's size and on its camera paths: four frames ahead, with
 // its border of 128x72, at most 2% of each light's bits are wrong (of the picture's, as the dissertation counts), at most
 // 2% of all bits that matter, and what was hidden is never falsely dark.
 #include <gtest/gtest.h>
