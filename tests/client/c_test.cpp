@@ -1,6 +1,7 @@
 // libgnomon as an engine links it, against a server that plays a script: what it gives.
 #include <cstring>
 #include <future>
+#include <thread>
 
 #include "tests/client/c_client.h"
 #include "tests/client/sliced.h"
@@ -212,6 +213,36 @@ TEST(C, FindsALostServerAgainAndCountsCamerasOn) {
   scene.size = sizeof scene;
   ASSERT_EQ(gnomon_get_scene(client.handle, &scene), GNOMON_OK);
   EXPECT_EQ(scene.revision, 2u);
+}
+
+TEST(C, ClientsOnDifferentThreadsShareNothing) {
+  const auto fly = [](const Wanted& wanted, float x, float& seen) {
+    Client client(wanted);
+    const gnomon_camera camera = camera_at(x);
+    gnomon_mask* mask = nullptr;
+    gnomon_mask_view view{};
+    view.size = sizeof view;
+    if (client.wait() != GNOMON_OK || gnomon_look(client.handle, &camera, nullptr) != GNOMON_OK) return;
+    if (gnomon_poll(client.handle, kPatienceMs, &mask) != GNOMON_OK) return;
+    gnomon_mask_get_view(mask, &view);
+    seen = view.camera.position[0];
+    gnomon_mask_free(mask);
+  };
+  const auto answer = [](Peer& peer) {
+    peer.read();
+    peer.welcome(welcome());
+    const auto camera = peer.read_new_camera();
+    if (camera) peer.send_frame(camera->frame, room(kGrid, 1).view());
+    peer.read();
+  };
+  FakeServer left(answer), right(answer);
+  const Wanted of_left(left.address()), of_right(right.address());
+  float seen_left = 0, seen_right = 0;
+  std::thread other([&] { fly(of_right, 2, seen_right); });
+  fly(of_left, 1, seen_left);
+  other.join();
+  EXPECT_EQ(seen_left, 1);
+  EXPECT_EQ(seen_right, 2);
 }
 
 TEST(C, TellsTheSceneAndItsLights) {

@@ -31,8 +31,8 @@ SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in (sys.argv.pop(
 SCENE, SIZE, STEPS = "living_room", (250, 122), 3  # the last tiles lie in part beyond the picture
 STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 # Cryptography, LZ4, erasure codes, and the languages' own: nothing that draws, logs or reads scenes.
-MAY_NEED = {"libssl.so.3", "libcrypto.so.3", "liblz4.so.1", "libisal.so.2", "libstdc++.so.6", "libgcc_s.so.1", "libm.so.6",
-            "libc.so.6", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
+MAY_NEED = {"libssl.so.3", "libcrypto.so.3", "liblz4.so.1", "libisal.so.2", "libstdc++.so.6", "libgcc_s.so.1",
+            "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
 
 
 def node():

@@ -14,7 +14,8 @@
 // matter which threads they come from. Clients share nothing, so different ones may be used at the same time. A mask
 // never changes, so any number of threads may read the same one. Work is done inside your calls alone, and the network
 // is served by gnomon_poll and gnomon_wait_open; the one thread that each client starts only looks up the server's
-// name. No function blocks unless you give it a time to wait. There is no global state and no signal handler.
+// name. No function blocks unless you give it a time to wait, but gnomon_free, which waits for a look-up that is under
+// way. There is no global state and no signal handler.
 //
 // Memory. What you pass is copied before a function returns. A client and a mask are yours until you give them back to
 // gnomon_free and gnomon_mask_free, in any order: masks outlive their client. Texts that a struct points to belong to
@@ -25,7 +26,7 @@
 // accepts what it does not know as long as it is zero, and sets it to zero.
 //
 // Errors. No C++ exception leaves the library. What a function returns below zero is an error, and gnomon_last_error
-// says in a sentence what it was about.
+// says in a sentence what it was about; functions that take no client fail for wrong arguments alone.
 #ifndef GNOMON_GNOMON_H
 #define GNOMON_GNOMON_H
 
