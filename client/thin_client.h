@@ -63,6 +63,8 @@ class ThinClient {
   Result<void> wait_open();
   // Why there is no server, and none will be tried any more.
   const std::optional<Error>& failure() const { return failure_; }
+  // The server's answer, if it was that.
+  const std::optional<protocol::Refused>& refusal() const { return stream_->connection().refusal(); }
   bool online() const { return stream_ && stream_->connection().state() == Connection::State::open; }
   uint32_t reconnects() const { return reconnects_; }
 

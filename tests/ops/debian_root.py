@@ -37,12 +37,17 @@ def bootstrap(target, suite, *options):
         skip(f"no root of {suite} can be made here: " + done.stdout.strip()[-300:].replace("\n", " "))
 
 
-def build_package(build):
-    """This build's package, anew."""
+def build_packages(build):
+    """This build's packages, anew, by name."""
     folder = build / "ops/package"
     shutil.rmtree(folder, ignore_errors=True)
     run("cpack", "-B", folder, cwd=build)
-    return next(folder.glob("gnomon_*.deb"))
+    return {file.name.split("_")[0]: file for file in folder.glob("*.deb")}
+
+
+def build_package(build):
+    """That of the daemon and the programs."""
+    return build_packages(build)["gnomon"]
 
 
 def root_with_dependencies(build, package):

@@ -1,0 +1,66 @@
+// Masks: reading what has come.
+#include <gnomon/gnomon.h>
+
+#include "client/c/convert.h"
+#include "client/c/handle.h"
+#include "client/c/versioned.h"
+
+namespace {
+
+using namespace gnomon;
+using namespace gnomon::client::c;
+
+uint32_t microseconds(Nanoseconds time) { return static_cast<uint32_t>(to_microseconds(time)); }
+
+}  // namespace
+
+extern "C" {
+
+gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* view) {
+  if (!mask) return GNOMON_BAD_ARGUMENT;
+  const client::Received& received = *mask->received;
+  const client::AssembledFrame& frame = received.mask;
+  gnomon_mask_view made{};
+  made.index = received.index;
+  made.camera = to_c(received.camera);
+  made.width = frame.grid.width;
+  made.height = frame.grid.height;
+  made.lights = frame.grid.lights;
+  made.tiles_x = frame.grid.tiles_x();
+  made.tiles_y = frame.grid.tiles_y();
+  made.words = frame.words.data();
+  made.word_count = frame.words.size();
+  made.missing_tiles = mask->missing_tiles.data();
+  made.missing_tile_count = mask->missing_tiles.size();
+  made.scene_time_us = frame.moment.scene_time_us;
+  made.lights_version = frame.moment.lights_version;
+  made.response_us = microseconds(received.response);
+  made.server_us = frame.server_us;
+  made.gpu_us = frame.gpu_us;
+  made.bytes = frame.payload_bytes;
+  return write_versioned(made, view) ? GNOMON_OK : GNOMON_BAD_ARGUMENT;
+}
+
+int gnomon_mask_lit(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y) {
+  if (!mask) return -1;
+  const TileMaskView view = mask->received->mask.mask();
+  if (light >= view.grid.lights || x >= view.grid.width || y >= view.grid.height) return -1;
+  return view.lit(x, y, light);
+}
+
+int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_x, uint32_t tile_y) {
+  if (!mask) return -1;
+  const client::AssembledFrame& frame = mask->received->mask;
+  const TileGrid& grid = frame.grid;
+  if (light >= grid.lights || tile_x >= grid.tiles_x() || tile_y >= grid.tiles_y()) return -1;
+  return frame.arrived[size_t{light} * grid.tile_count() + size_t{tile_y} * grid.tiles_x() + tile_x];
+}
+
+gnomon_result gnomon_mask_get_light(const gnomon_mask* mask, uint32_t light, gnomon_light* out) {
+  if (!mask || light >= mask->received->lights.size()) return GNOMON_BAD_ARGUMENT;
+  return write_versioned(to_c(mask->received->lights[light]), out) ? GNOMON_OK : GNOMON_BAD_ARGUMENT;
+}
+
+void gnomon_mask_free(gnomon_mask* mask) { delete mask; }
+
+}  // extern "C"
