@@ -20,7 +20,7 @@ APT_GET = """#!/bin/bash
 echo "$*" >>calls
 for word; do
   case $word in
-    --assume-no) echo "0 upgraded, 7 newly installed, 0 to remove"; echo "Need to get 12.3 MB of archives."; exit 1 ;;
+    --assume-no) echo "0 upgraded, 7 newly installed, 0 to remove"; echo "Need to get 0 B/12.3 MB of archives."; exit 1 ;;
     update | install) command=$word ;;
   esac
 done
@@ -158,7 +158,7 @@ class InstallPackages(unittest.TestCase):
         self.assertEqual((self.folder / "calls").read_text(), "dpkg-query\n")
 
     def test_says_how_much_comes(self):
-        self.assertIn("7 packages with what they need, 12.3 MB to fetch", self.installs("run"))
+        self.assertIn("7 packages with what they need, 0 B/12.3 MB to fetch", self.installs("run"))
 
     def test_the_second_time_nothing_is_missing(self):
         (self.folder / "mesa").write_text("25.0.7-2")
