@@ -55,7 +55,8 @@ class HttpServerTest : public testing::Test {
     }
 
    private:
-    asio::io_context io_;
+    // One for all: each takes three descriptors beside the socket's, and a login shell allows 1,024.
+    static inline asio::io_context io_;
     asio::ip::tcp::socket socket_;
   };
 

@@ -23,8 +23,35 @@ def archive():
     return None
 
 
-def bootstrap(target, suite, *options):
-    """Runs mmdebstrap; skips where it cannot."""
+def is_bookworms_own(suite):
+    return re.fullmatch("bookworm(-updates|-security)?", suite) is not None
+
+
+def sources_of_bookworm(folder):
+    """This machine's own sources of bookworm, its updates and its security (of nothing else, so without backports): files
+    in `folder` as mmdebstrap takes them."""
+    stanzas, lines = [], []
+    for file in sorted(pathlib.Path("/etc/apt/sources.list.d").glob("*.sources")):
+        for stanza in re.split(r"\n\s*\n", re.sub(r"^#.*\n", "", file.read_text(), flags=re.M)):
+            suites = re.search(r"^Suites:(.*(?:\n[ \t].*)*)", stanza, re.M | re.I)
+            own = [suite for suite in suites.group(1).split() if is_bookworms_own(suite)] if suites else []
+            if own:
+                stanzas.append(stanza.replace(suites.group(0), "Suites: " + " ".join(own)).strip())
+    for file in [pathlib.Path("/etc/apt/sources.list"), *sorted(pathlib.Path("/etc/apt/sources.list.d").glob("*.list"))]:
+        for line in file.read_text().splitlines() if file.is_file() else []:
+            found = re.match(r"deb\s+(?:\[.*\]\s+)?\S+\s+(\S+)\s", line)
+            if found and is_bookworms_own(found.group(1)):
+                lines.append(line)
+    files = []
+    for name, text in (("debian.sources", "\n\n".join(stanzas)), ("debian.list", "\n".join(lines))):
+        if text:
+            files.append(folder / name)
+            files[-1].write_text(text + "\n")
+    return files
+
+
+def bootstrap(target, suite, *options, sources=None):
+    """Runs mmdebstrap, with this machine's mirror or the files `sources`; skips where it cannot."""
     if os.geteuid() != 0 or not shutil.which("mmdebstrap"):
         skip("a Debian root needs root and mmdebstrap")
     mirror = archive()
@@ -32,7 +59,7 @@ def bootstrap(target, suite, *options):
         skip("no bookworm mirror among this machine's package sources")
     if mirror.startswith("https:"):
         options = ("--include=ca-certificates", *options)
-    done = run("mmdebstrap", "--quiet", *options, suite, target, mirror, check=False)
+    done = run("mmdebstrap", "--quiet", *options, suite, target, *(sources or [mirror]), check=False)
     if done.returncode != 0:
         skip(f"no root of {suite} can be made here: " + done.stdout.strip()[-300:].replace("\n", " "))
 
