@@ -126,11 +126,12 @@ class Library(unittest.TestCase):
         self.assertRegex(done.stdout, r"the server refuses this: refused \(unknown_scene\)")
         arguments = self.arguments()
         arguments[1] = "sha256:" + 64 * "0"
-        self.assertRegex(run(program, *arguments, env=self.environment, check=False).stdout, "certificate of .* is refused")
+        done = run(program, *arguments, env=self.environment, check=False)
+        self.assertRegex(done.stdout, "certificate of .* is refused")
 
     def test_the_header_is_plain_c_and_cpp(self):
         include = self.prefix / "include"
-        source = self.folder(use_c="#include <gnomon/gnomon.h>\nextern gnomon_options options; gnomon_options options;\n")
+        source = self.folder(use_c="#include <gnomon/gnomon.h>\nextern gnomon_options used; gnomon_options used;\n")
         for language in (("cc", "-std=c99"), ("c++", "-x", "c++", "-std=c++11"), ("c++", "-x", "c++", "-std=c++20")):
             run(*language, *STRICT, "-fsyntax-only", f"-I{include}", source / "use.c")
 
@@ -152,8 +153,9 @@ class Library(unittest.TestCase):
         self.assertLessEqual(needed, MAY_NEED)
 
     def test_as_a_subdirectory_it_is_the_library_alone(self):
-        folder = self.folder(CMakeLists_txt="cmake_minimum_required(VERSION 3.25)\nproject(engine C CXX)\nenable_testing()\n"
-                                            f"add_subdirectory({SOURCE} gnomon)\nadd_executable(engine main.c)\n"
+        folder = self.folder(CMakeLists_txt="cmake_minimum_required(VERSION 3.25)\nproject(engine C CXX)\n"
+                                            f"enable_testing()\nadd_subdirectory({SOURCE} gnomon)\n"
+                                            "add_executable(engine main.c)\n"
                                             "target_link_libraries(engine PRIVATE gnomon::gnomon)\n",
                              main_c="#include <gnomon/gnomon.h>\nint main(void) { return gnomon_version() == 0; }\n")
         build = folder / "build"
