@@ -9,11 +9,12 @@
 
 namespace gnomon::tests {
 
-// The living room, two tenants, little patience with the silent.
+// The living room, two tenants, little patience with the silent. What is measured does not change while light buffers
+// are built.
 inline constexpr const char* kConfig = R"(
 server: {mode: demo, state_folder: state, listen: 127.0.0.1, control_port: 0, data_port: 0, silence_timeout_ms: 3000, drain_timeout_ms: 2000}
 admin: {listen: 127.0.0.1, port: 0}
-render: {device: cpu}
+render: {device: cpu, wait_for_light_buffers: true}
 scenes:
   list:
     - {name: living_room, file: living_room.glb}

@@ -18,10 +18,18 @@ std::string light_buffers(const Daemon& daemon) {
   return "";
 }
 
+// `render`: what it says beside the device.
+std::string config_with(const std::string& render) {
+  std::string config = kConfig;
+  const std::string usual = ", wait_for_light_buffers: true";
+  config.replace(config.find(usual), usual.size(), render);
+  return config;
+}
+
 bool answers_ready(const Daemon& daemon) { return daemon.page("/readyz") == "ready\n"; }
 
 TEST(FirstStart, FramesAreExactBeforeTheLightBuffersAcrossTheChangeAndAfter) {
-  const Daemon daemon;
+  const Daemon daemon(config_with(""));
   EXPECT_TRUE(answers_ready(daemon));
   client::Loop loop;
   Fliers fliers;
@@ -58,11 +66,7 @@ TEST(FirstStart, FramesAreExactBeforeTheLightBuffersAcrossTheChangeAndAfter) {
 }
 
 TEST(FirstStart, WhoWantsToWaitsForTheLightBuffers) {
-  std::string config = kConfig;
-  const std::string device = "render: {device: cpu";
-  config.insert(config.find(device) + device.size(),
-                ", wait_for_light_buffers: true, light_buffer_mb: 96");  // not those cached
-  const Daemon daemon(config);
+  const Daemon daemon(config_with(", wait_for_light_buffers: true, light_buffer_mb: 96"));  // not those cached
   EXPECT_TRUE(answers_ready(daemon));
   EXPECT_EQ(daemon.metric("gnomon_scene_lights", {"state=\"unbuilt\""}), 0);
   EXPECT_EQ(light_buffers(daemon), "ready");
