@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/freed_memory.h"
+
 namespace gnomon::gpu {
 
 Background::~Background() {
@@ -27,6 +29,7 @@ void Background::serve() {
       if (jobs_.closed()) return;
       finished_.push(job.work());
       job.wake();
+      give_back_freed_memory();
     }
   }
 }

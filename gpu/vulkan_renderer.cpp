@@ -5,6 +5,7 @@
 #include <mutex>
 #include <thread>
 
+#include "common/freed_memory.h"
 #include "common/inbox.h"
 #include "gpu/background.h"
 #include "gpu/lanes.h"
@@ -105,6 +106,7 @@ class VulkanRenderer : public Renderer {
         ResidentScene::create(pool_->device, scene, pool_->tracer.get(), pool_->lanes.slots(), pool_->built);
     if (!resident) return resident.error();
     scenes_[id] = std::move(*resident);
+    give_back_freed_memory();
     return {};
   }
   void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
