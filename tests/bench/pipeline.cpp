@@ -202,6 +202,7 @@ class PipelineSuite : public Suite {
     config.render.raster = raster_;
     config.render.queues = queues_;
     config.render.frames_in_flight = frames_in_flight_;
+    config.render.wait_for_light_buffers = true;
     config.render.cache_folder = cache_.empty() ? scratch_.path() : cache_;
     config.render.passes = gpu::RendererOptions{}.passes;
     config.encode.threads = encode_threads_;
