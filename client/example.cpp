@@ -5,7 +5,7 @@
 // older ones, four ahead. An engine has a renderer of its own: what OwnView does with a Showing is in client/view.
 #include <cstdio>
 
-#include "client/scene_file.h"
+#include "client/media/scene_file.h"
 #include "client/view/own_view.h"
 
 using namespace gnomon;

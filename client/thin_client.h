@@ -12,10 +12,10 @@
 #include <optional>
 #include <utility>
 
-#include "client/border.h"
-#include "client/reconnect.h"
-#include "client/show_order.h"
-#include "client/visibility_stream.h"
+#include "client/net/reconnect.h"
+#include "client/prediction/border.h"
+#include "client/prediction/show_order.h"
+#include "client/stream/visibility_stream.h"
 
 namespace gnomon::client {
 

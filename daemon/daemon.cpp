@@ -1,7 +1,7 @@
 #include "daemon/daemon.h"
 
-#include "daemon/credentials.h"
-#include "daemon/supervisor.h"
+#include "daemon/service/supervisor.h"
+#include "daemon/session/credentials.h"
 
 #include <algorithm>
 

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "daemon/admin.h"
-#include "daemon/config.h"
-#include "daemon/device_pool.h"
-#include "daemon/encode_pool.h"
-#include "daemon/server.h"
-#include "daemon/session_store.h"
+#include "daemon/admin/admin.h"
+#include "daemon/config/config.h"
+#include "daemon/encode/encode_pool.h"
+#include "daemon/net/server.h"
+#include "daemon/render/device_pool.h"
+#include "daemon/session/session_store.h"
 
 namespace gnomon::daemon {
 

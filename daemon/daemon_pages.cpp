@@ -3,8 +3,8 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "daemon/admin/page_files.h"
 #include "daemon/daemon.h"
-#include "daemon/page_files.h"
 
 namespace gnomon::daemon {
 namespace {

@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "daemon/daemon.h"
-#include "daemon/supervisor.h"
-#include "daemon/vulkan_renderers.h"
-#include "daemon/watchdog.h"
+#include "daemon/render/vulkan_renderers.h"
+#include "daemon/service/supervisor.h"
+#include "daemon/service/watchdog.h"
 #include "gpu/vulkan_renderer.h"
 #include "scenes/loader.h"
 

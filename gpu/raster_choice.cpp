@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gpu/frame_slot.h"
+#include "gpu/frame/frame_slot.h"
 
 namespace gnomon::gpu {
 namespace {

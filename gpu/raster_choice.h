@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gpu/device.h"
+#include "gpu/vulkan/device.h"
 
 namespace gnomon::gpu {
 

@@ -7,11 +7,11 @@
 
 #include "common/freed_memory.h"
 #include "common/inbox.h"
-#include "gpu/background.h"
-#include "gpu/lanes.h"
-#include "gpu/light_builds.h"
+#include "gpu/frame/lanes.h"
 #include "gpu/passes/passes.h"
 #include "gpu/raster_choice.h"
+#include "gpu/scene/background.h"
+#include "gpu/scene/light_builds.h"
 #include "gpu/tracers/tracer.h"
 
 namespace gnomon::gpu {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/result.h"
-#include "gpu/device.h"
 #include "gpu/renderer.h"
 #include "gpu/tracers/tracer_options.h"
+#include "gpu/vulkan/device.h"
 
 namespace gnomon::gpu {
 

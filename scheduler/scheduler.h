@@ -4,7 +4,7 @@
 // render loop's). A session asks for one job at a time: a whole view, or the next band of one that was cut because it
 // costs more than a slice. The loop keeps the view itself and may replace it by a newer one without telling anybody.
 //
-// The promise of `fair`, proved in PROMISE.md and tested in tests/scheduler: let two tenants i and j have work waiting
+// The promise of `fair`, proved in PROMISE.md and tested in tests/unit/scheduler: let two tenants i and j have work waiting
 // all through an interval, with weights w and services S (device time charged). With L the largest cost of a job, then
 //
 //   |S_i / w_i - S_j / w_j|  <=  2 L (1 / w_i + 1 / w_j)  +  2 L / (w_i + w_j)

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "client/loop.h"
+#include "client/net/loop.h"
 #include "client/thin_client.h"
 
 namespace gnomon::client::c {

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "client/border.h"
 #include "client/c/convert.h"
 #include "client/c/handle.h"
 #include "client/c/versioned.h"
+#include "client/prediction/border.h"
 
 namespace {
 

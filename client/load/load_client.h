@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "client/camera_path.h"
-#include "client/latency.h"
-#include "client/pacer.h"
-#include "client/visibility_stream.h"
+#include "client/cli/latency.h"
+#include "client/cli/pacer.h"
+#include "client/media/camera_path.h"
+#include "client/stream/visibility_stream.h"
 
 namespace gnomon::client {
 

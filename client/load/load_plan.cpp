@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "client/options.h"
+#include "client/cli/options.h"
 
 namespace gnomon::client {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "client/latency.h"
+#include "client/cli/latency.h"
+#include "client/cli/report.h"
 #include "client/load/load_run.h"
-#include "client/report.h"
 
 namespace gnomon::client {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "client/scene_file.h"
+#include "client/media/scene_file.h"
 #include "scenes/loader.h"
 
 namespace gnomon::client {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/options.h"
+#include "client/cli/progress.h"
 #include "client/load/load_client.h"
 #include "client/load/load_plan.h"
-#include "client/options.h"
-#include "client/progress.h"
 
 namespace gnomon::client {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "client/montage.h"
+#include "client/media/montage.h"
 #include "client/view/own_view.h"
 #include "gpu/tracers/light_buffer/builder.h"
 

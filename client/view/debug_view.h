@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "client/png.h"
+#include "client/media/png.h"
 #include "client/thin_client.h"
 #include "client/view/debug_colours.h"
-#include "gpu/blocking_frame.h"
 #include "gpu/passes/passes.h"
+#include "gpu/picture/blocking_frame.h"
 
 namespace gnomon::client {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "client/balance.h"
+#include "client/prediction/balance.h"
 
 namespace gnomon::client {
 namespace {

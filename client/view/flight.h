@@ -4,10 +4,10 @@
 
 #include <functional>
 
-#include "client/camera_path.h"
-#include "client/latency.h"
-#include "client/pacer.h"
-#include "client/progress.h"
+#include "client/cli/latency.h"
+#include "client/cli/pacer.h"
+#include "client/cli/progress.h"
+#include "client/media/camera_path.h"
 #include "client/thin_client.h"
 
 namespace gnomon::client {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "client/montage.h"
+#include "client/media/montage.h"
 
 namespace gnomon::client {
 

@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "client/montage.h"
-#include "client/options.h"
-#include "client/report.h"
-#include "client/scene_file.h"
+#include "client/cli/options.h"
+#include "client/cli/report.h"
+#include "client/media/montage.h"
+#include "client/media/scene_file.h"
 #include "client/view/debug_view.h"
 #include "client/view/flight.h"
 #include "client/view/gallery.h"

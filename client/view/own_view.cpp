@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "client/montage.h"
-#include "client/prediction_error.h"
+#include "client/media/montage.h"
+#include "client/prediction/prediction_error.h"
 
 namespace gnomon::client {
 namespace {

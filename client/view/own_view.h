@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "client/png.h"
+#include "client/media/png.h"
 #include "client/thin_client.h"
-#include "gpu/reference_view.h"
+#include "gpu/picture/reference_view.h"
 #include "scenes/scene.h"
 
 namespace gnomon::client {

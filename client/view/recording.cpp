@@ -1,6 +1,6 @@
 #include "client/view/recording.h"
 
-#include "client/montage.h"
+#include "client/media/montage.h"
 
 namespace gnomon::client {
 namespace {

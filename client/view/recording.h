@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "client/video_file.h"
+#include "client/media/video_file.h"
 #include "client/view/ideal_view.h"
 
 namespace gnomon::client {

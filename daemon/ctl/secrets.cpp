@@ -8,8 +8,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "daemon/certificates.h"
-#include "daemon/tokens.h"
+#include "daemon/security/certificates.h"
+#include "daemon/security/tokens.h"
 
 namespace gnomon::ctl {
 namespace {

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "gpu/frame_uniforms.h"
-#include "gpu/pipeline.h"
-#include "gpu/resident_scene.h"
-#include "gpu/resources.h"
+#include "gpu/scene/frame_uniforms.h"
+#include "gpu/scene/resident_scene.h"
+#include "gpu/vulkan/pipeline.h"
+#include "gpu/vulkan/resources.h"
 
 namespace gnomon::gpu {
 

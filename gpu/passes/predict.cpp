@@ -2,7 +2,7 @@
 #include <array>
 
 #include "gpu/passes/passes.h"
-#include "gpu/seen_view.h"
+#include "gpu/passes/seen_view.h"
 #include "spirv/ids_comp.h"
 #include "spirv/predict_comp.h"
 

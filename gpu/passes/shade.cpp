@@ -1,8 +1,8 @@
-// The client's shading with given visibility bits (gpu/reference_view.h): of this very view, or of one seen before.
+// The client's shading with given visibility bits (gpu/picture/reference_view.h): of this very view, or of one seen before.
 #include <vector>
 
 #include "gpu/passes/passes.h"
-#include "gpu/shading_uniforms.h"
+#include "gpu/passes/shading_uniforms.h"
 #include "spirv/shade_comp.h"
 #include "spirv/shade_predicted_comp.h"
 

@@ -3,7 +3,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 
-// Writes down which triangles of a chunk of clusters (gpu/clusters.h) may show, in their order, and the draw of them.
+// Writes down which triangles of a chunk of clusters (gpu/scene/clusters.h) may show, in their order, and the draw of them.
 // A chunk is a workgroup, an invocation is a cluster first and then a triangle of each cluster.
 layout(local_size_x = 64) in;
 

@@ -1,4 +1,4 @@
-// What may show of a frame's clusters (gpu/clusters.h): the tests that both ways of rasterising leave clusters out by.
+// What may show of a frame's clusters (gpu/scene/clusters.h): the tests that both ways of rasterising leave clusters out by.
 //
 // Left out is only what can own no pixel, so the picture is that of drawing everything. Margins: `slack`, in metres, is
 // more than what floats of a vertex's transformation can be off; kPixelSlack is more than how far a rasteriser may

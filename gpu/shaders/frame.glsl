@@ -1,4 +1,4 @@
-// What every shader of a frame sees: the view, the scene's buffers and the lights (gpu/frame_uniforms.h).
+// What every shader of a frame sees: the view, the scene's buffers and the lights (gpu/scene/frame_uniforms.h).
 #ifndef FRAME_GLSL
 #define FRAME_GLSL
 #extension GL_EXT_buffer_reference : require

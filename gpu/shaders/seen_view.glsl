@@ -1,4 +1,4 @@
-// A view that was rasterised before (gpu/seen_view.h).
+// A view that was rasterised before (gpu/passes/seen_view.h).
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SeenView {
   vec3 eye;
   uint width;

@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "gpu/exact_cpp.h"
-#include "gpu/resources.h"
 #include "gpu/tracers/tracer_options.h"
+#include "gpu/vulkan/resources.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::gpu {

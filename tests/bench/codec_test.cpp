@@ -4,7 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/e2e/process.h"
+#include "tests/system/e2e/process.h"
 
 namespace gnomon::bench {
 namespace {

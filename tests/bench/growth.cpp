@@ -2,7 +2,7 @@
 // triangles, and a plot of both.
 #include <cmath>
 
-#include "gpu/blocking_frame.h"
+#include "gpu/picture/blocking_frame.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/bench/growth_plot.h"
 #include "tests/bench/growth_scene.h"

@@ -7,7 +7,7 @@
 #include "scenes/world_mesh.h"
 #include "tests/bench/growth_plot.h"
 #include "tests/bench/growth_scene.h"
-#include "tests/e2e/process.h"
+#include "tests/system/e2e/process.h"
 
 namespace gnomon::bench {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstring>
 #include <fstream>
 
-#include "gpu/blocking_frame.h"
 #include "gpu/passes/passes.h"
+#include "gpu/picture/blocking_frame.h"
 #include "tests/bench/report.h"
 
 namespace gnomon::bench {

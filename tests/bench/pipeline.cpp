@@ -14,7 +14,7 @@
 #include "client/load/load_run.h"
 #include "common/clock.h"
 #include "daemon/daemon.h"
-#include "daemon/vulkan_renderers.h"
+#include "daemon/render/vulkan_renderers.h"
 #include "gpu/vulkan_renderer.h"
 #include "scenes/loader.h"
 #include "tests/bench/bench_scenes.h"

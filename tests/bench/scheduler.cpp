@@ -9,7 +9,7 @@
 #include "scheduler/scheduler.h"
 #include "tests/bench/allocations.h"
 #include "tests/bench/suites.h"
-#include "tests/scheduler/workload.h"
+#include "tests/unit/scheduler/workload.h"
 
 namespace gnomon::bench {
 namespace {

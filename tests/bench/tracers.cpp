@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "common/clock.h"
-#include "gpu/surface_probe.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/bench/scratch_folder.h"
 #include "tests/bench/suites.h"
-#include "tests/gpu/embree_oracle.h"
+#include "tests/unit/gpu/embree_oracle.h"
+#include "tests/unit/gpu/surface_probe.h"
 
 namespace gnomon::bench {
 namespace {

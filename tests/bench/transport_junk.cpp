@@ -8,8 +8,8 @@
 #include "tests/bench/report.h"
 #include "tests/bench/scratch_folder.h"
 #include "tests/bench/transport.h"
-#include "tests/daemon/fake_renderer.h"
-#include "tests/flood/flood.h"
+#include "tests/tools/flood/flood.h"
+#include "tests/unit/daemon/render/fake_renderer.h"
 
 namespace gnomon::bench {
 namespace {

@@ -1,7 +1,7 @@
-// Cases of gnomon-bench transport: how sessions do over bad links. In virtual time (tests/link/scenarios.h): figures
+// Cases of gnomon-bench transport: how sessions do over bad links. In virtual time (tests/unit/link/scenarios.h): figures
 // depend on the seed alone, not on the machine.
 #include "tests/bench/transport.h"
-#include "tests/link/scenarios.h"
+#include "tests/unit/link/scenarios.h"
 
 namespace gnomon::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/udp.hpp>
 
-#include "client/arrival_report.h"
-#include "daemon/frame_sender.h"
+#include "client/net/arrival_report.h"
+#include "daemon/net/frame_sender.h"
 #include "tests/bench/report.h"
 #include "tests/bench/transport_traffic.h"
 

@@ -2,7 +2,7 @@
 
 #include <time.h>
 
-#include "tests/protocol/masks.h"
+#include "tests/unit/protocol/masks.h"
 
 namespace gnomon::bench {
 

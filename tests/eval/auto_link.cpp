@@ -4,9 +4,9 @@
 #include <deque>
 #include <optional>
 
-#include "client/camera_path.h"
-#include "client/show_order.h"
-#include "tests/netsim/link.h"
+#include "client/media/camera_path.h"
+#include "client/prediction/show_order.h"
+#include "tests/tools/netsim/link.h"
 
 namespace gnomon::eval {
 namespace {

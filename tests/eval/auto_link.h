@@ -1,5 +1,5 @@
 // A client on a link whose latency changes, in virtual time: which x it chose, how wrong its pictures were and how old.
-// The link is tests/netsim's; the errors are those that the path's own masks gave (path_errors.h).
+// The link is tests/tools/netsim's; the errors are those that the path's own masks gave (path_errors.h).
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "client/ahead.h"
-#include "client/border.h"
+#include "client/prediction/ahead.h"
+#include "client/prediction/border.h"
 #include "scenes/scene.h"
 
 namespace gnomon::eval {

@@ -7,12 +7,12 @@
 
 #include "client/view/own_view.h"
 #include "gpu/passes/passes.h"
-#include "gpu/reprojection.h"
-#include "gpu/seen_view.h"
+#include "gpu/passes/seen_view.h"
+#include "gpu/picture/reprojection.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/eval/path_errors.h"
-#include "tests/gpu/embree_oracle.h"
-#include "tests/gpu/test_device.h"
+#include "tests/unit/gpu/embree_oracle.h"
+#include "tests/unit/gpu/test_device.h"
 
 namespace gnomon::eval {
 namespace {

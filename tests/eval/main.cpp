@@ -6,10 +6,10 @@
 #include <random>
 #include <sstream>
 
-#include "client/balance.h"
-#include "client/options.h"
-#include "client/progress.h"
-#include "client/switching.h"
+#include "client/cli/options.h"
+#include "client/cli/progress.h"
+#include "client/prediction/balance.h"
+#include "client/prediction/switching.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/eval/auto_link.h"
 #include "tests/eval/path_errors.h"

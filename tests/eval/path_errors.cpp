@@ -4,10 +4,10 @@
 #include <deque>
 #include <future>
 
-#include "client/camera_path.h"
+#include "client/media/camera_path.h"
 #include "client/view/own_view.h"
 #include "gpu/passes/passes.h"
-#include "gpu/reprojection.h"
+#include "gpu/picture/reprojection.h"
 
 namespace gnomon::eval {
 namespace {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "client/border.h"
-#include "client/png.h"
+#include "client/media/png.h"
+#include "client/prediction/border.h"
 #include "common/result.h"
-#include "gpu/reference_view.h"
-#include "gpu/surface_probe.h"
+#include "gpu/picture/reference_view.h"
 #include "scenes/scene.h"
+#include "tests/unit/gpu/surface_probe.h"
 
 namespace gnomon::eval {
 

@@ -1,5 +1,5 @@
 // A configuration file: a configuration, or an error that says where.
-#include "daemon/config.h"
+#include "daemon/config/config.h"
 #include "tests/fuzz/target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

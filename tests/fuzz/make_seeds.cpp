@@ -9,7 +9,7 @@
 #include "protocol/codec.h"
 #include "protocol/feedback.h"
 #include "protocol/parity.h"
-#include "tests/protocol/random_messages.h"
+#include "tests/unit/protocol/random_messages.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "common/clock.h"
-#include "gpu/tracers/light_buffer/parallel.h"
+#include "common/parallel.h"
 
 namespace gnomon::gpu::light_buffer {
 namespace {

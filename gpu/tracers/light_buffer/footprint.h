@@ -14,7 +14,7 @@
 //   - Other triangles (edge-on to the light, slivers, touching it) may pass the edges and the plane by chance, with
 //     either orientation. But the test also asks for a point within D / 4096 of the triangle's box: that box gives
 //     them their place and a constant `nearest`, and they never cover.
-// tests/light_buffer holds this against brute force over soups made to break it.
+// tests/unit/gpu/light_buffer holds this against brute force over soups made to break it.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@ extern "C" {
 #include <memory>
 #include <string>
 
-#include "client/png.h"
+#include "client/media/png.h"
 #include "common/result.h"
 
 namespace gnomon::remote::av {

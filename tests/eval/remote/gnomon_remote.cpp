@@ -8,14 +8,14 @@
 #include <random>
 #include <thread>
 
-#include "client/options.h"
-#include "client/report.h"
-#include "client/scene_file.h"
-#include "client/video_file.h"
+#include "client/cli/options.h"
+#include "client/cli/report.h"
+#include "client/media/scene_file.h"
+#include "client/media/video_file.h"
 #include "client/view/ideal_view.h"
 #include "tests/eval/remote/remote_client.h"
 #include "tests/eval/remote/remote_server.h"
-#include "tests/netsim/relay.h"
+#include "tests/tools/netsim/relay.h"
 
 namespace {
 

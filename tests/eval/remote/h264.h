@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "client/png.h"
+#include "client/media/png.h"
 #include "common/result.h"
 
 namespace gnomon::remote {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "client/video_file.h"
+#include "client/media/video_file.h"
 
 namespace gnomon::remote {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include "client/arrival_report.h"
-#include "client/slice_recovery.h"
+#include "client/net/arrival_report.h"
+#include "client/stream/slice_recovery.h"
 #include "tests/eval/remote/h264.h"
 #include "tests/eval/remote/remote_server.h"
 #include "tests/eval/remote/unit_stream.h"

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "client/camera_path.h"
-#include "client/data_channel.h"
-#include "client/latency.h"
-#include "client/loop.h"
-#include "client/png.h"
+#include "client/cli/latency.h"
+#include "client/media/camera_path.h"
+#include "client/media/png.h"
+#include "client/net/data_channel.h"
+#include "client/net/loop.h"
 
 namespace gnomon::remote {
 

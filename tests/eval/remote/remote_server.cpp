@@ -9,8 +9,8 @@
 
 #include "client/view/ideal_view.h"
 #include "common/inbox.h"
-#include "daemon/data_socket.h"
 #include "daemon/link/link_sender.h"
+#include "daemon/net/data_socket.h"
 #include "protocol/feedback.h"
 #include "tests/eval/remote/unit_stream.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "client/latency.h"
+#include "client/cli/latency.h"
 #include "protocol/seal.h"
 #include "scenes/scene.h"
 #include "tests/eval/remote/h264.h"

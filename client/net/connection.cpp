@@ -1,0 +1,234 @@
+#include "client/net/connection.h"
+
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace gnomon::client {
+
+std::string describe(const protocol::Refused& refused) {
+  std::string line = std::string("refused (") + protocol::to_string(refused.code) + "): " + refused.text;
+  std::string fit;
+  if (refused.fit_width && refused.fit_height) {
+    fit = std::to_string(refused.fit_width) + "x" + std::to_string(refused.fit_height);
+  }
+  if (refused.fit_rate_hz > 0) {
+    char rate[32];
+    std::snprintf(rate, sizeof rate, "%.4g Hz", static_cast<double>(refused.fit_rate_hz));
+    fit.append(fit.empty() ? "" : " at ").append(rate);
+  }
+  if (!fit.empty()) line.append("; would fit: ").append(fit);
+  return line;
+}
+
+namespace {
+
+constexpr Nanoseconds kTryAgain = std::chrono::milliseconds(100);
+constexpr Nanoseconds kAttempt = std::chrono::seconds(2);         // for a connection that is to replace another
+constexpr Nanoseconds kControlSilence = std::chrono::seconds(4);  // a server speaks about once a second
+
+protocol::Hello completed(protocol::Hello hello) {
+  using enum protocol::CipherId;
+  hello.features |= protocol::kFeatureResume;
+  if (!hello.ciphers.empty()) return hello;
+  hello.ciphers = {aes_128_gcm, chacha20_poly1305};
+  if (!protocol::has_aes_instructions()) std::swap(hello.ciphers[0], hello.ciphers[1]);
+  return hello;
+}
+
+}  // namespace
+
+Connection::Connection(Loop& loop, ConnectOptions options, ConnectionEvents events)
+    : loop_(loop),
+      options_(std::move(options)),
+      events_(std::move(events)),
+      path_(options_.transport),
+      handshake_timer_(
+          loop, [this] { fail(Error{std::string("no answer from ") + to_string(options_.server) + " in time"}); }),
+      path_timer_(loop, [this] { watch_path(); }),
+      resume_timer_(loop, [this] { connect_again(); }),
+      control_(std::make_unique<ControlChannel>(loop, options_.server, options_.trust, control_events([this] {
+                                                  control_->send(completed(options_.hello));
+                                                }))) {
+  handshake_timer_.arm(Clock::now() + options_.timeout);
+}
+
+ControlChannel::Events Connection::control_events(std::function<void()> connected) {
+  return {.connected = std::move(connected),
+          .message = [this](protocol::Message message) { on_message(std::move(message)); },
+          .failed = [this](const Error& error) { on_control_lost(error); }};
+}
+
+Connection::~Connection() {
+  close("");
+  protocol::wipe(resumption_.data(), resumption_.size());
+}
+
+Result<void> Connection::wait_open() {
+  loop_.run_until(TimePoint::max(), [this] { return state_ != State::connecting; });
+  if (state_ == State::open) return {};
+  return failure_.value_or(Error{"the connection was closed"});
+}
+
+DataCounters Connection::data_counters() const {
+  DataCounters sum = by_control_;
+  if (data_) {
+    sum.sent += data_->counters().sent;
+    sum.received += data_->counters().received;
+    sum.received_bytes += data_->counters().received_bytes;
+    sum.rejected += data_->counters().rejected;
+  }
+  return sum;
+}
+
+void Connection::send(protocol::DatagramKind kind, std::span<const uint8_t> body) {
+  if (state_ != State::open) return;
+  if (path_.by_udp()) return data_->send(kind, body);
+  if (lost_) return;
+  ++by_control_.sent;
+  control_->send(protocol::Data{kind, ++sent_by_control_, {body.begin(), body.end()}});
+}
+
+void Connection::watch_path() {
+  if (state_ != State::open) return;
+  static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
+  if (!lost_ && path_.ping_due(Clock::now())) data_->send(protocol::DatagramKind::ping, kZeros);
+  const bool resumable = (welcome_.features & protocol::kFeatureResume) != 0;
+  if (!lost_ && resumable && Clock::now() - control_heard_ > kControlSilence) {
+    lose_control(Error{"the server says nothing any more"});
+  }
+  path_timer_.arm(Clock::now() + PathWatch::kInterval);
+}
+
+void Connection::on_data(const protocol::Data& data) {
+  ++by_control_.received;
+  by_control_.received_bytes += protocol::Seal::sealed_size(data.body.size());
+  data_->passed(data.sequence);
+  const protocol::Header header{data.kind, 0, welcome_.session, data.sequence};
+  if (events_.datagram) events_.datagram({header, data.body}, Clock::now());
+}
+
+void Connection::close(const std::string& reason) {
+  if (state_ == State::closed) return;
+  state_ = State::closed;
+  handshake_timer_.disarm();
+  path_timer_.disarm();
+  resume_timer_.disarm();
+  control_->close(reason);
+}
+
+void Connection::on_message(protocol::Message message) {
+  if (state_ == State::closed) return;
+  control_heard_ = Clock::now();
+  if (const auto* bye = std::get_if<protocol::Bye>(&message)) {
+    return fail(Error{"the server ended the session" +
+                      (bye->reason.empty() ? std::string() : std::string(": ") + bye->reason)});
+  }
+  if (lost_ && !asked_to_resume_) return;  // of a connection that is given up
+  if (lost_) {
+    auto* welcome = std::get_if<protocol::Welcome>(&message);
+    if (welcome && welcome->session == welcome_.session) return on_resumed(std::move(*welcome));
+    return fail(*lost_);  // the server knows no such session any more, or has no room for it
+  }
+  if (state_ == State::open) {
+    if (const auto* data = std::get_if<protocol::Data>(&message)) return on_data(*data);
+    if (events_.message) events_.message(message);
+    return;
+  }
+  if (auto* welcome = std::get_if<protocol::Welcome>(&message)) return on_welcome(std::move(*welcome));
+  if (auto* refused = std::get_if<protocol::Refused>(&message)) {
+    refusal_ = std::move(*refused);
+    return fail(Error{describe(*refusal_)});
+  }
+  fail(Error{"the server answered Hello with neither Welcome nor Refused"});
+}
+
+// The masks' memory is sized by these numbers: never beyond what was asked for. False: failed.
+bool Connection::fits(const protocol::Welcome& welcome) {
+  if (welcome.width > 0 && welcome.height > 0 && welcome.width <= options_.hello.width &&
+      welcome.height <= options_.hello.height && welcome.scene.lights.size() <= protocol::kMaxLights) {
+    return true;
+  }
+  fail(Error{"the server's Welcome offers a size or a number of lights that was not asked for"});
+  return false;
+}
+
+void Connection::on_welcome(protocol::Welcome welcome) {
+  if (!fits(welcome)) return;
+  const auto secrets = control_->seal_secrets(welcome.session, welcome.cipher);
+  if (!secrets) return fail(secrets.error());
+  const auto resumption = control_->resumption_secret(welcome.session);
+  if (!resumption) return fail(resumption.error());
+  auto seal = std::make_unique<protocol::Seal>(welcome.session, welcome.cipher, *secrets, protocol::Side::client);
+  auto data = DataChannel::open(loop_, {control_->server_ip(), welcome.data_port}, std::move(seal),
+                                [this](const protocol::Opened& datagram, TimePoint arrived) {
+                                  path_.heard(Clock::now());
+                                  if (state_ == State::open && events_.datagram)
+                                    events_.datagram(datagram, arrived);
+                                });
+  if (!data) return fail(data.error());
+  welcome_ = std::move(welcome);
+  control_heard_ = Clock::now();
+  resumption_ = *resumption;
+  data_ = std::move(*data);
+  handshake_timer_.disarm();
+  state_ = State::open;
+  watch_path();
+  if (events_.opened) events_.opened();
+}
+
+// The session lives on at a server that said so, which has a moment's patience; its datagrams go on meanwhile.
+void Connection::on_control_lost(const Error& error) {
+  if (state_ != State::open || !(welcome_.features & protocol::kFeatureResume)) return fail(error);
+  asked_to_resume_ = false;
+  if (!lost_) return lose_control(error);
+  if (Clock::now() >= resume_until_) return fail(*lost_);
+  resume_timer_.arm(Clock::now() + kTryAgain);
+}
+
+void Connection::lose_control(const Error& error) {
+  const TimePoint now = Clock::now();
+  lost_ = error;
+  resume_until_ = now + std::chrono::milliseconds(welcome_.silence_timeout_ms);
+  resume_timer_.arm(std::max(now, resumed_ + kTryAgain));
+  handshake_timer_.arm(std::max(resume_until_, now + options_.timeout));
+}
+
+// In the place of an attempt that has led to nothing so far, which may have been lost on the way.
+void Connection::connect_again() {
+  if (state_ != State::open) return;
+  asked_to_resume_ = false;
+  control_ = std::make_unique<ControlChannel>(loop_, options_.server, options_.trust,
+                                              control_events([this] { ask_to_resume(); }));
+  resume_timer_.arm(Clock::now() + kAttempt);
+}
+
+void Connection::ask_to_resume() {
+  const auto proof = control_->resumption_proof(welcome_.session, resumption_);
+  if (!proof) return fail(*lost_);
+  control_->send(protocol::Resume{welcome_.session, *proof});
+  asked_to_resume_ = true;
+  resume_timer_.disarm();  // the answer may take as long as that to a Hello
+}
+
+void Connection::on_resumed(protocol::Welcome welcome) {
+  if (!fits(welcome)) return;
+  if (auto turned = data_->turn_to({control_->server_ip(), welcome.data_port}); !turned)
+    return fail(turned.error());
+  welcome_ = std::move(welcome);
+  lost_.reset();
+  asked_to_resume_ = false;
+  resumed_ = control_heard_ = Clock::now();
+  handshake_timer_.disarm();
+  if (path_.by_udp()) path_ = PathWatch(options_.transport);  // its pings have gone nowhere
+  if (events_.resumed) events_.resumed();
+}
+
+void Connection::fail(Error error) {
+  if (state_ == State::closed) return;
+  close("");
+  failure_ = std::move(error);
+  if (events_.closed) events_.closed(*failure_);
+}
+
+}  // namespace gnomon::client

@@ -1,0 +1,57 @@
+// How wrong predicted masks were: bit by bit against those that came later (dissertation 4.1).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/tile_mask.h"
+
+namespace gnomon::client {
+
+// Of each pixel, row by row: the bits of its first 32 lights.
+struct LightBits {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  uint32_t lights = 0;
+  std::vector<uint32_t> pixels;
+
+  LightBits() = default;
+  explicit LightBits(const TileMaskView& masks);
+  uint32_t all() const { return lights < 32 ? (1u << lights) - 1 : ~0u; }
+};
+
+// Part of a picture, in pixels.
+struct Window {
+  uint32_t left = 0, top = 0, width = 0, height = 0;
+
+  bool contains(uint32_t x, uint32_t y) const { return x - left < width && y - top < height; }
+};
+
+struct PredictionError {
+  uint64_t pixels = 0;  // of the picture
+  uint64_t bits = 0;    // compared
+  uint64_t wrong = 0;
+  uint64_t falsely_dark = 0;  // of these, predicted dark
+
+  // The dissertation's figure: wrong bits of the picture, by the number of its lights.
+  double per_light(uint32_t lights) const { return static_cast<double>(wrong) / lights; }
+  double share() const { return bits ? static_cast<double>(wrong) / static_cast<double>(bits) : 0; }
+  // Of all bits of the picture, those that do not matter included.
+  double share_of_picture(uint32_t lights) const {
+    return pixels ? per_light(lights) / static_cast<double>(pixels) : 0;
+  }
+  PredictionError& operator+=(const PredictionError& other);
+};
+
+// A prediction of the picture `shown` of `fresh`: each of its pixels has the bits of a pixel of `seen`, as `sources`
+// (gpu/picture/reprojection.h; row by row, of shown.width x shown.height) say, where that lies within `traced`; elsewhere it is
+// lit. Bits count where `care` (may be empty: everywhere) has them, and where there is a source or `care` is given.
+PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const Window& traced,
+                        const LightBits& fresh, std::span<const uint32_t> care, const Window& shown);
+
+// The same of every so many pixels of every so many rows, as an estimate; `seen` whole, and without `care`.
+PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
+                             const Window& shown, uint32_t step);
+
+}  // namespace gnomon::client

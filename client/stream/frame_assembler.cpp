@@ -1,0 +1,167 @@
+#include "client/stream/frame_assembler.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "protocol/codec.h"
+
+namespace gnomon::client {
+namespace {
+
+// Calls `visit` with the index of every word that a slice holds.
+template <class Visit>
+void for_each_word(const protocol::SliceHeader& header, const TileGrid& grid, Visit visit) {
+  for (size_t light = header.first_light; light < size_t{header.first_light} + header.light_count; ++light) {
+    const size_t first = light * grid.tile_count() + header.first_tile;
+    for (size_t word = first; word < first + header.tile_count; ++word) visit(word);
+  }
+}
+
+}  // namespace
+
+std::vector<uint32_t> AssembledFrame::missing_tiles() const {
+  std::vector<uint32_t> missing;
+  for (uint32_t tile = 0; tile < grid.tile_count(); ++tile) {
+    for (uint32_t light = 0; light < grid.lights; ++light) {
+      if (arrived[size_t{light} * grid.tile_count() + tile]) continue;
+      missing.push_back(tile);
+      break;
+    }
+  }
+  return missing;
+}
+
+FrameAssembler::FrameAssembler(TileGrid grid, size_t max_frames) : grid_(grid), max_frames_(max_frames) {
+  assert(max_frames > 0);
+}
+
+SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
+  const auto& header = slice.header;
+  if (!fits(header)) return SliceOutcome::malformed;
+  Open* open = find_or_begin(header);
+  if (!open) return SliceOutcome::late;
+  AssembledFrame& frame = open->frame;
+  // The server may have answered a repeated camera twice, each time cut otherwise.
+  if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::late;
+  if (open->slices[header.slice]) return SliceOutcome::duplicate;
+  if (protocol::lacks_reference(header, slice.payload, grid_, &references_)) return SliceOutcome::unreadable;
+  if (!protocol::decode_slice(header, slice.payload, grid_, frame.words, &references_)) {
+    cover_missing(frame, header);
+    return SliceOutcome::malformed;
+  }
+  open->slices[header.slice] = true;
+  mark_arrived(frame, header);
+  frame.referable = frame.referable && header.codec == protocol::CodecId::tiles_context;
+  ++frame.slices_received;
+  frame.payload_bytes += slice.payload.size();
+  frame.server_us = std::max(frame.server_us, header.server_us);
+  frame.gpu_us = std::max(frame.gpu_us, header.gpu_us);
+  if (frame.slices_received < frame.slice_count) return SliceOutcome::stored;
+  // All slices and yet holes: the server cut this frame wrongly.
+  const auto outcome = frame.complete() ? SliceOutcome::completed : SliceOutcome::malformed;
+  finish(open_.begin() + (open - open_.data()));
+  return outcome;
+}
+
+void FrameAssembler::give_up(FrameId frame) {
+  const auto found =
+      std::find_if(open_.begin(), open_.end(), [&](const Open& o) { return o.frame.frame == frame; });
+  if (found != open_.end()) finish(found);
+}
+
+std::optional<AssembledFrame> FrameAssembler::take_finished() {
+  if (finished_.empty()) return std::nullopt;
+  AssembledFrame frame = std::move(finished_.front());
+  finished_.erase(finished_.begin());
+  return frame;
+}
+
+void FrameAssembler::recycle(AssembledFrame frame) {
+  if (spare_.size() < max_frames_) spare_.push_back(std::move(frame));
+}
+
+bool FrameAssembler::fits(const protocol::SliceHeader& header) const {
+  return header.slice < header.slice_count && header.slice_count <= grid_.word_count() && header.tile_count > 0 &&
+         header.light_count > 0 && uint64_t{header.first_tile} + header.tile_count <= grid_.tile_count() &&
+         uint32_t{header.first_light} + header.light_count <= grid_.lights;
+}
+
+// Null: the slice comes too late for its frame.
+FrameAssembler::Open* FrameAssembler::find_or_begin(const protocol::SliceHeader& header) {
+  auto place = std::lower_bound(open_.begin(), open_.end(), header.frame,
+                                [](const Open& o, FrameId id) { return o.frame.frame < id; });
+  if (place != open_.end() && place->frame.frame == header.frame) return &*place;
+  if (finished_ids_.contains(header.frame)) return nullptr;
+  if (open_.size() == max_frames_) {
+    if (place == open_.begin()) return nullptr;  // older than all those kept
+    finish(open_.begin());
+    --place;
+  }
+  Open begun{begin_frame(header), std::vector<bool>(header.slice_count)};
+  return &*open_.insert(place, std::move(begun));
+}
+
+AssembledFrame FrameAssembler::begin_frame(const protocol::SliceHeader& header) {
+  AssembledFrame frame;
+  if (!spare_.empty()) {
+    frame.words = std::move(spare_.back().words);
+    frame.arrived = std::move(spare_.back().arrived);
+    spare_.pop_back();
+  }
+  frame.frame = header.frame;
+  frame.grid = grid_;
+  frame.words.assign(grid_.word_count(), ~uint64_t{0});
+  frame.arrived.assign(grid_.word_count(), false);
+  frame.words_missing = grid_.word_count();
+  frame.slice_count = header.slice_count;
+  frame.moment = header.moment;
+  return frame;
+}
+
+void FrameAssembler::mark_arrived(AssembledFrame& frame, const protocol::SliceHeader& header) {
+  for_each_word(header, grid_, [&](size_t word) {
+    if (frame.arrived[word]) return;
+    frame.arrived[word] = true;
+    --frame.words_missing;
+  });
+}
+
+// A slice that does not decode leaves anything in its own tiles.
+void FrameAssembler::cover_missing(AssembledFrame& frame, const protocol::SliceHeader& header) {
+  for_each_word(header, grid_, [&](size_t word) {
+    frame.words[word] = ~uint64_t{0};
+    if (!frame.arrived[word]) return;
+    frame.arrived[word] = false;
+    ++frame.words_missing;
+  });
+}
+
+void FrameAssembler::finish(std::vector<Open>::iterator open) {
+  const AssembledFrame& frame = open->frame;
+  finished_ids_.insert(frame.frame);
+  if (keeps_references_ && frame.complete() && frame.referable) {
+    references_.add(std::make_shared<protocol::MaskReference>(frame.frame, frame.mask()));
+    newest_reference_ = std::max(newest_reference_, frame.frame);
+  }
+  finished_.push_back(std::move(open->frame));
+  open_.erase(open);
+}
+
+bool FrameAssembler::FinishedWindow::contains(FrameId frame) const {
+  if (frame.value > newest_) return false;
+  const uint32_t age = newest_ - frame.value;
+  return age >= 64 || ((bits_ >> age) & 1);
+}
+
+void FrameAssembler::FinishedWindow::insert(FrameId frame) {
+  if (frame.value > newest_) {
+    const uint32_t step = frame.value - newest_;
+    bits_ = step < 64 ? bits_ << step : 0;
+    newest_ = frame.value;
+  }
+  const uint32_t age = newest_ - frame.value;
+  if (age < 64) bits_ |= uint64_t{1} << age;
+}
+
+}  // namespace gnomon::client

@@ -1,0 +1,136 @@
+#include "daemon/config/config.h"
+
+#include <asio/ip/address.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "daemon/config/config_keys.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using schema::Source;
+using schema::Value;
+
+Result<void> read_into(Config& config, const YAML::Node& root, const Source& source) {
+  return schema::read_map(Value{source, "", root, root.Mark()}, config_keys(), config);
+}
+
+// yaml-cpp throws on text that is no YAML.
+Result<YAML::Node> load_yaml(const std::string& text, const Source& source) {
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& e) {
+    const std::string line = source.has_lines ? ":" + std::to_string(e.mark.line + 1) : "";
+    return Error{source.name + line + ": not YAML: " + e.msg};
+  }
+}
+
+// "server.listen=::1" as the map {server: {listen: "::1"}}.
+Result<YAML::Node> override_tree(const std::string& text, const Source& source) {
+  const size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos) return Error{source.name + ": allowed: key.path=value"};
+  auto value = load_yaml(text.substr(equals + 1), source);
+  if (!value) return value;
+  YAML::Node tree = *value;
+  std::string path = text.substr(0, equals);
+  while (true) {
+    const size_t dot = path.rfind('.');
+    YAML::Node parent(YAML::NodeType::Map);
+    parent[path.substr(dot == std::string::npos ? 0 : dot + 1)] = tree;
+    tree.reset(parent);  // assignment would alias the child to its parent
+    if (dot == std::string::npos) return tree;
+    path.resize(dot);
+  }
+}
+
+// What no key can see alone.
+Result<void> check_together(const Config& config) {
+  const ServerConfig& server = config.server;
+  if (config.tenants.empty()) return Error{"tenants: an empty list; allowed: at least one tenant"};
+  if (server.data_port != 0 && server.data_port + server.net_threads - 1 > 65535) {
+    return Error{"server.data_port: " + std::to_string(server.data_port) + " leaves no ports for " +
+                 std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
+                 std::to_string(65536 - server.net_threads)};
+  }
+  return check_admin(config.admin);
+}
+
+Result<std::string> read_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) return Error{file.string() + ": cannot be read"};
+  return std::move(text).str();
+}
+
+std::filesystem::path absolute_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
+  return std::filesystem::absolute(path.is_absolute() ? path : folder / path).lexically_normal();
+}
+
+}  // namespace
+
+Result<Config> parse_config(const std::string& text, const std::string& name,
+                            const std::vector<std::string>& overrides) {
+  Config config;
+  const Source file{name, true};
+  auto root = load_yaml(text, file);
+  if (!root) return root.error();
+  if (auto read = read_into(config, *root, file); !read) return read.error();
+  for (const std::string& text_override : overrides) {
+    const Source source{"--set " + text_override, false};
+    auto tree = override_tree(text_override, source);
+    if (!tree) return tree.error();
+    if (auto read = read_into(config, *tree, source); !read) return read.error();
+  }
+  if (auto fits = check_together(config); !fits) return Error{name + ": " + fits.error().message};
+  return config;
+}
+
+Result<Config> read_config(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  auto text = read_file(file);
+  if (!text) return text.error();
+  return parse_config(*text, file.string(), overrides);
+}
+
+Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
+                        const std::filesystem::path& share_folder) {
+  for (SceneFile& scene : config.scenes.list) {
+    const auto beside = absolute_below(config_folder, scene.file);
+    const auto shared = absolute_below(share_folder, scene.file);
+    std::error_code none;
+    const bool is_beside = std::filesystem::is_regular_file(beside, none);
+    if (!is_beside && !std::filesystem::is_regular_file(shared, none)) {
+      return Error{scene.place + ": file " + scene.file.string() + " of scene " + scene.name +
+                   " does not exist; looked at " + beside.string() + " and " + shared.string()};
+    }
+    scene.file = is_beside ? beside : shared;
+  }
+  TlsConfig& tls = config.server.tls;
+  for (auto* path : {&config.admin.token_file, &config.render.cache_folder, &config.server.state_folder,
+                     &tls.certificate, &tls.key, &tls.client_ca}) {
+    if (!path->empty()) *path = absolute_below(config_folder, *path);
+  }
+  for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
+  return {};
+}
+
+Result<void> check_admin(const AdminConfig& admin) {
+  if (!admin.token_file.empty() || asio::ip::make_address(admin.listen).is_loopback()) return {};
+  return Error{"admin.listen: " + admin.listen +
+               " can be reached from elsewhere; allowed: a loopback address, or any with admin.token_file"};
+}
+
+bool needs_restart(const Config& next, const Config& running) {
+  ServerConfig server = next.server;
+  server.max_sessions = running.server.max_sessions;
+  server.max_sessions_per_address = running.server.max_sessions_per_address;
+  server.tls = running.server.tls;
+  AdminConfig admin = next.admin;
+  admin.token_file = running.admin.token_file;
+  return server != running.server || admin != running.admin || next.scenes != running.scenes ||
+         next.render != running.render || next.encode != running.encode || next.log.format != running.log.format;
+}
+
+std::vector<std::string> known_keys() { return schema::all_paths(config_keys()); }
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,276 @@
+#include "daemon/config/config_keys.h"
+
+#include <asio/ip/address.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "scheduler/scheduler.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace schema;
+
+constexpr int64_t kHourMs = 3'600'000;
+constexpr const char* kNoLimit = " (0: no limit of its own)";
+constexpr const char* kNameRule = "1 to 64 letters, digits, '_', '-' or '.'";
+
+bool is_name(const std::string& text) {
+  return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
+}
+
+std::optional<std::string> parse_name(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  return text && is_name(*text) ? text : std::nullopt;
+}
+
+std::optional<std::string> parse_text(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  return text && !text->empty() ? text : std::nullopt;
+}
+
+std::optional<TokenHash> parse_hash(const YAML::Node& node) {
+  const auto text = any_scalar(node);
+  return text ? parse_token_hash(*text) : std::nullopt;
+}
+
+std::optional<std::filesystem::path> parse_path(const YAML::Node& node) {
+  auto text = parse_text(node);
+  if (!text) return std::nullopt;
+  return std::filesystem::path(*text);
+}
+
+std::optional<std::filesystem::path> parse_path_or_none(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  if (!text) return std::nullopt;
+  return std::filesystem::path(*text);
+}
+
+std::optional<std::string> parse_address(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  asio::error_code error;
+  if (text) asio::ip::make_address(*text, error);
+  return text && !error ? text : std::nullopt;
+}
+
+template <class T>
+Key<T> address(std::string name, std::string T::*member) {
+  return scalar(std::move(name), member, "an IPv4 or IPv6 address of this machine", parse_address);
+}
+
+template <class T>
+Key<T> port(std::string name, uint16_t T::*member) {
+  return integer(std::move(name), member, 0, 65535, " (0: a free port)");
+}
+
+template <class T>
+Key<T> name_key(std::string T::*member) {
+  return scalar("name", member, kNameRule, parse_name);
+}
+
+// "auto": 0.
+std::optional<uint32_t> parse_threads(const YAML::Node& node) {
+  if (plain_scalar(node) == "auto") return 0;
+  return parse_integer<uint32_t>(node, 1, 64);
+}
+
+// "auto": none.
+std::optional<std::optional<std::chrono::microseconds>> parse_slice(const YAML::Node& node) {
+  using Slice = std::optional<std::chrono::microseconds>;
+  if (plain_scalar(node) == "auto") return Slice();
+  const auto slice = parse_integer<std::chrono::microseconds>(node, 0, 1'000'000);
+  return slice ? std::optional<Slice>(slice) : std::nullopt;
+}
+
+template <class S>
+bool has_name(const std::vector<S>& items, const std::string& name) {
+  return std::any_of(items.begin(), items.end(), [&](const S& item) { return item.name == name; });
+}
+
+std::optional<float> parse_number(const YAML::Node& node) {
+  const auto text = plain_scalar(node);
+  float number = 0;
+  if (!text) return std::nullopt;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
+  if (error != std::errc{} || end != text->data() + text->size() || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+std::string finish_moving(const Value&, const std::vector<MovingNode>&, MovingNode& moving) {
+  if (moving.node.empty()) return "node is needed";
+  if (moving.spin.empty() == moving.shift.empty()) return "either spin or shift is needed";
+  const std::vector<float>& vector = moving.spin.empty() ? moving.shift : moving.spin;
+  const bool all_zero = std::all_of(vector.begin(), vector.end(), [](float v) { return v == 0; });
+  return vector.size() != 3 || all_zero ? "spin and shift take three numbers that are not all 0" : "";
+}
+
+std::string finish_scene(const Value& value, const std::vector<SceneFile>& before, SceneFile& scene) {
+  if (scene.name.empty() || scene.file.empty()) return "name and file are both needed";
+  if (has_name(before, scene.name)) return "a second scene named " + scene.name + "; allowed: one of each name";
+  scene.place = value.place() + ": " + value.path;
+  return "";
+}
+
+std::string finish_tenant(const Value&, const std::vector<TenantConfig>& before, TenantConfig& tenant) {
+  if (tenant.name.empty()) return "name is needed";
+  if (has_name(before, tenant.name)) return "a second tenant named " + tenant.name + "; allowed: one of each name";
+  return "";
+}
+
+Keys<TlsConfig> tls_keys() {
+  using T = TlsConfig;
+  return {
+      scalar("certificate", &T::certificate, "a PEM file, or '' for none", parse_path_or_none),
+      scalar("key", &T::key, "a PEM file, or '' for none", parse_path_or_none),
+      scalar("client_ca", &T::client_ca, "a PEM file, or '' for none", parse_path_or_none),
+  };
+}
+
+Keys<ServerConfig> server_keys() {
+  using S = ServerConfig;
+  return {
+      choice("mode", &S::mode, {{"production", ServerMode::production}, {"demo", ServerMode::demo}}),
+      section("tls", &S::tls, tls_keys()),
+      scalar("state_folder", &S::state_folder, "a folder, or '' for the usual one", parse_path_or_none),
+      address("listen", &S::listen),
+      port("control_port", &S::control_port),
+      port("data_port", &S::data_port),
+      integer("net_threads", &S::net_threads, 1, 64),
+      integer("handshake_timeout_ms", &S::handshake_timeout, 10, kHourMs),
+      integer("silence_timeout_ms", &S::silence_timeout, 100, kHourMs),
+      integer("drain_timeout_ms", &S::drain_timeout, 0, kHourMs),
+      integer("max_half_open", &S::max_half_open, 1, 65536),
+      integer("max_sessions", &S::max_sessions, 1, 1'000'000),
+      integer("max_sessions_per_address", &S::max_sessions_per_address, 1, 1'000'000),
+      integer("connections_per_s", &S::connections_per_s, 1, 1'000'000),
+  };
+}
+
+Keys<MovingNode> moving_keys() {
+  using M = MovingNode;
+  return {
+      scalar("node", &M::node, "a node's name", parse_text),
+      scalars("spin", &M::spin, "a list of three numbers", parse_number),
+      scalars("shift", &M::shift, "a list of three numbers", parse_number),
+      integer("period_ms", &M::period, 10, kHourMs),
+  };
+}
+
+Keys<ScenesConfig> scenes_keys() {
+  Keys<SceneFile> item{name_key(&SceneFile::name),
+                       scalar("file", &SceneFile::file, "the path of a .gltf or .glb file", parse_path),
+                       sections("moving", &SceneFile::moving, moving_keys(), finish_moving)};
+  return {
+      sections("list", &ScenesConfig::list, std::move(item), finish_scene),
+      scalars("allow_files", &ScenesConfig::allow_files, "a list of folders", parse_path),
+      integer("clock_hz", &ScenesConfig::clock_hz, 1, 1000),
+      integer("light_rest_ms", &ScenesConfig::light_rest, 0, kHourMs),
+  };
+}
+
+Keys<RenderConfig> render_keys() {
+  using R = RenderConfig;
+  return {
+      scalar("device", &R::device, "auto, a type (cpu, integrated, discrete), an index or part of a name",
+             parse_text),
+      scalars("devices", &R::devices, "a list of devices, each as render.device", parse_text),
+      scalar("tracer", &R::tracer, kNameRule, parse_name),
+      choice("raster", &R::raster, {{"auto", "auto"}, {"hardware", "hardware"}, {"compute", "compute"}}),
+      scalars("passes", &R::passes, "a list of pass names", parse_name),
+      scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
+      integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
+      choice("wait_for_light_buffers", &R::wait_for_light_buffers, {{"false", false}, {"true", true}}),
+      integer("frames_in_flight", &R::frames_in_flight, 1, 16),
+      integer("queues", &R::queues, 1, 16),
+      integer("max_width", &R::max_width, 8, protocol::kMaxSide),
+      integer("max_height", &R::max_height, 8, protocol::kMaxSide),
+  };
+}
+
+Keys<EncodeConfig> encode_keys() {
+  using protocol::CodecId;
+  return {
+      scalar("threads", &EncodeConfig::threads, "auto, or an integer from 1 to 64", parse_threads),
+      choice("codec", &EncodeConfig::codec,
+             {{"tiles_lz4", CodecId::tiles_lz4},
+              {"tiles_context", CodecId::tiles_context},
+              {"raw32_lz4", CodecId::raw32_lz4}}),
+  };
+}
+
+Keys<LogConfig> log_keys() {
+  using log::Format;
+  using log::Level;
+  return {
+      choice("level", &LogConfig::level,
+             {{"debug", Level::debug},
+              {"info", Level::info},
+              {"warning", Level::warning},
+              {"error", Level::error},
+              {"off", Level::off}}),
+      choice("format", &LogConfig::format, {{"key_value", Format::key_value}, {"json", Format::json}}),
+  };
+}
+
+std::vector<std::pair<std::string, std::string>> policies() {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const std::string_view policy : scheduler::kPolicies) all.emplace_back(policy, policy);
+  return all;
+}
+
+Keys<Config> all_keys() {
+  Keys<AdminConfig> admin{
+      address("listen", &AdminConfig::listen), port("port", &AdminConfig::port),
+      scalar("token_file", &AdminConfig::token_file, "a path, or '' where no token is needed", parse_path_or_none)};
+  Keys<SchedulerConfig> scheduler{
+      choice("policy", &SchedulerConfig::policy, policies()),
+      integer("priority_floor_percent", &SchedulerConfig::priority_floor_percent, 0, 99),
+      scalar("slice_us", &SchedulerConfig::slice, "auto, or an integer from 0 to 1000000 (0: frames are never cut)",
+             parse_slice),
+      integer("admit_percent", &SchedulerConfig::admit_percent, 0, 1'000'000, " (0: no limit)"),
+  };
+  Keys<TenantConfig> tenant{
+      name_key(&TenantConfig::name),
+      integer("weight", &TenantConfig::weight, 1, 1000),
+      integer("priority", &TenantConfig::priority, 0, 100),
+      integer("max_sessions", &TenantConfig::max_sessions, 0, 1'000'000, kNoLimit),
+      integer("max_vbps", &TenantConfig::max_vbps, 0, 1'000'000, kNoLimit),
+      integer("max_bits_per_s", &TenantConfig::max_bits_per_s, 0, int64_t{1} << 50, kNoLimit),
+      integer("max_bytes_per_s", &TenantConfig::max_bytes_per_s, 0, int64_t{1} << 40, kNoLimit),
+      integer("max_gpu_percent", &TenantConfig::max_gpu_percent, 0, 100, kNoLimit),
+      integer("max_width", &TenantConfig::max_width, 0, protocol::kMaxSide, kNoLimit),
+      integer("max_height", &TenantConfig::max_height, 0, protocol::kMaxSide, kNoLimit),
+      integer("least_rate_percent", &TenantConfig::least_rate_percent, 1, 100),
+      integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
+      integer("least_lights_percent", &TenantConfig::least_lights_percent, 1, 100),
+      integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
+      scalars("token_sha256", &TenantConfig::token_sha256,
+              "a list of SHA-256 hashes of tokens, 64 hexadecimal digits each; gnomonctl make-token makes some",
+              parse_hash),
+      choice("open", &TenantConfig::open, {{"true", true}, {"false", false}}),
+  };
+  return {
+      section("server", &Config::server, server_keys()),
+      section("admin", &Config::admin, std::move(admin)),
+      section("scenes", &Config::scenes, scenes_keys()),
+      section("render", &Config::render, render_keys()),
+      section("encode", &Config::encode, encode_keys()),
+      section("scheduler", &Config::scheduler, std::move(scheduler)),
+      sections("tenants", &Config::tenants, std::move(tenant), finish_tenant),
+      section("log", &Config::log, log_keys()),
+  };
+}
+
+}  // namespace
+
+const schema::Keys<Config>& config_keys() {
+  static const schema::Keys<Config> keys = all_keys();
+  return keys;
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,45 @@
+// On what terms the device is shared: what the render loop needs of the configuration. May change while it runs.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/clock.h"
+#include "daemon/config/config.h"
+#include "scheduler/degradation.h"
+#include "scheduler/scheduler.h"
+
+namespace gnomon::daemon {
+
+// What a tenant may use; 0: no limit of its own.
+struct TenantRates {
+  double buffers_per_second = 0;  // vbps
+  double bits_per_second = 0;     // visibility bits
+  double bytes_per_second = 0;    // of datagrams
+  double gpu_share = 0;           // of all devices together; 1: as much as one has
+};
+
+struct TenantShare {
+  scheduler::TenantTerms terms;
+  TenantRates rates;
+  scheduler::DegradationTerms degradation;
+};
+
+// How long a slice is where the configuration leaves it to us. Each cut costs a CPU's frame far more than a GPU's, which
+// has work of others to overlap it with: in bands of 4 ms lavapipe lost a quarter of its throughput.
+inline constexpr Nanoseconds kSliceOfGpu = std::chrono::milliseconds(4);
+inline constexpr Nanoseconds kSliceOfCpu = std::chrono::milliseconds(100);
+
+struct Terms {
+  std::string policy = "fair";
+  double priority_floor = 0;
+  std::optional<Nanoseconds> slice = {};  // 0: frames are never cut; none: as long as is good for the device
+  uint32_t frames_in_flight = 3;          // on the device or waiting to be encoded
+  std::vector<TenantShare> tenants;       // by TenantId
+};
+
+Terms terms_of(const Config& config);
+
+}  // namespace gnomon::daemon

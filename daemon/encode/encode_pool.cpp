@@ -1,0 +1,140 @@
+#include "daemon/encode/encode_pool.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/log.h"
+
+namespace gnomon::daemon {
+
+EncodePool::EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics,
+                       std::function<void(EncodedFrame)> encoded)
+    : near_(std::move(near)), metrics_(metrics), encoded_(std::move(encoded)) {
+  const bool known = std::any_of(near_.begin(), near_.end(), [](const Cores& cores) { return !cores.empty(); });
+  const bool own = known && threads >= near_.size();  // fewer workers would leave a device's frames to nobody
+  for (uint32_t i = 0; i < threads; ++i) {
+    const auto home = own ? std::optional(i % static_cast<uint32_t>(near_.size())) : std::nullopt;
+    workers_.emplace_back([this, home] { work(home); });
+  }
+}
+
+EncodePool::~EncodePool() {
+  {
+    std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  ready_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
+}
+
+void EncodePool::push(RenderedFrame frame) {
+  {
+    std::lock_guard lock(mutex_);
+    queue_.push_back(std::move(frame));
+  }
+  ready_.notify_one();
+}
+
+bool EncodePool::take(std::optional<uint32_t> home, RenderedFrame& frame, SharedPtr& shared) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    ready_.wait(lock, [this] { return stopping_ || !queue_.empty() || !shared_.empty(); });
+    if (stopping_) return false;
+    if (!shared_.empty()) {
+      shared = shared_.front();
+      if (shared->next < shared->frame.unit_count()) return true;
+      shared_.pop_front();  // every unit has somebody
+      shared.reset();
+      continue;
+    }
+    auto next = std::find_if(queue_.begin(), queue_.end(),
+                             [home](const RenderedFrame& f) { return !home || f.meta.device == *home; });
+    if (next == queue_.end()) next = queue_.begin();
+    frame = std::move(*next);
+    queue_.erase(next);
+    return true;
+  }
+}
+
+void EncodePool::work(std::optional<uint32_t> home) {
+  if (const auto stays = home ? stay_on(near_[*home]) : Result<void>(); !stays) {
+    log::warning("an encode worker stays near no device", {{"why", stays.error().message}});
+  }
+  protocol::FrameEncoder encoder;
+  RenderedFrame frame;
+  SharedPtr shared;
+  while (take(home, frame, shared)) {
+    if (!shared && frame.meta.codec == protocol::CodecId::tiles_context) shared = share(frame);
+    if (shared) {
+      help(*shared);
+    } else {
+      encode(frame, encoder);
+    }
+    shared.reset();
+  }
+}
+
+namespace {
+
+size_t payload_room(const FrameMeta& meta) {
+  return meta.slice_body_bytes - protocol::kSliceHeaderBytes - (meta.moment ? protocol::kMomentBytes : 0) -
+         (meta.tells_size ? protocol::kSizeBytes : 0);
+}
+
+}  // namespace
+
+void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
+  EncodedFrame out{frame.meta, {}};
+  out.meta.encode_began = Clock::now();
+  const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, payload_room(frame.meta), out.slices);
+  frame.mask.drop();
+  deliver(std::move(out), result);
+}
+
+EncodePool::SharedPtr EncodePool::share(RenderedFrame& frame) {
+  const FrameMeta& meta = frame.meta;
+  const TimePoint began = Clock::now();
+  auto reference = meta.references ? meta.references->newest(meta.grid) : nullptr;
+  const SharedPtr shared(
+      new Shared{{meta, {}},
+                 protocol::SplitFrame(frame.mask.mask(), payload_room(meta), std::move(reference), meta.camera),
+                 {},
+                 {}});
+  shared->out.meta.encode_began = began;
+  frame.mask.drop();
+  if (shared->frame.unit_count() > 1 && workers_.size() > 1) {
+    {
+      std::lock_guard lock(mutex_);
+      shared_.push_back(shared);
+    }
+    ready_.notify_all();
+  }
+  if (shared->frame.unit_count() == 0) finish(*shared);
+  return shared;
+}
+
+void EncodePool::help(Shared& shared) {
+  const size_t units = shared.frame.unit_count();
+  for (size_t unit = shared.next++; unit < units; unit = shared.next++) {
+    shared.frame.encode(unit);
+    if (++shared.done == units) finish(shared);
+  }
+}
+
+void EncodePool::finish(Shared& shared) {
+  const auto result = shared.frame.join(shared.out.slices);
+  const FrameMeta& meta = shared.out.meta;
+  if (result && meta.references)
+    meta.references->sent(
+        std::make_shared<protocol::MaskReference>(meta.frame, shared.frame.decoded(), meta.camera));
+  deliver(std::move(shared.out), result);
+}
+
+void EncodePool::deliver(EncodedFrame out, const Result<void>& result) {
+  if (!result)
+    return metrics_.dropped(out.meta.tenant, out.meta.session, Fault::encode_failed, result.error().message);
+  out.meta.encoded = Clock::now();
+  encoded_(std::move(out));
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,63 @@
+// Workers that turn masks into slices. A finished frame's lease is dropped as soon as its mask has been read.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "daemon/encode/cores.h"
+#include "daemon/frame/frame.h"
+#include "daemon/metrics/metrics.h"
+
+namespace gnomon::daemon {
+
+// A frame of tiles_context takes milliseconds: its units are spread over all workers that have nothing else to do. The
+// slices do not depend on how many these are. Frames of other codecs are one worker's each.
+//
+// The queue needs no limit of its own: every frame in it holds one of the device's frame slots.
+class EncodePool {
+ public:
+  // `near`: the cores near each device. If some are known and there is a worker for each device, workers are dealt out
+  // to devices in turn, stay near theirs and take its frames before others'. `encoded` is called from the workers.
+  EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics,
+             std::function<void(EncodedFrame)> encoded);
+  ~EncodePool();  // what is queued is thrown away, its leases dropped
+
+  void push(RenderedFrame frame);  // any thread
+
+ private:
+  // A frame that several workers encode.
+  struct Shared {
+    EncodedFrame out;
+    protocol::SplitFrame frame;
+    std::atomic<size_t> next{0}, done{0};  // units
+  };
+  using SharedPtr = std::shared_ptr<Shared>;
+
+  void work(std::optional<uint32_t> home);  // a device, if it has one
+  // One of the two; false: the pool ends. Shared frames come first: they were pushed earlier.
+  bool take(std::optional<uint32_t> home, RenderedFrame& frame, SharedPtr& shared);
+  void encode(RenderedFrame& frame, protocol::FrameEncoder& encoder);
+  SharedPtr share(RenderedFrame& frame);
+  void help(Shared& shared);
+  void finish(Shared& shared);
+  void deliver(EncodedFrame out, const Result<void>& result);
+
+  const std::vector<Cores> near_;
+  Metrics& metrics_;
+  std::function<void(EncodedFrame)> encoded_;
+  std::mutex mutex_;
+  std::condition_variable ready_;
+  std::deque<RenderedFrame> queue_;
+  std::deque<SharedPtr> shared_;
+  bool stopping_ = false;
+  std::vector<std::thread> workers_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,83 @@
+#include "daemon/frame/translate.h"
+
+#include <cmath>
+
+namespace gnomon::daemon {
+namespace {
+
+protocol::Vec3 to_wire(glm::vec3 v) { return {v.x, v.y, v.z}; }
+
+protocol::LightKind to_wire(scenes::LightType type) {
+  switch (type) {
+    case scenes::LightType::point: return protocol::LightKind::point;
+    case scenes::LightType::spot: return protocol::LightKind::spot;
+    case scenes::LightType::directional: return protocol::LightKind::directional;
+  }
+  return protocol::LightKind::point;
+}
+
+protocol::LightInfo to_wire(const scenes::Light& light) {
+  protocol::LightInfo info;
+  info.kind = to_wire(light.type);
+  info.position = to_wire(light.position);
+  info.direction = to_wire(light.direction);
+  info.color = to_wire(light.color);
+  info.intensity = light.intensity;
+  info.range = light.range;
+  info.inner_cone_cos = light.inner_cone_cos;
+  info.outer_cone_cos = light.outer_cone_cos;
+  return info;
+}
+
+protocol::CameraView to_wire(const scenes::CameraPose& pose, float aspect) {
+  protocol::CameraView view;
+  view.position = to_wire(pose.position);
+  view.orientation = {pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w};
+  view.tan_up = view.tan_down = std::tan(pose.vertical_fov / 2);
+  view.tan_left = view.tan_right = view.tan_up * aspect;
+  return view;
+}
+
+}  // namespace
+
+gpu::CameraView to_gpu(const protocol::CameraView& camera) {
+  const auto& p = camera.position;
+  const auto& q = camera.orientation;
+  return {{p[0], p[1], p[2]}, {q[3], q[0], q[1], q[2]},  // glm takes w first
+          camera.tan_left,    camera.tan_right,         camera.tan_up, camera.tan_down, camera.near_plane};
+}
+
+protocol::CameraView to_wire(const gpu::CameraView& camera) {
+  const auto& q = camera.orientation;
+  return {to_wire(camera.position), {q.x, q.y, q.z, q.w}, camera.tan_left, camera.tan_right, camera.tan_up,
+          camera.tan_down,          camera.near_plane};
+}
+
+std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights) {
+  std::vector<protocol::LightInfo> out;
+  for (const scenes::Light& light : lights) out.push_back(to_wire(light));
+  return out;
+}
+
+std::vector<protocol::NodeMotion> to_wire(const std::vector<scenes::NodeMotion>& motions) {
+  std::vector<protocol::NodeMotion> out;
+  for (const scenes::NodeMotion& m : motions) {
+    out.push_back(
+        {m.node, static_cast<uint8_t>(m.kind), to_wire(m.vector), static_cast<uint32_t>(m.period.count())});
+  }
+  return out;
+}
+
+protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::string& name, float aspect) {
+  protocol::SceneManifest manifest;
+  manifest.name = name;
+  manifest.content_hash = scene.content_hash;
+  manifest.triangles = scene.triangle_count;
+  manifest.bounds_min = to_wire(scene.bounds.min);
+  manifest.bounds_max = to_wire(scene.bounds.max);
+  manifest.default_camera = to_wire(scene.cameras.front().rest, aspect);
+  manifest.lights = to_wire(scene.lights);
+  return manifest;
+}
+
+}  // namespace gnomon::daemon

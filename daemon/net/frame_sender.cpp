@@ -1,0 +1,57 @@
+#include "daemon/net/frame_sender.h"
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+
+size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
+  for (protocol::SliceHeader& header : frame.slices.slices) {
+    header.frame = frame.meta.frame;
+    header.server_us = static_cast<uint32_t>(to_microseconds(now - frame.meta.arrival));
+    if (frame.meta.moment) {
+      header.flags |= protocol::kSliceHasMoment;
+      header.moment = *frame.meta.moment;
+    }
+    if (frame.meta.tells_size) {
+      header.flags |= protocol::kSliceHasSize;
+      header.width = static_cast<uint16_t>(frame.meta.grid.width);
+      header.height = static_cast<uint16_t>(frame.meta.grid.height);
+    }
+    header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.gpu));
+  }
+  return session.link().add(frame.slices, frame.meta.deadline, now);
+}
+
+// Seals what may go into datagrams_; returns how many. A probe of the path comes last: what is after it in a batch
+// would suffer when the path's first hop refuses it.
+size_t FrameSender::fill(Session& session, TimePoint now) {
+  LinkSender& link = session.link();
+  for (size_t count = 0; count < kBatch;) {
+    const auto out = link.next(now);
+    if (!out) return count;
+    std::vector<uint8_t>& datagram = datagrams_[count++];
+    session.seal().seal(out->kind, out->body, datagram);
+    link.sent(protocol::decode_header(datagram)->sequence, datagram.size(), now);
+    if (out->kind == protocol::DatagramKind::probe) return count;
+  }
+  return kBatch;
+}
+
+void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to) {
+  static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
+  session.seal().seal(protocol::DatagramKind::pong, kZeros, datagrams_[0]);
+  asio::error_code ignored;
+  socket.send(std::span(datagrams_).first(1), to, ignored);
+}
+
+std::optional<Fault> FrameSender::send(Session& session, DataSocket& socket, TimePoint now) {
+  while (const size_t count = fill(session, now)) {
+    asio::error_code error;
+    const size_t taken = socket.send(std::span(datagrams_).first(count), *session.address(), error);
+    if (taken == count || error == asio::error::message_size) continue;
+    return error ? Fault::send_failed : Fault::socket_full;
+  }
+  return std::nullopt;
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,133 @@
+#include "daemon/net/server.h"
+
+#include <algorithm>
+
+#include "daemon/service/supervisor.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+constexpr auto kRetryAccept = 100ms;
+
+Result<std::unique_ptr<tcp::acceptor>> listen(asio::io_context& io, const ServerConfig& config) {
+  const tcp::endpoint local{asio::ip::make_address(config.listen), config.control_port};
+  auto acceptor = std::make_unique<tcp::acceptor>(io);
+  asio::error_code error;
+  if (const auto given = supervisor::take_socket(supervisor::SocketKind::stream, local.port())) {
+    acceptor->assign(local.protocol(), *given, error);
+  } else {
+    acceptor->open(local.protocol(), error);
+    if (!error) acceptor->set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor->bind(local, error);
+    if (!error) acceptor->listen(tcp::acceptor::max_listen_connections, error);
+  }
+  if (!error && local.port() != 0 && acceptor->local_endpoint(error) != local && !error) {
+    error = asio::error::address_in_use;  // given to us, but open at another address
+  }
+  if (error) {
+    return Error{"server.control_port: TCP " + config.listen + " port " + std::to_string(config.control_port) +
+                 ": " + error.message()};
+  }
+  return acceptor;
+}
+
+}  // namespace
+
+Server::Server(const NetShared& shared)
+    : metrics_(shared.metrics),
+      rate_(shared.config.server.max_sessions_per_address, shared.config.server.connections_per_s) {}
+
+Result<std::unique_ptr<Server>> Server::open(const NetShared& shared) {
+  std::unique_ptr<Server> made(new Server(shared));
+  for (uint32_t i = 0; i < shared.config.server.net_threads; ++i) {
+    auto thread = NetThread::open(shared, i);
+    if (!thread) return thread.error();
+    made->threads_.push_back(std::move(*thread));
+  }
+  auto acceptor = listen(made->threads_.front()->io(), shared.config.server);
+  if (!acceptor) return acceptor.error();
+  made->acceptor_ = std::move(*acceptor);
+  made->retry_ = std::make_unique<asio::steady_timer>(made->threads_.front()->io());
+  made->control_port_ = made->acceptor_->local_endpoint().port();
+  return made;
+}
+
+Server::~Server() { stop(); }
+
+void Server::run() {
+  accept();
+  for (const auto& thread : threads_) thread->run();
+}
+
+void Server::accept() {
+  NetThread& owner = *threads_[next_++ % threads_.size()];
+  acceptor_->async_accept(owner.io(), [this, &owner](asio::error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (!error) {
+      asio::error_code gone;
+      const auto from = socket.remote_endpoint(gone);
+      if (gone || rate_.admit(from.address(), Clock::now())) {
+        owner.adopt(std::move(socket));
+      } else {
+        metrics_.report(Fault::connection_rate);
+      }
+      return accept();
+    }
+    // Out of descriptors, most likely. Those who wait stay in the kernel's queue until some come free.
+    log::warning("cannot accept a connection", {{"why", error.message()}});
+    retry_->expires_after(kRetryAccept);
+    retry_->async_wait([this](asio::error_code cancelled) {
+      if (!cancelled) accept();
+    });
+  });
+}
+
+void Server::tell(const SessionDegraded& session) { threads_[session.net_thread]->tell(session); }
+
+bool Server::kick(SessionId id, const std::string& why) {
+  return std::any_of(threads_.begin(), threads_.end(), [&](const auto& thread) { return thread->kick(id, why); });
+}
+
+void Server::announce_drain(std::chrono::milliseconds deadline) {
+  for (const auto& thread : threads_) thread->announce_drain(deadline);
+}
+
+void Server::announce_lights(const LightsNews& news) {
+  for (const auto& thread : threads_) thread->announce_lights(news);
+}
+
+void Server::close_closed_tenants() {
+  for (const auto& thread : threads_) thread->close_closed_tenants();
+}
+
+std::vector<uint16_t> Server::data_ports() const {
+  std::vector<uint16_t> ports;
+  for (const auto& thread : threads_) ports.push_back(thread->data_port());
+  return ports;
+}
+
+std::vector<SessionStatus> Server::sessions() const {
+  std::vector<SessionStatus> all;
+  for (const auto& thread : threads_) {
+    const auto sessions = thread->sessions();
+    all.insert(all.end(), sessions->begin(), sessions->end());
+  }
+  return all;
+}
+
+void Server::stop() { stop(true); }
+
+void Server::leave() {
+  asio::post(threads_.front()->io(), [this] { acceptor_->close(); });
+  stop(false);
+}
+
+// The last thread first: the acceptor lives on the first one and hands connections to all.
+void Server::stop(bool for_good) {
+  for (auto thread = threads_.rbegin(); thread != threads_.rend(); ++thread) (*thread)->stop(for_good);
+}
+
+}  // namespace gnomon::daemon

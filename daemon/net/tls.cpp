@@ -1,0 +1,103 @@
+#include "daemon/net/tls.h"
+
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+
+#include "daemon/net/demo_certificate.h"
+#include "daemon/security/private_file.h"
+#include "protocol/messages.h"
+
+namespace gnomon::daemon {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCiphers = "TLS_AES_128_GCM_SHA256:TLS_CHACHA20_POLY1305_SHA256:TLS_AES_256_GCM_SHA384";
+constexpr const char* kGroups = "X25519:P-256";
+
+Error library_error(const std::string& what) {
+  const char* const reason = ERR_reason_error_string(ERR_get_error());
+  ERR_clear_error();
+  return Error{what + ": " + (reason ? reason : "cannot be read")};
+}
+
+void harden(SSL_CTX* context) {
+  SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION);
+  SSL_CTX_set_ciphersuites(context, kCiphers);
+  SSL_CTX_set1_groups_list(context, kGroups);
+  // A session is one connection: nothing is resumed, so nothing is kept that could be.
+  SSL_CTX_set_num_tickets(context, 0);
+  SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
+  // Those that have no instructions for AES say so by preferring ChaCha20.
+  SSL_CTX_set_options(context, SSL_OP_CIPHER_SERVER_PREFERENCE | SSL_OP_PRIORITIZE_CHACHA | SSL_OP_NO_TICKET);
+  SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);  // connections are idle mostly
+  SSL_CTX_set_alpn_select_cb(
+      context,
+      [](SSL*, const unsigned char** chosen, unsigned char* size, const unsigned char* offered,
+         unsigned offered_size, void*) {
+        unsigned char* match = nullptr;
+        const int found = SSL_select_next_proto(&match, size, protocol::kAlpn.data(), protocol::kAlpn.size(),
+                                                offered, offered_size);
+        *chosen = match;
+        return found == OPENSSL_NPN_NEGOTIATED ? SSL_TLSEXT_ERR_OK : SSL_TLSEXT_ERR_ALERT_FATAL;
+      },
+      nullptr);
+}
+
+Result<void> use_identity(SSL_CTX* context, const TlsConfig& tls) {
+  if (SSL_CTX_use_certificate_chain_file(context, tls.certificate.c_str()) != 1) {
+    return library_error("server.tls.certificate: " + tls.certificate.string());
+  }
+  if (auto checked = check_private("server.tls.key", tls.key); !checked) return checked;
+  if (SSL_CTX_use_PrivateKey_file(context, tls.key.c_str(), SSL_FILETYPE_PEM) != 1) {
+    return library_error("server.tls.key: " + tls.key.string());
+  }
+  if (X509_cmp_current_time(X509_get0_notAfter(SSL_CTX_get0_certificate(context))) < 0) {
+    return Error{"server.tls.certificate: " + tls.certificate.string() +
+                 " has expired: every client would refuse it; make another with gnomonctl make-certs"};
+  }
+  return {};
+}
+
+// Clients may show a certificate, and one that they show must be good.
+Result<void> ask_clients(SSL_CTX* context, const fs::path& authorities) {
+  if (authorities.empty()) return {};
+  STACK_OF(X509_NAME)* const names = SSL_load_client_CA_file(authorities.c_str());
+  if (!names || SSL_CTX_load_verify_file(context, authorities.c_str()) != 1) {
+    return library_error("server.tls.client_ca: " + authorities.string());
+  }
+  SSL_CTX_set_client_CA_list(context, names);
+  SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
+  return {};
+}
+
+Result<TlsConfig> files_of(const ServerConfig& config) {
+  if (!config.tls.certificate.empty() && !config.tls.key.empty()) return config.tls;
+  if (!config.tls.certificate.empty() || !config.tls.key.empty()) {
+    return Error{"server.tls: certificate and key are needed together; only one of them is set"};
+  }
+  if (config.mode == ServerMode::demo) return demo_certificate(config);
+  return Error{
+      "server.tls.certificate: none is set, and without one nobody could know that it is this server they speak "
+      "to. "
+      "Make certificates with\n  gnomonctl make-certs --out DIR --host NAME\nand set server.tls.certificate: "
+      "DIR/server.pem and server.tls.key: DIR/server-key.pem; or, to try Gnomon out on this machine, set "
+      "server.mode: "
+      "demo"};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config) {
+  const auto files = files_of(config);
+  if (!files) return files.error();
+  auto tls = std::make_shared<Tls>();
+  SSL_CTX* const context = tls->context.native_handle();
+  harden(context);
+  if (auto used = use_identity(context, *files); !used) return used.error();
+  if (auto asked = ask_clients(context, files->client_ca); !asked) return asked.error();
+  tls->pin = protocol::pin_of(SSL_CTX_get0_certificate(context));
+  return tls;
+}
+
+}  // namespace gnomon::daemon

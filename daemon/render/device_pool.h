@@ -1,0 +1,91 @@
+// All devices of the daemon. A session lives on one of them, and moves when that is lost, drained or comes back; scenes
+// are resident on each, so that a move needs nothing but the session itself.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "daemon/metrics/health.h"
+#include "daemon/render/device_thread.h"
+#include "daemon/render/placement.h"
+
+namespace gnomon::daemon {
+
+struct PooledDevice : DeviceStatus {
+  bool up = false;
+  bool drained = false;
+  uint32_t sessions = 0;
+};
+
+// Any thread.
+class DevicePool {
+ public:
+  // As DeviceThread::Calls. `failed`: the last device is beyond repair.
+  struct Calls {
+    std::function<void(RenderedFrame)> rendered;
+    std::function<void(const SessionDegraded&)> degraded;
+    std::function<void(const Error&)> failed;
+  };
+
+  DevicePool(size_t count, Metrics& metrics, Health& health);
+
+  // The main thread, before all others. `factories`: as many as there are devices. Error: one cannot be opened.
+  Result<void> start(const std::vector<RendererFactory>& factories, const Terms& terms,
+                     SceneMotion::Settings motion, Calls calls);
+  void stop();  // all threads end when their last leases have come back
+
+  size_t size() const { return devices_.size(); }
+  std::vector<PooledDevice> report() const;
+  ShareReport shares() const;
+  CostModels costs() const;
+  // Of each scene, what the device says that is the least ready for it.
+  SceneReports scenes() const;
+  // Every device's.
+  std::vector<Heartbeat*> heartbeats();
+
+  // False: too many views wait, or the device takes none.
+  bool push_view(const ViewRequest& view);
+  // `asked.answer` is called once: there is room as soon as one device that takes sessions says so, or if none does at
+  // the moment; there is none when all have said so.
+  void ask_room(const RoomAsked& asked);
+  void open(const SessionOpened& session);
+  void close(SessionId session);
+  void choose_codec(const CodecChosen& chosen);
+  void review(const LinkReviewed& reviewed);
+  void sent(uint32_t device, const BytesSent& sent);
+
+  void set_terms(const Terms& terms);
+  void change_light(const LightChanged& change);
+  // To every device. `arrived.resident` is called once, when all have answered: with what it takes on one of them, or
+  // the error where none could take it. False: nobody will call it.
+  bool bring(const SceneArrived& arrived);
+  void take_away(SceneId scene);
+
+  // A drained device gets no sessions, and those that it has move to others, if there are any. False: no such device.
+  bool set_drained(size_t device, bool drained);
+
+ private:
+  RenderInbox& inbox_of(SessionId session) const;
+  void changed(uint32_t device, bool up);
+  void failed(uint32_t device, const Error& why);
+  void reported();
+  void settle(uint32_t device, bool gone = false);
+  void carry_out(const std::vector<Placement::Move>& moves);
+  void tell_parts(TenantId tenant);
+  bool any_up() const;
+
+  Metrics& metrics_;
+  Health& health_;
+  Calls calls_;
+  std::vector<std::unique_ptr<DeviceThread>> devices_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  Placement placement_;
+  std::unordered_map<SessionId, SessionOpened> sessions_;
+  std::vector<bool> drained_, down_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,113 @@
+#include "daemon/render/device_thread.h"
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kReportInterval = 1s;
+constexpr auto kLongestBuild = 5min;  // of a device with all its scenes
+
+// What the renderer has finished beside the frames was taken over since: a scene is there, or its light buffers.
+bool scenes_may_differ(const std::vector<RenderEvent>& batch) {
+  return std::any_of(batch.begin(), batch.end(), [](const RenderEvent& event) {
+    return std::holds_alternative<BackgroundDone>(event) || std::holds_alternative<SceneArrived>(event);
+  });
+}
+
+}  // namespace
+
+Result<void> DeviceThread::start(RendererFactory factory, const Terms& terms, SceneMotion::Settings motion,
+                                 Calls calls) {
+  auto device = RenderDevice::open(std::move(factory), [this] { inbox_.push(BackgroundDone{}); });
+  if (!device) return device.error();
+  device_ = std::move(*device);
+  calls_ = std::move(calls);
+  const gpu::Renderer& renderer = device_->renderer();
+  const DeviceStatus status{renderer.device_name(), renderer.driver_name(), renderer.tracer_name(),
+                            renderer.raster_name(), renderer.pci_address()};
+  log::info("device open", {{"number", number_},
+                            {"device", status.name},
+                            {"driver", status.driver},
+                            {"tracer", status.tracer},
+                            {"raster", status.raster}});
+  status_.publish(status);
+  loop_ =
+      std::make_unique<RenderLoop>(terms, *device_, inbox_, metrics_, calls_.rendered, calls_.degraded, number_);
+  loop_->motion().configure(std::move(motion));
+  up_ = true;
+  thread_ = std::thread([this] { render(); });
+  return {};
+}
+
+void DeviceThread::stop() {
+  inbox_.push(StopRendering{});
+  if (thread_.joinable()) thread_.join();
+}
+
+void DeviceThread::render() {
+  std::vector<RenderEvent> batch;
+  while (true) {
+    show_life(batch);
+    if (tell_change()) {  // sessions may leave before the device is made anew, which takes its time
+      inbox_.take(batch, TimePoint::min());
+      handle(batch);
+    }
+    loop_->start(Clock::now());
+    if (scenes_may_differ(batch)) scenes_.publish(loop_->motion().report());
+    tell_change();
+    if (loop_->finished()) break;
+    publish(Clock::now());
+    inbox_.take(batch, std::min(next_report_, loop_->wake_at()));
+    handle(batch);
+  }
+  heartbeat_.end();
+  if (!loop_->failure()) return;
+  calls_.failed(*loop_->failure());
+  refuse_the_rest(*loop_->failure());
+}
+
+// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as its scenes.
+void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
+  const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
+    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event);
+  });
+  if (moved || loop_->frames_out() == 0) heartbeat_.beat();
+  if (!loop_->device_up()) heartbeat_.excuse_until(Clock::now() + kLongestBuild);
+}
+
+void DeviceThread::handle(std::vector<RenderEvent>& batch) {
+  for (RenderEvent& event : batch) loop_->handle(std::move(event), Clock::now());
+}
+
+bool DeviceThread::tell_change() {
+  const bool up = loop_->device_up() && !loop_->failure();
+  if (up_.exchange(up) == up) return false;
+  calls_.changed(up);
+  return true;
+}
+
+void DeviceThread::publish(TimePoint now) {
+  if (now < next_report_) return;
+  next_report_ = now + kReportInterval;
+  loop_->review_sessions(kReportInterval);
+  shares_.publish(loop_->shares());
+  costs_.publish(loop_->costs());
+  scenes_.publish(loop_->motion().report());
+  calls_.reported();
+}
+
+// Who waits for a scene to come here is told that it does not; nor is there room for anybody.
+void DeviceThread::refuse_the_rest(const Error& why) {
+  inbox_.close();
+  std::vector<RenderEvent> batch;
+  inbox_.take(batch, TimePoint::min());
+  for (const RenderEvent& event : batch) {
+    if (const auto* arrived = std::get_if<SceneArrived>(&event)) arrived->resident(why);
+    if (const auto* asked = std::get_if<RoomAsked>(&event)) asked->answer(why);
+  }
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,69 @@
+// One device: its render thread, what it is asked (an inbox), and what it publishes.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "daemon/metrics/status.h"
+#include "daemon/render/render_loop.h"
+#include "daemon/service/heartbeat.h"
+
+namespace gnomon::daemon {
+
+class DeviceThread {
+ public:
+  // All are called from the render thread, `rendered` from the device's completion thread.
+  struct Calls {
+    std::function<void(RenderedFrame)> rendered;
+    std::function<void(const SessionDegraded&)> degraded;
+    std::function<void(bool up)> changed;      // the device was lost, or is back
+    std::function<void(const Error&)> failed;  // once, at the end: it is beyond repair
+    std::function<void()> reported;            // shares(), costs() and scenes() are new
+  };
+
+  // `number`: among the daemon's devices. All references outlive it.
+  DeviceThread(uint32_t number, Metrics& metrics) : number_(number), metrics_(metrics) {}
+  ~DeviceThread() { stop(); }
+
+  // Opens the device and starts the thread. Error: it cannot be opened.
+  Result<void> start(RendererFactory factory, const Terms& terms, SceneMotion::Settings motion, Calls calls);
+  // Ends when the last lease has come back.
+  void stop();
+
+  // Any thread.
+  RenderInbox& inbox() { return inbox_; }
+  Heartbeat& heartbeat() { return heartbeat_; }
+  bool up() const { return up_; }
+  DeviceStatus status() const { return *status_.get(); }
+  std::shared_ptr<const ShareReport> shares() const { return shares_.get(); }
+  std::shared_ptr<const CostModels> costs() const { return costs_.get(); }
+  std::shared_ptr<const SceneReports> scenes() const { return scenes_.get(); }
+
+ private:
+  void render();
+  void show_life(const std::vector<RenderEvent>& done);
+  void publish(TimePoint now);
+  bool tell_change();
+  void handle(std::vector<RenderEvent>& batch);
+  void refuse_the_rest(const Error& why);
+
+  const uint32_t number_;
+  Metrics& metrics_;
+  Calls calls_;
+  RenderInbox inbox_;
+  Heartbeat heartbeat_;
+  std::atomic<bool> up_{false};
+  Published<DeviceStatus> status_;
+  Published<ShareReport> shares_;
+  Published<CostModels> costs_;
+  Published<SceneReports> scenes_;
+  TimePoint next_report_{};           // the render thread's
+  std::unique_ptr<RenderLoop> loop_;  // outlives the device, whose last frames report to it
+  std::unique_ptr<RenderDevice> device_;
+  std::thread thread_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,66 @@
+#include "daemon/render/render_device.h"
+
+namespace gnomon::daemon {
+
+Result<std::unique_ptr<RenderDevice>> RenderDevice::open(RendererFactory factory, std::function<void()> wake) {
+  auto renderer = factory();
+  if (!renderer) return renderer.error();
+  auto device = std::make_unique<RenderDevice>();
+  device->factory_ = std::move(factory);
+  device->wake_ = std::move(wake);
+  device->renderer_ = std::move(*renderer);
+  return device;
+}
+
+void RenderDevice::bring_scene(const scenes::LoadedScene& scene, Arrived arrived) {
+  if (scenes_.contains(scene.id)) return arrived(renderer_->footprint(scene.id));
+  const auto [arriving, is_new] = arriving_.try_emplace(scene.id, Arriving{scene, {}});
+  arriving->second.waiting.push_back(std::move(arrived));
+  if (is_new) bring(scene.id);
+}
+
+void RenderDevice::bring(SceneId id) {
+  const auto resident = [this, id](const Result<void>& made) {
+    if (!arriving_.contains(id)) return;  // refused meanwhile
+    if (!made) return answer(id, made.error());
+    scenes_.emplace(id, arriving_.at(id).scene.scene);
+    answer(id, renderer_->footprint(id));
+  };
+  renderer_->bring(id, arriving_.at(id).scene.scene, resident, wake_);
+}
+
+void RenderDevice::answer(SceneId id, const Result<gpu::SceneFootprint>& result) {
+  const auto arriving = arriving_.extract(id);
+  for (const Arrived& arrived : arriving.mapped().waiting) arrived(result);
+}
+
+void RenderDevice::refuse_arriving(const Error& why) {
+  while (!arriving_.empty()) answer(arriving_.begin()->first, why);
+}
+
+void RenderDevice::remove_scene(SceneId scene) {
+  renderer_->evict(scene);
+  scenes_.erase(scene);
+}
+
+Result<void> RenderDevice::rebuild(TimePoint now) {
+  losses_.push_back(now);
+  while (now - losses_.front() > kLossWindow) losses_.pop_front();
+  if (losses_.size() > kMaxLosses) {
+    return Error{"the device was lost " + std::to_string(losses_.size()) + " times within " +
+                 std::to_string(kLossWindow.count()) + " s"};
+  }
+  renderer_.reset();  // first: two renderers may not fit on the device
+  auto renderer = factory_();
+  if (!renderer) return renderer.error();
+  renderer_ = std::move(*renderer);
+  for (const auto& [id, scene] : scenes_) {
+    if (auto made = renderer_->make_resident(id, scene); !made) return made;
+  }
+  std::vector<SceneId> on_their_way;
+  for (const auto& [id, arriving] : arriving_) on_their_way.push_back(id);
+  for (const SceneId id : on_their_way) bring(id);
+  return {};
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,142 @@
+#include "daemon/render/scene_motion.h"
+
+#include <utility>
+
+namespace gnomon::daemon {
+
+SceneMotion::SceneMotion(RenderDevice& device, Metrics& metrics, std::function<void()> wake)
+    : device_(device), metrics_(metrics), wake_(std::move(wake)) {}
+
+void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedScene& scene) {
+  if (scenes_.contains(id)) return;
+  State& state = scenes_[id];
+  state.name = name;
+  state.loaded = scene;
+  state.wanted = scene.scene->lights;
+  look_for_unbuilt(id, state);
+  count(id, state);
+}
+
+void SceneMotion::look_for_unbuilt(SceneId id, State& state) {
+  state.unbuilt = device_.renderer().light_state(id).unbuilt > 0;
+  if (state.unbuilt) settle(id, state);
+}
+
+bool SceneMotion::unbuilt(SceneId scene) const {
+  const auto found = scenes_.find(scene);
+  return found != scenes_.end() && found->second.unbuilt;
+}
+
+SceneReports SceneMotion::report() const {
+  SceneReports reports;
+  const gpu::Renderer& renderer = device_.renderer();
+  for (const auto& [id, state] : scenes_) {
+    reports[id] = {state.name, renderer.footprint(id), renderer.light_state(id), renderer.build_progress(id),
+                   state.failed};
+  }
+  return reports;
+}
+
+// The clock stands still between its steps, so that frames of one step show the same.
+std::span<const scenes::Light> SceneMotion::lights_of(SceneId scene) const {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end()) return {};
+  return found->second.wanted;
+}
+
+scenes::SceneTime SceneMotion::time_of(SceneId scene, TimePoint now) const {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end()) return {};
+  constexpr int64_t kMicroseconds = 1'000'000;
+  const int64_t steps = to_microseconds(now - settings_.clock_start) * settings_.clock_hz / kMicroseconds;
+  const scenes::SceneTime time(steps * kMicroseconds / settings_.clock_hz);
+  return scenes::within_period(*found->second.loaded.scene, time);
+}
+
+std::optional<protocol::Moment> SceneMotion::moment_of(SceneId scene, TimePoint now) const {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end()) return std::nullopt;
+  const State& state = found->second;
+  if (!scenes::moves(*state.loaded.scene) && state.version == 0) return std::nullopt;
+  return protocol::Moment{static_cast<uint32_t>(time_of(scene, now).count()), state.version};
+}
+
+void SceneMotion::change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now) {
+  const auto found = scenes_.find(scene);
+  if (found == scenes_.end() || light >= found->second.wanted.size()) return;
+  State& state = found->second;
+  const auto changed = changed_light(state.wanted[light], state.loaded.scene->lights[light], change);
+  if (!changed) return;
+  state.wanted[light] = *changed;
+  ++state.asked;
+  state.changed_at = now;
+  if (!state.applying) apply(scene, state);
+}
+
+void SceneMotion::apply(SceneId id, State& state) {
+  state.applying = true;
+  const uint32_t asked = state.asked;
+  const auto changed = [this, id, asked, lights = state.wanted](Result<void> done) {
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end()) return;  // unloaded meanwhile
+    State& s = found->second;
+    s.applying = false;
+    if (!done) return log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
+    s.applied = asked;
+    s.version = asked;
+    log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
+    if (settings_.announce) settings_.announce({s.name, s.version, lights});
+    count(id, s);
+    if (s.asked != s.applied) apply(id, s);
+  };
+  device_.renderer().set_lights(id, state.wanted, changed, wake_);
+}
+
+void SceneMotion::settle(SceneId id, State& state) {
+  state.settling = true;
+  const auto done = [this, id, scene = state.loaded.scene,
+                     changed_at = state.changed_at](const Result<void>& built) {
+    const auto found = scenes_.find(id);
+    if (found == scenes_.end() || found->second.loaded.scene != scene) return;  // unloaded meanwhile
+    if (found->second.changed_at == changed_at) found->second.changed_at.reset();
+    settled(id, found->second, built);
+  };
+  device_.renderer().settle_lights(id, done, wake_);
+}
+
+void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {
+  state.settling = false;
+  state.failed = !done;
+  if (!done) return log::error("light buffers not built", {{"scene", state.name}, {"why", done.error().message}});
+  if (std::exchange(state.unbuilt, false)) {
+    built_.push_back(id);
+  } else {
+    metrics_.lights_rebuilt(state.name);
+  }
+  count(id, state);
+}
+
+std::vector<SceneId> SceneMotion::step(TimePoint now) {
+  device_.renderer().finish_background();
+  for (auto& [id, state] : scenes_) {
+    const bool due = state.changed_at && now - *state.changed_at >= settings_.light_rest;
+    if (due && !state.applying && !state.settling) settle(id, state);
+  }
+  return std::exchange(built_, {});
+}
+
+void SceneMotion::restore() {
+  for (auto& [id, state] : scenes_) {
+    state.applying = state.settling = false;
+    if (state.asked > 0) apply(id, state);
+    look_for_unbuilt(id, state);
+    count(id, state);
+  }
+}
+
+void SceneMotion::count(SceneId id, const State& state) {
+  metrics_.scene_resident(state.name, state.loaded, device_.renderer().footprint(id));
+  metrics_.scene_lights(state.name, device_.renderer().light_state(id));
+}
+
+}  // namespace gnomon::daemon

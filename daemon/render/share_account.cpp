@@ -1,0 +1,103 @@
+#include "daemon/render/share_account.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+using scheduler::RateLimit;
+
+constexpr Nanoseconds kBurst = 100ms;  // of a tenant's rates: its clients need not be in step
+
+}  // namespace
+
+void ShareAccount::set_terms(const Terms& terms) {
+  tenants_.resize(std::max(tenants_.size(), terms.tenants.size()));
+  for (size_t i = 0; i < terms.tenants.size(); ++i) {
+    Tenant& tenant = tenants_[i];
+    tenant.rates = terms.tenants[i].rates;
+    tenant.weight = terms.tenants[i].terms.weight;
+    tenant.buffers = RateLimit(tenant.part * tenant.rates.buffers_per_second, kBurst);
+    tenant.bits = RateLimit(tenant.part * tenant.rates.bits_per_second, kBurst);
+    tenant.bytes = RateLimit(tenant.part * tenant.rates.bytes_per_second, kBurst);
+    tenant.gpu = RateLimit(tenant.part * tenant.rates.gpu_share, kBurst);
+  }
+}
+
+// What was spent before stays spent. A part of 0 would be no limit: nobody is there to be limited.
+void ShareAccount::set_part(TenantId id, double part) {
+  if (part <= 0) return;
+  tenants_.resize(std::max<size_t>(tenants_.size(), id.value + 1));
+  Tenant& tenant = tenants_[id.value];
+  tenant.part = part;
+  tenant.buffers.set(part * tenant.rates.buffers_per_second);
+  tenant.bits.set(part * tenant.rates.bits_per_second);
+  tenant.bytes.set(part * tenant.rates.bytes_per_second);
+  tenant.gpu.set(part * tenant.rates.gpu_share);
+}
+
+void ShareAccount::look() {
+  for (Tenant& tenant : tenants_) tenant.always_busy &= tenant.waiting > 0;
+}
+
+void ShareAccount::started(TenantId id, bool begins_frame, uint64_t bits, TimePoint now) {
+  Tenant& tenant = tenants_[id.value];
+  if (begins_frame) tenant.buffers.spend(1, now);
+  tenant.bits.spend(static_cast<double>(bits), now);
+}
+
+void ShareAccount::sent(TenantId id, size_t bytes, TimePoint now) {
+  tenants_[id.value].bytes.spend(static_cast<double>(bytes), now);
+}
+
+void ShareAccount::finished(TenantId id, Nanoseconds predicted, Nanoseconds real, TimePoint now) {
+  Tenant& tenant = tenants_[id.value];
+  tenant.service += real;
+  tenant.recent += real;
+  tenant.gpu.spend(to_seconds(real), now);
+  if (real <= Nanoseconds{}) return;
+  tenant.errors += std::abs(to_seconds(predicted - real)) / to_seconds(real);
+  ++tenant.jobs;
+}
+
+TimePoint ShareAccount::open_at(TenantId id) const {
+  const Tenant& tenant = tenants_[id.value];
+  return std::max({tenant.buffers.open_at(), tenant.bits.open_at(), tenant.bytes.open_at(), tenant.gpu.open_at()});
+}
+
+ShareReport ShareAccount::report(const scheduler::Scheduler& policy) {
+  ShareReport report;
+  Nanoseconds all{};
+  double weights = 0, sum = 0, squares = 0;
+  int busy = 0;
+  for (const Tenant& tenant : tenants_) {
+    all += tenant.recent;
+    if (!tenant.always_busy) continue;
+    const double by_weight = to_seconds(tenant.recent) / tenant.weight;
+    ++busy;
+    weights += tenant.weight;
+    sum += by_weight;
+    squares += by_weight * by_weight;
+  }
+  if (busy > 1 && squares > 0) report.jain = sum * sum / (busy * squares);
+  for (uint32_t i = 0; i < tenants_.size(); ++i) {
+    Tenant& tenant = tenants_[i];
+    TenantReport row;
+    row.service = tenant.service;
+    row.share = all.count() > 0 ? to_seconds(tenant.recent) / to_seconds(all) : 0;
+    row.expected_share = tenant.always_busy ? tenant.weight / weights : 0;
+    row.lag = policy.standing(TenantId{i}).lag;
+    row.predicted_error = tenant.jobs > 0 ? tenant.errors / static_cast<double>(tenant.jobs) : 0;
+    report.worst_lag = std::max({report.worst_lag, row.lag, -row.lag});
+    report.tenants.push_back(row);
+    tenant.recent = {};
+    tenant.errors = 0;
+    tenant.jobs = 0;
+    tenant.always_busy = tenant.waiting > 0;
+  }
+  return report;
+}
+
+}  // namespace gnomon::daemon

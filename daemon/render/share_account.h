@@ -1,0 +1,64 @@
+// How the device was shared among tenants: what each got, and whether it always had work, over the last while.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "daemon/config/terms.h"
+#include "scheduler/rate_limit.h"
+
+namespace gnomon::daemon {
+
+struct TenantReport {
+  Nanoseconds service{};       // device time since the start
+  double share = 0;            // of the device time that all got in the last while
+  double expected_share = 0;   // by weight, among those that had work all the while; 0: it had not
+  Nanoseconds lag{};           // what the policy owes it
+  double predicted_error = 0;  // mean of |predicted - real| / real of its jobs in the last while
+};
+
+struct ShareReport {
+  std::vector<TenantReport> tenants;  // by TenantId
+  double jain =
+      1;  // of service by weight, of tenants that had work all the while; 1 where there are fewer than two
+  Nanoseconds worst_lag{};
+};
+
+// The render loop's.
+class ShareAccount {
+ public:
+  void set_terms(const Terms& terms);
+  // Of the tenant's rates this device allows so much: 0 to 1. At first all.
+  void set_part(TenantId tenant, double part);
+
+  void asked(TenantId tenant) { ++tenants_[tenant.value].waiting; }
+  void left_queue(TenantId tenant) { --tenants_[tenant.value].waiting; }
+  // Before every round of picks that has room: who has no work now was not busy all the while.
+  void look();
+
+  // A job was submitted: it counts against the tenant's rates.
+  void started(TenantId tenant, bool begins_frame, uint64_t bits, TimePoint now);
+  void sent(TenantId tenant, size_t bytes, TimePoint now);
+  void finished(TenantId tenant, Nanoseconds predicted, Nanoseconds real, TimePoint now);
+  // From when the tenant may start a frame.
+  TimePoint open_at(TenantId tenant) const;
+
+  ShareReport report(const scheduler::Scheduler& policy);  // and begins a new while
+
+ private:
+  struct Tenant {
+    double weight = 1;
+    TenantRates rates;
+    double part = 1;
+    scheduler::RateLimit buffers, bits, bytes, gpu;
+    uint32_t waiting = 0;  // sessions in the scheduler's queue
+    bool always_busy = true;
+    Nanoseconds service{}, recent{};
+    double errors = 0;  // sum, relative
+    uint64_t jobs = 0;
+  };
+
+  std::vector<Tenant> tenants_;
+};
+
+}  // namespace gnomon::daemon

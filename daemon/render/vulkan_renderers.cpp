@@ -1,0 +1,37 @@
+#include "daemon/render/vulkan_renderers.h"
+
+#include <algorithm>
+
+#include "gpu/vulkan_renderer.h"
+
+namespace gnomon::daemon {
+namespace {
+
+// Each tenant may have one frame in bands beside those that are done at once; unused slots take no memory.
+uint32_t frame_slots(const Config& config) {
+  constexpr size_t kMostInBands = 16;
+  return config.render.frames_in_flight + static_cast<uint32_t>(std::min(config.tenants.size(), kMostInBands));
+}
+
+}  // namespace
+
+std::vector<RendererFactory> vulkan_renderers(const Config& config) {
+  const RenderConfig& render = config.render;
+  gpu::RendererOptions options;
+  options.raster = render.raster;
+  options.tracer = render.tracer;
+  options.tracer_options.cache_folder = render.cache_folder;
+  options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
+  options.wait_for_builds = render.wait_for_light_buffers;
+  if (!render.passes.empty()) options.passes = render.passes;
+  options.frames_in_flight = frame_slots(config);
+  options.queues = render.queues;
+  std::vector<RendererFactory> factories;
+  for (const std::string& device : render.devices.empty() ? std::vector{render.device} : render.devices) {
+    options.device = device == "auto" ? "" : device;
+    factories.push_back([options] { return gpu::make_renderer(options); });
+  }
+  return factories;
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,125 @@
+#include "daemon/scenes/scene_host.h"
+
+namespace gnomon::daemon {
+
+SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics)
+    : registry_(catalog.sources(), {}), devices_(devices), metrics_(metrics), loader_([this] {
+        std::vector<Request> batch;
+        for (requests_.take(batch); !batch.empty(); requests_.take(batch)) {
+          for (Request& request : batch) {
+            if (requests_.closed()) break;
+            load(std::move(request));
+          }
+        }
+      }) {}
+
+SceneHost::~SceneHost() {
+  requests_.close();
+  loader_.join();
+}
+
+void SceneHost::fetch(const std::string& name, Ready ready) {
+  {
+    std::unique_lock lock(mutex_);
+    if (const auto found = resident_.find(name); found != resident_.end()) {
+      const SceneForUse scene{found->second.loaded, found->second.use};
+      lock.unlock();
+      return ready(scene);
+    }
+  }
+  requests_.push({name, std::move(ready)});
+}
+
+void SceneHost::load(Request request) {
+  auto loaded = registry_.get(request.name);
+  if (!loaded) return request.ready(loaded.error());
+  if (loaded->scene->lights.empty()) return request.ready(Error{"it has no lights: there is nothing to trace"});
+  SceneArrived arrived;
+  arrived.scene = *loaded;
+  arrived.name = request.name;
+  arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
+    if (!on_device) return refuse(request, on_device.error());
+    HostedScene hosted;
+    hosted.loaded = scene;
+    hosted.on_device = *on_device;
+    hosted.lights = {request.name, 0, scene.scene->lights};
+    request.ready(keep(request.name, hosted));
+  };
+  {
+    std::lock_guard lock(mutex_);
+    on_the_way_.insert(request.name);
+  }
+  if (!devices_.bring(arrived)) refuse(request, Error{"the server is stopping"});
+}
+
+void SceneHost::refuse(const Request& request, const Error& why) {
+  {
+    std::lock_guard lock(mutex_);
+    on_the_way_.erase(on_the_way_.find(request.name));
+  }
+  request.ready(why);
+}
+
+SceneForUse SceneHost::keep(const std::string& name, const HostedScene& scene) {
+  log::info("scene resident", {{"scene", name},
+                               {"device_bytes", scene.on_device.memory_bytes},
+                               {"tracer_bytes", scene.on_device.tracer_memory_bytes},
+                               {"build_seconds", scene.on_device.tracer_build_seconds},
+                               {"from_cache", scene.on_device.tracer_from_cache}});
+  std::lock_guard lock(mutex_);
+  on_the_way_.erase(on_the_way_.find(name));
+  const HostedScene& kept = resident_.emplace(name, scene).first->second;
+  return {kept.loaded, kept.use};
+}
+
+// Whoever got the scene before is seen here as a user, and whoever asks after this has it brought again: the devices
+// hear of both in this order.
+Result<void> SceneHost::unload(const std::string& name) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = resident_.find(name);
+    if (found == resident_.end()) return Error{"no such scene is resident"};
+    const long users = found->second.use.use_count() - 1;
+    if (users > 0) return Error{"sessions use it: " + std::to_string(users)};
+    if (on_the_way_.contains(name)) return Error{"it is being loaded"};
+    devices_.take_away(found->second.loaded.id);
+    resident_.erase(found);
+  }
+  registry_.forget(name);
+  metrics_.scene_unloaded(name);
+  log::info("scene unloaded", {{"scene", name}});
+  return {};
+}
+
+std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
+  const auto answered = std::make_shared<std::promise<Result<void>>>();
+  fetch(name, [answered](Result<SceneForUse> scene) {
+    answered->set_value(scene ? Result<void>() : Result<void>(scene.error()));
+  });
+  return answered->get_future();
+}
+
+void SceneHost::keep_lights(const LightsNews& news) {
+  std::lock_guard lock(mutex_);
+  const auto found = resident_.find(news.scene);
+  // Of several devices the slower ones announce older versions.
+  if (found != resident_.end() && news.version >= found->second.lights.version) found->second.lights = news;
+}
+
+LightsNews SceneHost::lights_of(const std::string& name) const {
+  std::lock_guard lock(mutex_);
+  const auto found = resident_.find(name);
+  return found == resident_.end() ? LightsNews{} : found->second.lights;
+}
+
+std::map<std::string, HostedScene> SceneHost::resident() const {
+  std::lock_guard lock(mutex_);
+  std::map<std::string, HostedScene> scenes = resident_;
+  for (auto& [name, scene] : scenes) {
+    scene.users = scene.use.use_count() - 2;  // ours and this copy's
+    scene.use.reset();
+  }
+  return scenes;
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,79 @@
+// Brings scenes from disk to the devices, each once: read on the loader's thread, made resident on the render threads.
+#pragma once
+
+#include <functional>
+#include <future>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/inbox.h"
+#include "daemon/metrics/metrics.h"
+#include "daemon/render/device_pool.h"
+#include "daemon/render/scene_motion.h"
+#include "daemon/scenes/scene_catalog.h"
+
+namespace gnomon::daemon {
+
+// A resident scene, for whoever uses it. It is not unloaded as long as `use` lives.
+struct SceneForUse : scenes::LoadedScene {
+  std::shared_ptr<const void> use;
+};
+
+struct HostedScene {
+  scenes::LoadedScene loaded;
+  gpu::SceneFootprint on_device;
+  LightsNews lights;
+  std::shared_ptr<const void> use = std::make_shared<char>();  // copies of it are the users
+  long users = 0;                                              // at the time of asking
+};
+
+class SceneHost {
+ public:
+  using Ready = std::function<void(Result<SceneForUse>)>;
+
+  // All references outlive the host.
+  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics);
+  ~SceneHost();  // requests that still wait are not answered
+
+  // Any thread. `ready` is called once, on the caller's, the loader's or a render thread.
+  void fetch(const std::string& name, Ready ready);
+
+  // For who waits elsewhere: the scene is resident, or why not. Needs running render threads.
+  using Fetches = std::vector<std::future<Result<void>>>;
+  std::future<Result<void>> fetch_later(const std::string& name);
+
+  // Any thread: takes a scene that nobody uses off the devices and out of memory; whoever asks for it next has its
+  // file read anew. Error: not resident, or in use.
+  Result<void> unload(const std::string& name);
+
+  std::map<std::string, HostedScene> resident() const;
+
+  // Any thread. The lights of a resident scene from now on, for those who are still to come.
+  void keep_lights(const LightsNews& news);
+  LightsNews lights_of(const std::string& name) const;
+
+ private:
+  struct Request {
+    std::string name;
+    Ready ready;
+  };
+
+  void load(Request request);
+  void refuse(const Request& request, const Error& why);
+  SceneForUse keep(const std::string& name, const HostedScene& scene);
+
+  scenes::Registry registry_;
+  DevicePool& devices_;
+  Metrics& metrics_;
+  mutable std::mutex mutex_;
+  std::map<std::string, HostedScene> resident_;  // guarded by mutex_
+  std::multiset<std::string> on_the_way_;        // to the devices; guarded by mutex_
+  Inbox<Request> requests_;
+  std::thread loader_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,33 @@
+// Who a client is: the tenant that its Hello names, if its token or its certificate is good for it.
+//
+// A stranger does not learn which tenants there are: a wrong token and a name that does not exist get the same answer
+// after the same work. The operator's counters do tell them apart.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/config/roster.h"
+#include "daemon/metrics/faults.h"
+#include "protocol/messages.h"
+
+namespace gnomon::daemon {
+
+// What a client is told, and what is counted.
+struct Rejected {
+  protocol::Refused refused;
+  Fault fault;
+};
+
+// `certificate_names`: of a client certificate that one of our authorities has signed; empty: it showed none. A client
+// that names no tenant is that of its certificate, else of the tenant `default`.
+std::variant<TenantId, Rejected> identify(const protocol::Hello& hello,
+                                          const std::vector<std::string>& certificate_names, const Roster& roster,
+                                          ServerMode mode);
+
+// Error: a tenant that nobody could connect as, and what to do about it.
+Result<void> check_tenants(const Config& config);
+
+}  // namespace gnomon::daemon

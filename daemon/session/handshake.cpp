@@ -1,0 +1,104 @@
+#include "daemon/session/handshake.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "protocol/seal_keys.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using protocol::Hello;
+using protocol::RefusalCode;
+using protocol::Refused;
+
+constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
+                               protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes;
+
+// What came from a stranger is shown, but not at any length.
+std::string shown(const std::string& text) {
+  std::string quoted(1, '\'');
+  return quoted.append(text, 0, 80).append(1, '\'');
+}
+
+std::optional<Refused> check_size(const Hello& hello, const RenderConfig& render) {
+  const bool inside =
+      hello.width >= 1 && hello.width <= render.max_width && hello.height >= 1 && hello.height <= render.max_height;
+  const bool border_inside = hello.border_x < hello.width && hello.border_y < hello.height;
+  if (inside && border_inside) return std::nullopt;
+  Refused refused = refusal(RefusalCode::bad_size, "");
+  refused.fit_width = std::clamp<uint16_t>(hello.width, 1, render.max_width);
+  refused.fit_height = std::clamp<uint16_t>(hello.height, 1, render.max_height);
+  refused.text = inside ? "the prediction border must be smaller than the buffer"
+                        : "the buffer may be 1x1 to " + std::to_string(render.max_width) + "x" +
+                              std::to_string(render.max_height) + " pixels";
+  return refused;
+}
+
+// Which passes run is the server's choice; a client may insist on ones that are among them.
+std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& render) {
+  for (const std::string& pass : hello.passes) {
+    if (std::find(render.passes.begin(), render.passes.end(), pass) != render.passes.end()) continue;
+    std::string offered;
+    for (const std::string& name : render.passes) offered += (offered.empty() ? "" : ", ") + name;
+    return refusal(RefusalCode::unknown_pass, "no pass " + shown(pass) + " here; there are: " + offered);
+  }
+  return std::nullopt;
+}
+
+// The client's first choice; of one that names none, what every client decodes or says that it does.
+protocol::CodecId choose_codec(const Hello& hello, const EncodeConfig& encode) {
+  if (!hello.codecs.empty()) return hello.codecs.front();
+  const bool context = (hello.features & protocol::kFeatureReferences) != 0;
+  return encode.codec == protocol::CodecId::tiles_context && !context ? protocol::CodecId::tiles_lz4 : encode.codec;
+}
+
+// Of those that the client decodes. They are numbered by density.
+protocol::CodecId densest_codec(const Hello& hello, const EncodeConfig& encode) {
+  if ((hello.features & protocol::kFeatureReferences) != 0) return protocol::CodecId::tiles_context;
+  if (hello.codecs.empty()) return choose_codec(hello, encode);
+  return *std::max_element(hello.codecs.begin(), hello.codecs.end());
+}
+
+// The client's wish: whoever has instructions for AES puts it first. ChaCha20 also where it is this machine that has
+// none, as a server seals for many. Every client must be able to use AES-128-GCM.
+protocol::CipherId choose_cipher(const std::vector<protocol::CipherId>& wanted) {
+  using protocol::CipherId;
+  static const bool aes_is_quick = protocol::has_aes_instructions();
+  if (wanted.empty()) return CipherId::aes_128_gcm;
+  const bool takes_chacha = std::find(wanted.begin(), wanted.end(), CipherId::chacha20_poly1305) != wanted.end();
+  return takes_chacha && !aes_is_quick ? CipherId::chacha20_poly1305 : wanted.front();
+}
+
+}  // namespace
+
+Refused refusal(RefusalCode code, std::string text) {
+  Refused refused;
+  refused.code = code;
+  refused.text = std::move(text);
+  return refused;
+}
+
+std::optional<Refused> check_version(const Hello& hello) {
+  if (protocol::kVersion >= hello.version_min && protocol::kVersion <= hello.version_max) return std::nullopt;
+  return refusal(RefusalCode::version, "this server speaks version " + std::to_string(protocol::kVersion));
+}
+
+std::variant<Accepted, Refused> check_hello(const Hello& hello, TenantId tenant, const Config& config,
+                                            const FindScene& find_scene) {
+  if (auto refused = check_size(hello, config.render)) return *refused;
+  if (auto refused = check_passes(hello, config.render)) return *refused;
+  std::string scene = find_scene(hello.scene);
+  if (scene.empty()) return refusal(RefusalCode::unknown_scene, "no scene " + shown(hello.scene) + " here");
+  return Accepted{tenant,
+                  std::move(scene),
+                  hello.width,
+                  hello.height,
+                  hello.rate_hz,
+                  choose_codec(hello, config.encode),
+                  densest_codec(hello, config.encode),
+                  choose_cipher(hello.ciphers),
+                  hello.features & kFeatures};
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,83 @@
+#include "daemon/session/seats.h"
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+namespace {
+
+protocol::Refused full(const std::string& whose, uint32_t limit) {
+  protocol::Refused refused;
+  refused.code = protocol::RefusalCode::too_many_sessions;
+  refused.text = whose + " has its " + std::to_string(limit) + " sessions already";
+  return refused;
+}
+
+// The number of a tenant's sessions is counted where seats are taken, before its scene is brought.
+scheduler::TenantLimits limits_of(const TenantConfig& tenant) {
+  return {.sessions = 0,
+          .width = tenant.max_width,
+          .height = tenant.max_height,
+          .buffers_per_second = double(tenant.max_vbps),
+          .bits_per_second = double(tenant.max_bits_per_s),
+          .bytes_per_second = double(tenant.max_bytes_per_s),
+          .gpu_share = tenant.max_gpu_percent / 100.0,
+          .memory_bytes = uint64_t{tenant.max_memory_mb} << 20};
+}
+
+}  // namespace
+
+Seat::~Seat() {
+  if (seats_) seats_->give_back(*this);
+}
+
+Seats::Seats(const Config& config, size_t devices) : devices_(static_cast<double>(devices)) { set_limits(config); }
+
+void Seats::set_limits(const Config& config) {
+  std::vector<scheduler::TenantLimits> limits;
+  for (const TenantConfig& tenant : config.tenants) limits.push_back(limits_of(tenant));
+  std::lock_guard lock(mutex_);
+  max_all_ = config.server.max_sessions;
+  max_per_address_ = config.server.max_sessions_per_address;
+  of_tenant_.resize(std::max(of_tenant_.size(), config.tenants.size()));
+  max_of_tenant_.clear();
+  for (const TenantConfig& tenant : config.tenants) max_of_tenant_.push_back(tenant.max_sessions);
+  admission_.set_limits(devices_ * config.scheduler.admit_percent / 100.0, std::move(limits));
+}
+
+std::variant<Seat, protocol::Refused> Seats::take(TenantId tenant, const asio::ip::address& address) {
+  std::lock_guard lock(mutex_);
+  const uint32_t tenant_limit = max_of_tenant_[tenant.value];
+  if (all_ >= max_all_) return full("the server", max_all_);
+  if (tenant_limit != 0 && of_tenant_[tenant.value] >= tenant_limit) return full("the tenant", tenant_limit);
+  const auto here = of_address_.find(address);
+  if (here != of_address_.end() && here->second >= max_per_address_) return full("your address", max_per_address_);
+  ++all_;
+  ++of_tenant_[tenant.value];
+  ++of_address_[address];
+  return Seat(*this, tenant, address);
+}
+
+std::optional<scheduler::Misfit> Seats::book(Seat& seat, const scheduler::Demand& demand,
+                                             const scheduler::CostModel& model) {
+  std::lock_guard lock(mutex_);
+  const auto verdict = admission_.book(seat.tenant_, demand, model);
+  if (const auto* misfit = std::get_if<scheduler::Misfit>(&verdict)) return *misfit;
+  seat.booking_ = std::get<scheduler::Booking>(verdict);
+  return std::nullopt;
+}
+
+void Seats::give_back(const Seat& seat) {
+  std::lock_guard lock(mutex_);
+  --all_;
+  --of_tenant_[seat.tenant_.value];
+  if (seat.booking_) admission_.release(seat.tenant_, *seat.booking_);
+  const auto here = of_address_.find(seat.address_);
+  if (--here->second == 0) of_address_.erase(here);
+}
+
+uint32_t Seats::taken() const {
+  std::lock_guard lock(mutex_);
+  return all_;
+}
+
+}  // namespace gnomon::daemon

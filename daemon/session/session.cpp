@@ -1,0 +1,162 @@
+#include "daemon/session/session.h"
+
+#include <utility>
+
+#include "daemon/frame/translate.h"
+
+namespace gnomon::daemon {
+namespace {
+
+// Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
+bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
+
+// Old news is as good a sign of where the client is.
+bool is_sound(const Received& received) {
+  return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
+}
+
+Fault fault_of(protocol::Rejection why) {
+  switch (why) {
+    case protocol::Rejection::header: return Fault::datagram_header;
+    case protocol::Rejection::session: return Fault::datagram_session;
+    case protocol::Rejection::replayed: return Fault::datagram_replayed;
+    case protocol::Rejection::forged: break;
+  }
+  return Fault::datagram_forged;
+}
+
+uint32_t mean_us(Nanoseconds sum, uint32_t count) {
+  return count == 0 ? 0 : static_cast<uint32_t>(to_microseconds(sum) / count);
+}
+
+}  // namespace
+
+Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now,
+                 KeptSession kept)
+    : id_(id),
+      accepted_(std::move(accepted)),
+      for_resuming_(std::move(kept)),
+      seat_(std::move(seat)),
+      told_width_(accepted_.width),
+      told_height_(accepted_.height),
+      seal_(std::move(seal)),
+      last_heard_(now),
+      link_(accepted_.features, life() > 0) {
+  if (accepted_.features & protocol::kFeatureReferences) references_ = std::make_shared<SessionReferences>();
+  // What was asked for before is not answered again: slices of two answers to one camera must not be mixed.
+  if (for_resuming_ && for_resuming_.record().newest_frame != 0)
+    newest_ = FrameId{for_resuming_.record().newest_frame};
+}
+
+void Session::forget() {
+  seal_.reset();
+  for_resuming_.forget();
+}
+
+Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
+  const auto opened = seal_->open(datagram);
+  if (!opened) return {std::nullopt, fault_of(seal_->rejection())};
+  // Answered wherever it comes from, and moves nothing: the client is trying out another way.
+  if (opened->header.kind == protocol::DatagramKind::ping) {
+    last_heard_ = now;
+    return {std::nullopt, std::nullopt, true};
+  }
+  const Received received = hear(opened->header.kind, opened->body, now);
+  if (is_sound(received)) {
+    address_ = from;
+    by_control_ = false;
+  }
+  return received;
+}
+
+Received Session::receive(const protocol::Data& data, TimePoint now) {
+  const Received received = hear(data.kind, data.body, now);
+  if (is_sound(received)) by_control_ = true;
+  return received;
+}
+
+Received Session::hear(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now) {
+  switch (kind) {
+    case protocol::DatagramKind::camera_update: {
+      const auto update = protocol::decode_camera_update(body);
+      if (!update) return {std::nullopt, Fault::datagram_body};
+      last_heard_ = now;
+      return hear(*update, now);
+    }
+    case protocol::DatagramKind::feedback: {
+      const auto feedback = protocol::decode_feedback(body);
+      if (!feedback) return {std::nullopt, Fault::datagram_body};
+      last_heard_ = now;
+      link_.hear(*feedback, now);
+      return {};
+    }
+    default: return {std::nullopt, Fault::datagram_kind};
+  }
+}
+
+Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
+  const bool again = newest_ == update.frame;
+  if (newest_ && !again && !is_newer(update.frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
+  if (references_) references_->client_has(update.have);
+  if (again && !link_.take_lost(update.frame, now)) return {};
+  newest_ = update.frame;
+  if (for_resuming_) for_resuming_.record().newest_frame = update.frame.value;
+  // The client's clock is not ours: its deadline counts from the arrival.
+  const auto until = std::chrono::microseconds(update.display_deadline_us);
+  const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
+  ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
+  view.tenant = accepted_.tenant;
+  ++window_.offered;
+  if (kept_) view.coalesced = kept_->coalesced + 1;
+  if (link_.takes_view(now)) return {released(view, now), std::nullopt};
+  kept_ = view;
+  return {};
+}
+
+ViewRequest Session::released(ViewRequest view, TimePoint now) {
+  kept_.reset();
+  ++window_.taken;
+  link_.view_taken(view.frame, now);
+  view.slice_body_bytes = link_.slice_body_bytes();
+  return view;
+}
+
+std::optional<ViewRequest> Session::take_kept(TimePoint now) {
+  if (!kept_ || !link_.takes_view(now)) return std::nullopt;
+  return released(*kept_, now);
+}
+
+TimePoint Session::kept_until(TimePoint now) const { return kept_ ? link_.takes_view_at(now) : TimePoint::max(); }
+
+std::optional<Session::Ended> Session::take_ended() {
+  while (const auto end = link_.take_end()) {
+    while (!under_way_.empty()) {
+      const UnderWay frame = under_way_.front();
+      under_way_.pop_front();
+      if (frame.meta.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
+    }
+  }
+  return std::nullopt;
+}
+
+void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
+  ++frames_;
+  coalesced_ += meta.coalesced;
+  ++recent_.frames;
+  recent_.queue += meta.submitted - meta.arrival;
+  recent_.gpu += meta.gpu;
+  recent_.total += sent - meta.arrival;
+}
+
+LinkReport Session::take_link_report() {
+  const LinkCounters before = std::exchange(reported_, link_.counters());
+  return {link_.counters() - before, link_.rate(), link_.rtt(), link_.queue_delay()};
+}
+
+protocol::Stats Session::take_stats() {
+  const Sums sums = std::exchange(recent_, {});
+  return {frames_, coalesced_, mean_us(sums.queue, sums.frames), mean_us(sums.gpu, sums.frames),
+          mean_us(sums.total, sums.frames)};
+}
+
+}  // namespace gnomon::daemon

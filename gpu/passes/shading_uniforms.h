@@ -1,0 +1,30 @@
+// What shaders/shade.comp reads from the host beside the masks (scalar block layout, resource `shading`).
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "gpu/scene/frame_uniforms.h"
+
+namespace gnomon::gpu {
+
+// The part of a light that colours; the part that casts shadows is exact::TracedLight.
+struct LightColour {
+  glm::vec3 colour{0.0f};                       // times intensity
+  float cone_scale = 0.0f, cone_offset = 1.0f;  // KHR_lights_punctual's lightAngleScale and lightAngleOffset
+};
+
+inline constexpr uint32_t kEveryLight = 0xffffffff;
+
+struct ShadingUniforms {
+  glm::vec3 ambient{0.0f};
+  float exposure = 1.0f;
+  glm::vec3 background{0.0f};
+  uint32_t view = 0;     // ShadeOptions::View; 3: linear luminance as float bits
+  uint32_t tonemap = 0;  // ShadeOptions::Tonemap
+  uint32_t only_light = kEveryLight;
+  LightColour lights[kMaxLights];
+};
+static_assert(sizeof(LightColour) == 20);
+static_assert(offsetof(ShadingUniforms, lights) == 40);
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,70 @@
+#include "gpu/picture/blocking_frame.h"
+
+#include <algorithm>
+
+#include "gpu/raster_choice.h"
+
+namespace gnomon::gpu {
+
+Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptions& options,
+                                                             const std::vector<std::string>& passes,
+                                                             const scenes::ScenePtr& scene) {
+  std::unique_ptr<BlockingFrame> self(new BlockingFrame);
+  auto device = Device::create({options.device, options.validation});
+  if (!device) return device.error();
+  self->device_ = *device;
+  if (std::find(passes.begin(), passes.end(), "trace") != passes.end()) {
+    auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
+    if (!tracer) return tracer.error();
+    self->tracer_ = std::move(*tracer);
+  }
+  const auto raster = choose_raster(*device, options.raster);
+  if (!raster) return raster.error();
+  self->raster_ = *raster;
+  auto lanes = Lanes::create(*device, with_raster(passes, *raster), self->tracer_.get(), 1);
+  if (!lanes) return lanes.error();
+  self->lanes_ = std::move(*lanes);
+  auto resident = ResidentScene::create(*device, scene, self->tracer_.get());
+  if (!resident) return resident.error();
+  self->scene_ = std::move(*resident);
+  return self;
+}
+
+Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const BlockingFrame& other,
+                                                                    const std::vector<std::string>& passes) {
+  std::unique_ptr<BlockingFrame> self(new BlockingFrame);
+  self->device_ = other.device_;
+  self->scene_ = other.scene_;
+  self->raster_ = other.raster_;
+  auto lanes = Lanes::create(self->device_, with_raster(passes, other.raster_), nullptr, 1);
+  if (!lanes) return lanes.error();
+  self->lanes_ = std::move(*lanes);
+  return self;
+}
+
+Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time) {
+  const TileGrid grid{width, height, scene_->light_count()};
+  if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
+  if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
+  posed_ = scene_->pose(time);
+  auto lane = lanes_->lane_for(*posed_);
+  if (!lane) return lane.error();
+  lane_ = *lane;
+  if (auto room = slot().reserve(lane_->plan, *scene_, grid); !room) return room.error();
+  return grid;
+}
+
+Result<FrameTiming> BlockingFrame::render(const CameraView& camera, const TileGrid& grid) {
+  if (auto begun = start(camera, grid); !begun) return begun.error();
+  if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
+  return slot().timing(lane_->plan);
+}
+
+Result<void> BlockingFrame::start(const CameraView& camera, const TileGrid& grid) {
+  const auto timeline = slot().submit(lane_->plan, *scene_, posed_, {camera, grid});
+  if (!timeline) return timeline.error();
+  started_ = *timeline;
+  return {};
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,62 @@
+// One scene, one slot: renders a frame and waits for it. What the reference view and the surface probe stand on; a
+// server uses Renderer.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/frame/lanes.h"
+#include "gpu/tracers/tracer.h"
+#include "gpu/vulkan_renderer.h"
+
+namespace gnomon::gpu {
+
+class BlockingFrame {
+ public:
+  // `options`' passes are replaced by `passes`; its tracer is made only if one of them traces.
+  static Result<std::unique_ptr<BlockingFrame>> create(const RendererOptions& options,
+                                                       const std::vector<std::string>& passes,
+                                                       const scenes::ScenePtr& scene);
+
+  // The same device, scene and raster for another list of passes, none of which traces. One thread with `other`.
+  static Result<std::unique_ptr<BlockingFrame>> create_beside(const BlockingFrame& other,
+                                                              const std::vector<std::string>& passes);
+
+  const Device& device() const { return *device_; }
+  const ResidentScene& scene() const { return *scene_; }
+  ResidentScene& scene() { return *scene_; }
+  const Tracer* tracer() const { return tracer_.get(); }
+  const DevicePtr& device_ptr() const { return device_; }
+
+  // Makes room for a frame of the scene at `time`, so that host() can be written. Error: size out of range, out of
+  // memory.
+  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {});
+  // Renders what was reserved and waits. Error: device lost, out of memory.
+  Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
+  // Begins to and does not wait: for passes that leave their results in given buffers, where frames that are rendered
+  // later, of this scene on this device, find them. Error: as render.
+  Result<void> start(const CameraView& camera, const TileGrid& grid);
+  // As FrameSlot::give.
+  void give(std::string_view resource, const Buffer& buffer) { slot().give(lane_->plan, resource, buffer); }
+  // Host memory of that resource, as FrameSlot::host.
+  std::span<std::byte> host(std::string_view resource) const { return slot().host(lane_->plan, resource); }
+  // As FrameSlot::packed.
+  PackedMaskView packed(const TileGrid& grid) const { return slot().packed(lane_->plan, grid); }
+
+ private:
+  BlockingFrame() = default;
+  FrameSlot& slot() const { return lane_->slots[0]; }
+
+  DevicePtr device_;
+  std::unique_ptr<Tracer> tracer_;
+  std::optional<Lanes> lanes_;
+  std::string raster_;
+  uint64_t started_ = 0;  // the timeline's value of the last frame; 0: none
+  Lane* lane_ = nullptr;  // of the frame that was reserved last
+  PosedScenePtr posed_;   // the same
+  std::shared_ptr<ResidentScene> scene_;
+};
+
+}  // namespace gnomon::gpu

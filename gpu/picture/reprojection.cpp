@@ -1,0 +1,146 @@
+#include "gpu/picture/reprojection.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "gpu/passes/passes.h"
+#include "gpu/passes/seen_view.h"
+
+namespace gnomon::gpu {
+namespace {
+
+constexpr size_t kBuffersKept = 12;
+
+void copy_into(std::span<std::byte> target, std::span<const std::byte> source) {
+  if (!source.empty()) std::memcpy(target.data(), source.data(), source.size());
+}
+
+uint64_t bytes_of(const TileGrid& grid) { return uint64_t{grid.width} * grid.height * sizeof(uint32_t); }
+
+void give_seen(BlockingFrame& frame, const RasterView& seen) {
+  const SeenView view(seen.camera, seen.width, seen.height);
+  copy_into(frame.host(resource::kSeenView), std::as_bytes(std::span(&view, 1)));
+  frame.give(resource::kSeenIds, *seen.ids);
+}
+
+}  // namespace
+
+std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const uint32_t> sources, uint32_t width,
+                                       uint32_t height) {
+  const TileGrid grid{width, height, seen.grid.lights};
+  std::vector<uint64_t> words(grid.word_count(), ~uint64_t{0});
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const uint32_t source = sources[size_t{y} * width + x];
+      if (source == 0) continue;
+      const uint32_t seen_x = (source - 1) % seen.grid.width, seen_y = (source - 1) / seen.grid.width;
+      const size_t tile = size_t{y / kTileSize} * grid.tiles_x() + x / kTileSize;
+      const uint64_t bit = uint64_t{1} << (y % kTileSize * kTileSize + x % kTileSize);
+      for (uint32_t light = 0; light < grid.lights; ++light)
+        if (!seen.lit(seen_x, seen_y, light)) words[size_t{light} * grid.tile_count() + tile] &= ~bit;
+    }
+  return words;
+}
+
+Result<Reprojection> Reprojection::create(const BlockingFrame& beside) {
+  Reprojection made;
+  made.device_ = beside.device_ptr();
+  auto seer = BlockingFrame::create_beside(beside, {"gbuffer", "keep_ids", "keep_masks"});
+  if (!seer) return seer.error();
+  auto shader =
+      BlockingFrame::create_beside(beside, {"gbuffer", "ids", "predict", "shade_predicted", "readback_color"});
+  if (!shader) return shader.error();
+  made.seer_ = std::move(*seer);
+  made.shader_ = std::move(*shader);
+  return made;
+}
+
+Result<BlockingFrame*> Reprojection::when_needed(std::unique_ptr<BlockingFrame>& frame,
+                                                 const std::vector<std::string>& passes) {
+  if (!frame) {
+    auto made = BlockingFrame::create_beside(*seer_, passes);
+    if (!made) return made.error();
+    frame = std::move(*made);
+  }
+  return frame.get();
+}
+
+// One that nobody holds any more, if there is one: what has read or written it comes before what is rendered next. A
+// client that predicts comes by with few of them, of two or three sizes.
+Result<std::shared_ptr<Buffer>> Reprojection::buffer(uint64_t bytes) {
+  bytes = std::max<uint64_t>(bytes, 16);
+  for (const auto& one : buffers_)
+    if (one.use_count() == 1 && one->bytes() == bytes) return one;
+  auto made = Buffer::create(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::device);
+  if (!made) return made.error();
+  if (buffers_.size() >= kBuffersKept)
+    std::erase_if(buffers_, [](const auto& one) { return one.use_count() == 1; });
+  buffers_.push_back(std::make_shared<Buffer>(std::move(*made)));
+  return buffers_.back();
+}
+
+Result<RasterView> Reprojection::rasterise(BlockingFrame& frame, const TileGrid& grid, const CameraView& camera,
+                                           scenes::SceneTime time) {
+  auto ids = buffer(bytes_of(grid));
+  if (!ids) return ids.error();
+  frame.give(resource::kIds, **ids);
+  if (auto begun = frame.start(camera, grid); !begun) return begun.error();
+  return RasterView{camera, grid.width, grid.height, time, std::move(*ids)};
+}
+
+Result<RasterView> Reprojection::rasterise(const CameraView& camera, uint32_t width, uint32_t height,
+                                           scenes::SceneTime time) {
+  const auto frame = when_needed(raster_, {"gbuffer", "keep_ids"});
+  if (!frame) return frame.error();
+  const auto grid = (*frame)->reserve(width, height, time);
+  if (!grid) return grid.error();
+  return rasterise(**frame, *grid, camera, time);
+}
+
+Result<RasterView> Reprojection::raster_of(const CameraView& camera, uint32_t width, uint32_t height,
+                                           std::span<const uint32_t> ids) {
+  auto buffer = upload(device_, std::as_bytes(ids));
+  if (!buffer) return buffer.error();
+  return RasterView{camera, width, height, {}, std::make_shared<Buffer>(std::move(*buffer))};
+}
+
+Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time) {
+  const uint32_t lights = seer_->scene().light_count();
+  if (masks.grid.lights != lights || masks.words.size() != masks.grid.word_count())
+    return Error{"a mask of " + std::to_string(masks.grid.lights) + " lights for a scene of " +
+                 std::to_string(lights)};
+  const auto grid = seer_->reserve(masks.grid.width, masks.grid.height, time);
+  if (!grid) return grid.error();
+  auto words = buffer(masks.words.size_bytes());
+  if (!words) return words.error();
+  seer_->give(resource::kGivenMasks, **words);
+  copy_into(seer_->host(resource::kUploadedMasks), std::as_bytes(masks.words));
+  auto raster = rasterise(*seer_, *grid, camera, time);
+  if (!raster) return raster.error();
+  return SeenMasks{std::move(*raster), masks.grid, std::move(*words)};
+}
+
+Result<std::span<const uint32_t>> Reprojection::sources(const RasterView& view, const RasterView& seen) {
+  if (const auto made = when_needed(finder_, {"predict", "readback_sources"}); !made) return made.error();
+  const auto grid = finder_->reserve(view.width, view.height, seen.time);
+  if (!grid) return grid.error();
+  give_seen(*finder_, seen);
+  finder_->give(resource::kIds, *view.ids);
+  if (auto rendered = finder_->render(view.camera, *grid); !rendered) return rendered.error();
+  const auto* found = reinterpret_cast<const uint32_t*>(finder_->host(resource::kHostSources).data());
+  return std::span(found, size_t{view.width} * view.height);
+}
+
+Result<std::span<const std::byte>> Reprojection::shade(const CameraView& camera, uint32_t width, uint32_t height,
+                                                       const SeenMasks& seen, std::span<const std::byte> shading) {
+  const auto grid = shader_->reserve(width, height, seen.raster.time);
+  if (!grid) return grid.error();
+  give_seen(*shader_, seen.raster);
+  shader_->give(resource::kGivenMasks, *seen.words);
+  copy_into(shader_->host(resource::kShading), shading);
+  if (auto rendered = shader_->render(camera, *grid); !rendered) return rendered.error();
+  return std::span<const std::byte>(shader_->host(resource::kHostColor).first(bytes_of(*grid)));
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,257 @@
+#include "gpu/scene/resident_scene.h"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+namespace gnomon::gpu {
+namespace {
+
+// Where the tracer builds for lights, it does so for those that stay: not for lights that animations move.
+std::vector<exact::TracedLight> lights_to_build_for(const Tracer& tracer, const scenes::Scene& scene,
+                                                    const std::vector<scenes::Light>& lights) {
+  std::vector<exact::TracedLight> out;
+  for (const scenes::Light& light : lights) {
+    const bool moves = light.moved_by != scenes::kNone && tracer.builds_for_lights();
+    out.push_back(moves ? silenced_light(scene.bounds) : traced_light(light, scene.bounds));
+  }
+  return out;
+}
+
+// Answers for no light: what frames trace with while a tracer still builds for a scene.
+Result<TracedLights> traced_for_none(const Tracer& tracer, const scenes::Scene& scene) {
+  TracedLights none{nullptr, {scene.lights.size(), silenced_light(scene.bounds)}};
+  const scenes::WorldMesh no_mesh;
+  const Buffer no_buffer;
+  auto traced = tracer.build({scene, no_mesh, none.built_for, false, no_buffer, no_buffer});
+  if (!traced) return traced.error();
+  none.traced = std::move(*traced);
+  return none;
+}
+
+}  // namespace
+
+exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds) {
+  exact::TracedLight traced{};
+  traced.position = light.position;
+  traced.direction = light.direction;
+  traced.outer_cone_cos = light.outer_cone_cos;
+  traced.reach = light.range;
+  switch (light.type) {
+    case scenes::LightType::point: traced.kind = 0; break;
+    case scenes::LightType::spot: traced.kind = 1; break;
+    case scenes::LightType::directional:
+      traced.kind = 2;
+      traced.reach = 2.0f * glm::length(bounds.max - bounds.min);
+      break;
+  }
+  return traced;
+}
+
+Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& device, const scenes::ScenePtr& scene,
+                                                             const Tracer* tracer, uint32_t slots, Built built) {
+  if (scene->lights.size() > kMaxLights)
+    return Error{"scene '" + scene->name + "' has " + std::to_string(scene->lights.size()) + " lights; at most " +
+                 std::to_string(kMaxLights) + " are supported"};
+  auto resident = std::make_unique<ResidentScene>();
+  resident->scene_ = scene;
+  resident->lights_ = scene->lights;
+  resident->moving_size_ = scenes::moving_mesh_size(*scene);
+  scenes::WorldMesh mesh = scenes::build_world_mesh(*scene);
+  resident->clusters_ = make_clusters(*scene, mesh);
+  if (auto done = resident->upload_mesh(device, mesh, slots); !done) return done.error();
+  if (auto done = resident->upload_clusters(device); !done) return done.error();
+  if (auto done = resident->upload_materials(device); !done) return done.error();
+  if (!tracer) return resident;
+  if (auto done = resident->build_traced(device, *tracer, mesh, built); !done) return done.error();
+  return resident;
+}
+
+Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& tracer,
+                                         const scenes::WorldMesh& mesh, Built built) {
+  built_for_lights_ = tracer.builds_for_lights();
+  traced_.built_for = lights_to_build_for(tracer, *scene_, lights_);
+  const TracerInput input{*scene_, mesh, traced_.built_for, true, positions_, triangles_};
+  auto traced = built == Built::everything ? tracer.build(input) : tracer.build_at_once(input);
+  if (!traced) return traced.error();
+  traced_.traced = std::move(*traced);
+  unbuilt_ = !traced_.traced;
+  if (unbuilt_) {
+    auto none = traced_for_none(tracer, *scene_);
+    if (!none) return none.error();
+    traced_ = std::move(*none);
+  }
+  if (!needs_still_bvh(lights_)) return {};
+  auto bvh = make_bvh_tracer(device)->build(input);
+  if (!bvh) return bvh.error();
+  still_bvh_ = std::move(*bvh);
+  return {};
+}
+
+std::vector<exact::TracedLight> ResidentScene::traced_lights(const std::vector<scenes::Light>& lights) const {
+  std::vector<exact::TracedLight> out;
+  for (const scenes::Light& light : lights) out.push_back(traced_light(light, scene_->bounds));
+  return out;
+}
+
+bool ResidentScene::needs_still_bvh(const std::vector<scenes::Light>& lights) const {
+  if (!built_for_lights_ || still_bvh_) return false;
+  const std::vector<exact::TracedLight> wanted = traced_lights(lights);
+  return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
+}
+
+Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
+  if (lights.size() != lights_.size()) return Error{"a scene keeps its number of lights"};
+  if (needs_still_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
+  for (size_t i = 0; i < lights.size(); ++i) lights[i].moved_by = lights_[i].moved_by;
+  lights_ = std::move(lights);
+  posed_.reset();
+  return {};
+}
+
+void ResidentScene::give_traced(TracedLights traced) {
+  traced_ = std::move(traced);
+  posed_.reset();
+  if (!std::exchange(unbuilt_, false)) return;
+  // Frames in flight keep the hierarchy that they were recorded with.
+  auto bvh = std::exchange(still_bvh_, nullptr);
+  if (needs_still_bvh(lights_)) still_bvh_ = std::move(bvh);
+}
+
+LightState ResidentScene::light_state() const {
+  LightState state;
+  const std::vector<exact::TracedLight> lights = traced_lights(lights_);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const bool animated = lights_[i].moved_by != scenes::kNone;
+    const bool built = !built_for_lights_ || same_light(lights[i], traced_.built_for[i]);
+    ++(animated || (!built && !unbuilt_) ? state.moving : built ? state.resting : state.unbuilt);
+  }
+  return state;
+}
+
+PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
+  if (posed_ && (posed_->time == time || !scenes::moves(*scene_))) return posed_;
+  auto posed = std::make_shared<PosedScene>();
+  posed->time = time;
+  posed->mesh = scenes::build_moving_mesh(*scene_, time);
+  if (traced_.traced) posed->bvh = build_bvh(posed->mesh, 1);
+  posed->draws = draws_of(*scene_, posed->mesh);
+  posed->lights = traced_lights(scenes::lights_at(*scene_, lights_, time));
+  posed->resting_lights = posed->lights;
+  posed->traced = traced_.traced;
+  if (built_for_lights_) {
+    for (size_t i = 0; i < posed->lights.size(); ++i) {
+      if (same_light(posed->lights[i], traced_.built_for[i])) continue;
+      posed->moving_lights[i / 32] |= 1u << (i % 32);
+      posed->resting_lights[i] = silenced_light(scene_->bounds);
+    }
+  }
+  if (posed->any_light_moves()) posed->still_bvh = still_bvh_;
+  posed_ = std::move(posed);
+  return posed_;
+}
+
+Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
+                                      const std::vector<scenes::Light>& lights, const BuildWatch& watch) {
+  scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
+  make_clusters(scene, mesh);  // for the order of the triangles
+  TracedLights built{nullptr, lights_to_build_for(tracer, scene, lights)};
+  const std::vector<exact::TracedLight> loaded = lights_to_build_for(tracer, scene, scene.lights);
+  const bool as_loaded =
+      std::equal(loaded.begin(), loaded.end(), built.built_for.begin(), built.built_for.end(), same_light);
+  const Buffer none;  // tracers that build for lights do so from the mesh
+  auto traced = tracer.build({scene, mesh, built.built_for, as_loaded, none, none, watch});
+  if (!traced) return traced.error();
+  built.traced = std::move(*traced);
+  return built;
+}
+
+Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene) {
+  scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
+  make_clusters(scene, mesh);
+  const Buffer none;
+  auto traced = make_bvh_tracer(device)->build({scene, mesh, {}, false, none, none});
+  if (!traced) return traced.error();
+  return std::shared_ptr<const TracedScene>(std::move(*traced));
+}
+
+Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots) {
+  vertex_count_ = static_cast<uint32_t>(mesh.positions.size());
+  triangle_count_ = static_cast<uint32_t>(mesh.triangles.size());
+  const VkBufferUsageFlags build =
+      device->features().ray_query ? VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR : 0;
+  const size_t vertices = size_t{slots} * moving_size_.vertices, triangles = size_t{slots} * moving_size_.triangles;
+  const auto put = [&](Buffer& into, const auto& list, size_t room, VkBufferUsageFlags usage) -> Result<void> {
+    std::remove_cvref_t<decltype(list)> grown;
+    if (room > 0) {
+      grown = list;
+      grown.resize(list.size() + room);
+    }
+    auto buffer = upload(device, std::as_bytes(std::span(room > 0 ? grown : list)), usage);
+    if (!buffer) return buffer.error();
+    into = std::move(*buffer);
+    return {};
+  };
+  if (auto r = put(positions_, mesh.positions, vertices, build); !r) return r;
+  if (auto r = put(normals_, mesh.normals, vertices, 0); !r) return r;
+  if (auto r = put(uvs_, mesh.uvs, vertices, 0); !r) return r;
+  if (auto r = put(triangles_, mesh.triangles, triangles, build); !r) return r;
+  return put(triangle_materials_, mesh.materials, triangles, 0);
+}
+
+Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
+  auto clusters = upload(device, std::as_bytes(std::span(clusters_.clusters)));
+  if (!clusters) return clusters.error();
+  cluster_buffer_ = std::move(*clusters);
+  auto chunks = upload(device, std::as_bytes(std::span(clusters_.chunks)));
+  if (!chunks) return chunks.error();
+  chunk_buffer_ = std::move(*chunks);
+  return {};
+}
+
+Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
+  for (const scenes::Texture& texture : scene_->textures) {
+    auto buffer = upload(device, std::as_bytes(std::span(texture.rgba)));
+    if (!buffer) return buffer.error();
+    textures_.push_back(std::move(*buffer));
+  }
+  std::vector<MaterialRecord> records;
+  for (const scenes::Material& material : scene_->materials) {
+    MaterialRecord record;
+    record.base_color = material.base_color;
+    record.emissive = material.emissive;
+    record.alpha_cutoff = material.alpha_cutoff;
+    if (material.base_color_texture != scenes::kNone) {
+      const scenes::Texture& texture = scene_->textures[material.base_color_texture];
+      record.texels = textures_[material.base_color_texture].address();
+      record.texture_width = texture.width;
+      record.texture_height = texture.height;
+      record.wrap_u = static_cast<uint32_t>(texture.wrap_u);
+      record.wrap_v = static_cast<uint32_t>(texture.wrap_v);
+    }
+    records.push_back(record);
+  }
+  auto buffer = upload(device, std::as_bytes(std::span(records)));
+  if (!buffer) return buffer.error();
+  materials_ = std::move(*buffer);
+  return {};
+}
+
+uint64_t ResidentScene::memory_bytes() const {
+  uint64_t bytes = traced_.traced ? traced_.traced->memory_bytes() : 0;
+  if (still_bvh_) bytes += still_bvh_->memory_bytes();
+  for (const Buffer* b : {&positions_, &normals_, &uvs_, &triangles_, &triangle_materials_, &materials_,
+                          &cluster_buffer_, &chunk_buffer_})
+    bytes += b->bytes();
+  for (const Buffer& texture : textures_) bytes += texture.bytes();
+  return bytes;
+}
+
+void ResidentScene::describe(FrameUniforms& frame, const PosedScene& posed) const {
+  frame.scene = {positions_.address(),          normals_.address(),  uvs_.address(), triangles_.address(),
+                 triangle_materials_.address(), materials_.address()};
+  frame.light_count = light_count();
+  std::copy(posed.lights.begin(), posed.lights.end(), frame.lights);
+}
+
+}  // namespace gnomon::gpu

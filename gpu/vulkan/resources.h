@@ -1,0 +1,77 @@
+// Buffers and images: move-only owners that park themselves when dropped.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "gpu/vulkan/device.h"
+
+namespace gnomon::gpu {
+
+class Buffer {
+ public:
+  // Every buffer has a device address; `usage` says what else it is for. Error: out of memory.
+  static Result<Buffer> create(const DevicePtr& device, uint64_t bytes, VkBufferUsageFlags usage, MemoryUse use);
+
+  Buffer() = default;
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~Buffer();
+
+  VkBuffer handle() const { return buffer_; }
+  VkDeviceAddress address() const { return address_; }
+  uint64_t bytes() const { return bytes_; }
+  std::byte* mapped() const { return static_cast<std::byte*>(piece_.mapped); }
+
+ private:
+  void swap(Buffer& other);
+
+  DevicePtr device_;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  MemoryPiece piece_;
+  VkDeviceAddress address_ = 0;
+  uint64_t bytes_ = 0;
+};
+
+// A 2D image of one level with a view of all of it.
+class Image {
+ public:
+  static Result<Image> create(const DevicePtr& device, VkExtent2D size, VkFormat format, VkImageUsageFlags usage);
+
+  Image() = default;
+  Image(Image&& other) noexcept { swap(other); }
+  Image& operator=(Image&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~Image();
+
+  VkImage handle() const { return image_; }
+  VkImageView view() const { return view_; }
+  VkFormat format() const { return format_; }
+
+ private:
+  void swap(Image& other);
+
+  DevicePtr device_;
+  VkImage image_ = VK_NULL_HANDLE;
+  VkImageView view_ = VK_NULL_HANDLE;
+  VkFormat format_ = VK_FORMAT_UNDEFINED;
+  MemoryPiece piece_;
+};
+
+VkImageAspectFlags aspect_of(VkFormat format);
+
+// What was written before is seen by everything that comes later on the queue.
+void all_before_all_after(VkCommandBuffer commands);
+
+// Records commands, submits them and waits for their end. For loading, never for frames.
+Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommandBuffer)>& record);
+
+// A device buffer with this content; blocking.
+Result<Buffer> upload(const DevicePtr& device, std::span<const std::byte> content, VkBufferUsageFlags usage = 0);
+
+}  // namespace gnomon::gpu

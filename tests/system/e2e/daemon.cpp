@@ -1,0 +1,109 @@
+#include "tests/system/e2e/daemon.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+namespace gnomon::tests {
+namespace fs = std::filesystem;
+namespace {
+
+// What a scene's light buffers were built to is kept for the next daemon of the same test program.
+std::string with_cache(std::string config) {
+  static const TemporaryFolder cache;
+  const std::string device = "device: cpu";
+  if (const size_t at = config.find(device); at != std::string::npos) {
+    config.insert(at, "cache_folder: " + cache.path().string() + ", ");
+  }
+  return config;
+}
+
+fs::path write_config(const fs::path& folder, const std::string& text) {
+  const fs::path file = folder / "gnomond.yaml";
+  std::ofstream(file) << with_cache(text);
+  return file;
+}
+
+// The whole answer.
+std::string ask(const client::Address& server, const std::string& request) {
+  const int connection = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(server.port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string answer;
+  if (connect(connection, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
+    send(connection, request.data(), request.size(), MSG_NOSIGNAL);
+    std::array<char, 8192> bytes;
+    for (ssize_t count; (count = recv(connection, bytes.data(), bytes.size(), 0)) > 0;) {
+      answer.append(bytes.data(), static_cast<size_t>(count));
+    }
+  }
+  close(connection);
+  return answer;
+}
+
+constexpr const char* kHeaders = " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
+
+std::string get(const client::Address& server, const std::string& path) {
+  const std::string answer = ask(server, "GET " + path + kHeaders + "\r\n");
+  const size_t body = answer.find("\r\n\r\n");
+  return body == std::string::npos ? "" : answer.substr(body + 4);
+}
+
+}  // namespace
+
+fs::path living_room_file() {
+  return fs::path(GNOMON_BINARY_DIR).parent_path() / "share" / "gnomon" / "scenes" / "living_room.glb";
+}
+
+Daemon::Daemon(const std::string& config)
+    : process_("gnomond", {"--config", write_config(folder_.path(), config).string()}, folder_.path()) {
+  std::smatch found;
+  std::string output;
+  eventually([&] {
+    output = process_.output();
+    return output.find("gnomond ready") != std::string::npos || !process_.running();
+  });
+  const std::regex ready(R"(gnomond ready control=(\S+) data=(\d+)\S* admin=http://(\S+) pin=(\S+))");
+  if (!std::regex_search(output, found, ready)) {
+    ADD_FAILURE() << "gnomond did not get ready:\n" << output;
+    return;
+  }
+  control_ = client::parse_address(found[1].str()).value();
+  data_port_ = static_cast<uint16_t>(std::stoi(found[2]));
+  admin_ = client::parse_address(found[3].str()).value();
+  pin_ = found[4].str();
+}
+
+void Daemon::rewrite_config(const std::string& text) const { write_config(folder_.path(), text); }
+
+std::string Daemon::page(const std::string& path) const { return get(admin_, path); }
+
+std::string Daemon::post(const std::string& path, const std::string& json) const {
+  const std::string answer =
+      ask(admin_, "POST " + path + kHeaders + "Content-Type: application/json\r\nContent-Length: " +
+                      std::to_string(json.size()) + "\r\n\r\n" + json);
+  return answer.substr(0, answer.find("\r\n"));
+}
+
+double Daemon::metric(const std::string& name, const std::vector<std::string>& labels) const {
+  std::istringstream lines(page("/metrics"));
+  double sum = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(name + "{", 0) != 0 && line.rfind(name + " ", 0) != 0) continue;
+    bool all = true;
+    for (const auto& label : labels) all = all && line.find(label) != std::string::npos;
+    if (all) sum += std::stod(line.substr(line.rfind(' ')));
+  }
+  return sum;
+}
+
+}  // namespace gnomon::tests

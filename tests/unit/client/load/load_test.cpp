@@ -1,0 +1,122 @@
+// gnomon-load's parts, and its clients against a scripted server.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "client/cli/options.h"
+#include "client/load/load_plan.h"
+#include "client/load/load_report.h"
+#include "client/load/load_run.h"
+#include "tests/unit/client/net/fake_server.h"
+#include "tests/unit/protocol/masks.h"
+
+namespace gnomon::client {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+TEST(LoadPlan, SplitsClientsAmongTenants) {
+  const fs::path token = fs::temp_directory_path() / ("gnomon-token-" + std::to_string(getpid()));
+  std::ofstream(token) << "secret\n";
+  const auto plan = plan_load({"studio:" + token.string() + ":2", "arcade::6"}, 8);
+  fs::remove(token);
+  ASSERT_TRUE(plan) << plan.error().message;
+  ASSERT_EQ(plan->size(), 2u);
+  EXPECT_EQ((*plan)[0].tenant, "studio");
+  EXPECT_EQ((*plan)[0].token, "secret");
+  EXPECT_EQ((*plan)[0].clients, 2u);
+  EXPECT_EQ((*plan)[1].token, "");
+  EXPECT_EQ(plan_load({}, 5)->front().clients, 5u);
+}
+
+TEST(LoadPlan, RefusesWhatDoesNotAddUp) {
+  EXPECT_FALSE(plan_load({}, 0));
+  EXPECT_EQ(plan_load({"a::3"}, 4).error().message, "--clients 4 but the tenants have 3");
+  EXPECT_FALSE(plan_load({"a:/no/such/file:3"}, 0));
+  for (const char* text : {"", "a", "a:3", "::3", "a::0", "a::x", "a::3x"}) EXPECT_FALSE(parse_group(text)) << text;
+}
+
+TEST(Options, SizesAreCheckedAgainstWhatTheWireCarries) {
+  EXPECT_EQ(parse_size("1920x1080")->width, 1920);
+  EXPECT_EQ(parse_size("1920x1080")->height, 1080);
+  EXPECT_EQ(parse_size("0x36", 0)->width, 0);
+  for (const char* text : {"", "x", "10", "10x", "x10", "0x10", "10x7681", "-1x5", "10x10x10", "1e3x10"}) {
+    EXPECT_FALSE(parse_size(text)) << text;
+  }
+}
+
+TEST(LoadRun, CountsWhatTheServerAnswered) {
+  const TileGrid grid{64, 48, 2};
+  const auto mask = tests::noise(grid, 4);
+  tests::FakeServer server([&](tests::Peer& peer) {
+    peer.read();
+    peer.welcome(tests::small_welcome(64, 48, 2));
+    for (int i = 0; i < 20; ++i) {
+      const auto camera = peer.read_new_camera();
+      if (!camera) return;
+      peer.send_frame(camera->frame, mask.view());
+    }
+    peer.read_new_camera();  // by then the last answer has been counted
+  });
+  const LoadOptions options{.server = server.address(),
+                            .trust = tests::FakeServer::trust(),
+                            .scene = "none",
+                            .scene_folder = {},
+                            .size = {64, 48},
+                            .rate_hz = 0,
+                            .duration = 30s};
+  LoadRun run(options, *plan_load({}, 1));
+  Progress progress;
+  const auto done = run.run(progress);
+  ASSERT_TRUE(done) << done.error().message;
+  const auto rows = load_rows(run);
+  ASSERT_EQ(rows.size(), 3u);
+  for (const auto& row : rows) {
+    EXPECT_EQ(row.frames, 20u);
+    EXPECT_EQ(row.counters.wrong_frames, 0u);
+    EXPECT_EQ(row.latencies.count(), 20u);
+    EXPECT_GT(row.vbps, 0);
+    EXPECT_GT(row.bytes_per_frame(), 64 * 48 * 2 / 8) << "noise does not compress";
+  }
+  EXPECT_NE(rows[0].error, "") << "the server ended the session early";
+
+  const Report report = load_report(options, run, rows);
+  EXPECT_EQ(report.suite, "load");
+  EXPECT_EQ(report.driver, "fake");
+  ASSERT_EQ(report.rows.size(), 3u);
+  EXPECT_EQ(report.rows[0]["scope"], "client");
+  EXPECT_EQ(report.rows[1]["scope"], "tenant");
+  EXPECT_EQ(report.rows[2]["scope"], "total");
+  for (const char* key : {"vbps", "p50_ms", "p99_ms", "bytes_per_frame", "lost_slices", "frames", "wrong_frames"}) {
+    for (const auto& row : report.rows) EXPECT_TRUE(row.contains(key) && row[key].is_number()) << key;
+  }
+}
+
+TEST(LoadRun, NobodyThereIsAnError) {
+  Address address;
+  {
+    tests::FakeServer server([](tests::Peer& peer) { peer.hang_up(); });
+    address = server.address();
+    Loop loop;
+    StreamOptions options;
+    options.connect.server = address;
+    VisibilityStream first(loop, options, {});
+    EXPECT_FALSE(first.wait_open());
+  }
+  LoadRun run({.server = address,
+               .trust = tests::FakeServer::trust(),
+               .scene = "none",
+               .scene_folder = {},
+               .size = {64, 48}},
+              *plan_load({}, 3));
+  Progress progress;
+  const auto done = run.run(progress);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("cannot reach"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gnomon::client

@@ -1,0 +1,119 @@
+// How a session begins and does not begin, against a server that plays a script.
+#include <gtest/gtest.h>
+
+#include "tests/unit/client/net/fake_server.h"
+#include "tests/unit/client/stream/watched.h"
+
+namespace gnomon::client {
+namespace {
+
+using tests::FakeServer;
+using tests::kGrid;
+using tests::kHeight;
+using tests::kLights;
+using tests::kWidth;
+using tests::options_for;
+using tests::Peer;
+using tests::Watched;
+using namespace std::chrono_literals;
+
+TEST(Connection, SaysHelloAndIsWelcomed) {
+  std::optional<protocol::Message> hello, bye;
+  {
+    FakeServer server([&](Peer& peer) {
+      hello = peer.read();
+      peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
+      bye = peer.read();
+    });
+    auto options = options_for(server.address());
+    options.connect.hello.tenant = "museum";
+    options.connect.hello.token = "secret";
+    Watched watched(options);
+    const auto opened = watched.stream.wait_open();
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(watched.stream.grid(), kGrid);
+    EXPECT_EQ(watched.stream.scene().name, "little");
+    EXPECT_EQ(watched.stream.connection().state(), Connection::State::open);
+    watched.stream.close("seen enough");
+    EXPECT_EQ(watched.stream.connection().state(), Connection::State::closed);
+    EXPECT_FALSE(watched.stream.connection().failure()) << "closing on purpose is no failure";
+  }
+  ASSERT_TRUE(hello && bye);
+  EXPECT_EQ(std::get<protocol::Hello>(*hello).tenant, "museum");
+  EXPECT_EQ(std::get<protocol::Hello>(*hello).token, "secret");
+  EXPECT_EQ(std::get<protocol::Bye>(*bye).reason, "seen enough");
+}
+
+TEST(Connection, ARefusalSaysWhyAndWhatWouldFit) {
+  FakeServer server([](Peer& peer) {
+    peer.read();
+    peer.write(protocol::Refused{protocol::RefusalCode::over_capacity, "the device is full", 1280, 720, 30});
+  });
+  Watched watched(options_for(server.address()));
+  const auto opened = watched.stream.wait_open();
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().message, "refused (over_capacity): the device is full; would fit: 1280x720 at 30 Hz");
+  ASSERT_TRUE(watched.stream.connection().refusal());
+  EXPECT_EQ(watched.stream.connection().refusal()->code, protocol::RefusalCode::over_capacity);
+}
+
+TEST(Connection, NobodyListeningIsOneClearLine) {
+  Address address;
+  {
+    FakeServer server([](Peer& peer) { peer.hang_up(); });
+    address = server.address();
+    Watched first(options_for(address));
+    EXPECT_FALSE(first.stream.wait_open());
+  }
+  Watched watched(options_for(address));
+  const auto opened = watched.stream.wait_open();
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().message.rfind("cannot reach " + to_string(address) + ": ", 0), 0u)
+      << opened.error().message;
+}
+
+TEST(Connection, MalformedBytesCloseWithAReason) {
+  FakeServer server([](Peer& peer) {
+    peer.read();
+    peer.write_bytes(std::vector<uint8_t>(4096, 0xff));
+    peer.read();
+  });
+  Watched watched(options_for(server.address()));
+  const auto opened = watched.stream.wait_open();
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("malformed"), std::string::npos) << opened.error().message;
+}
+
+TEST(Connection, AnEndBeforeWelcomeIsAnError) {
+  FakeServer server([](Peer& peer) { peer.read(); });
+  Watched watched(options_for(server.address()));
+  const auto opened = watched.stream.wait_open();
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("closed the connection"), std::string::npos);
+}
+
+TEST(Connection, ASilentServerIsGivenUp) {
+  FakeServer server([](Peer& peer) {
+    peer.read();
+    peer.read();  // the client's closing
+  });
+  auto options = options_for(server.address());
+  options.connect.timeout = 100ms;
+  Watched watched(options);
+  const auto opened = watched.stream.wait_open();
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("no answer from 127.0.0.1:"), std::string::npos);
+}
+
+TEST(Connection, AWelcomeLargerThanAskedForIsRefused) {
+  FakeServer server([](Peer& peer) {
+    peer.read();
+    peer.welcome(tests::small_welcome(kWidth, kHeight + 1, kLights));
+    peer.read();
+  });
+  Watched watched(options_for(server.address()));
+  EXPECT_FALSE(watched.stream.wait_open());
+}
+
+}  // namespace
+}  // namespace gnomon::client

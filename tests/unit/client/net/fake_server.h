@@ -1,0 +1,77 @@
+// A server that plays a script to one client, over TLS: for what a real one never does.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/net/address.h"
+#include "client/net/trust.h"
+#include "daemon/security/certificates.h"
+#include "protocol/codec.h"
+#include "protocol/messages.h"
+#include "protocol/seal.h"
+
+struct ssl_st;
+struct ssl_ctx_st;
+
+namespace gnomon::tests {
+
+// The server's end of one connection. Everything waits five seconds at most and then gives nothing.
+class Peer {
+ public:
+  Peer(int listener, ssl_ctx_st* tls);
+  ~Peer();
+
+  std::optional<protocol::Message> read();
+  void write(const protocol::Message& message);
+  void write_bytes(std::span<const uint8_t> bytes);
+  void hang_up();  // without Bye
+
+  // Fills in session and data port, says Welcome.
+  void welcome(protocol::Welcome message);
+  std::optional<protocol::CameraUpdate> read_camera();             // whatever comes
+  std::optional<protocol::CameraUpdate> read_new_camera();         // skips repetitions
+  std::optional<protocol::CameraUpdate> read_camera_by_control();  // what else comes is passed over
+  void send_frame_by_control(FrameId frame, const TileMaskView& mask);
+  // To where the last camera came from.
+  void send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload);
+  void send_frame(FrameId frame, const TileMaskView& mask);
+  void send_raw(std::span<const uint8_t> datagram);
+
+ private:
+  int stream_ = -1;
+  ssl_st* tls_ = nullptr;
+  int datagrams_ = -1;
+  std::vector<uint8_t> client_address_;
+  FrameId newest_{0};
+  protocol::MessageReader reader_;
+  std::unique_ptr<protocol::Seal> seal_;
+};
+
+class FakeServer {
+ public:
+  using Script = std::function<void(Peer&)>;
+
+  // The script runs on a thread of its own once a client has connected; so often, one connection after the other.
+  explicit FakeServer(Script script, int connections = 1, const daemon::Identity& identity = usual_identity());
+  ~FakeServer();  // waits for the script's end
+
+  const client::Address& address() const { return address_; }
+  static client::Trust trust(const daemon::Identity& identity = usual_identity());  // pins its certificate
+  static const daemon::Identity& usual_identity();
+
+ private:
+  int listener_;
+  ssl_ctx_st* tls_;
+  client::Address address_;
+  std::thread thread_;
+};
+
+// A Welcome for a little scene of `lights` lights.
+protocol::Welcome small_welcome(uint16_t width, uint16_t height, size_t lights);
+
+}  // namespace gnomon::tests

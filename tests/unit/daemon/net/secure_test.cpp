@@ -1,0 +1,302 @@
+// Who is let in and who is not, over real connections: tokens, certificates, versions; floods of connections and junk.
+#include <sys/stat.h>
+
+#include <random>
+
+#include "daemon/net/demo_certificate.h"
+#include "daemon/security/certificates.h"
+#include "tests/unit/daemon/net/served.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+using protocol::RefusalCode;
+using Use = CertificateOptions::Use;
+
+class Secure : public Served {
+ protected:
+  void SetUp() override {
+    Served::SetUp();
+    config_.server.mode = ServerMode::production;
+    config_.server.tls = {write_identity("server", server_), folder_ / "server-key.pem", {}};
+    config_.tenants = {{.name = "studio", .token_sha256 = {hash_of("s")}},
+                       {.name = "arcade", .token_sha256 = {hash_of("a")}}};
+  }
+
+  std::filesystem::path write_identity(const std::string& name, const Identity& identity) {
+    const auto key = folder_ / (name + "-key.pem"), certificate = folder_ / (name + ".pem");
+    std::ofstream(key) << identity.key;
+    chmod(key.c_str(), 0600);
+    std::ofstream(certificate) << identity.certificate;
+    return certificate;
+  }
+
+  static Identity make(const std::string& name, Use use, const Identity* issuer,
+                       std::chrono::seconds lasts = std::chrono::hours(1)) {
+    CertificateOptions options{.name = name, .hosts = {}, .use = use};
+    options.lasts = lasts;
+    return make_certificate(options, issuer).value();
+  }
+
+  void ask_for_client_certificates() {
+    write_identity("ca", authority_);
+    config_.server.tls.client_ca = folder_ / "ca.pem";
+  }
+
+  // A client that shows this certificate.
+  TestClient client_with(const std::string& name, const Identity& identity) {
+    write_identity(name, identity);
+    return TestClient(daemon_->control_port(), [&](SSL* tls) {
+      SSL_use_certificate_file(tls, (folder_ / (name + ".pem")).c_str(), SSL_FILETYPE_PEM);
+      SSL_use_PrivateKey_file(tls, (folder_ / (name + "-key.pem")).c_str(), SSL_FILETYPE_PEM);
+    });
+  }
+
+  static protocol::Hello hello(const std::string& tenant, const std::string& token) {
+    protocol::Hello hello = TestClient::hello(kScene);
+    hello.tenant = tenant;
+    hello.token = token;
+    return hello;
+  }
+
+  std::optional<RefusalCode> refusal_of(const protocol::Hello& hello) {
+    TestClient c = client();
+    c.send(hello);
+    const auto refused = c.receive_a<protocol::Refused>();
+    return refused ? std::optional(refused->code) : std::nullopt;
+  }
+
+  std::string failure() {
+    const auto daemon = try_start();
+    return daemon ? "started" : daemon.error().message;
+  }
+
+  Identity authority_ = make("authority", Use::authority, nullptr);
+  Identity server_ = make("server", Use::server, &authority_);
+};
+
+TEST_F(Secure, TokensOpenTheirOwnTenant) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(hello("studio", "s")));
+  c.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame(1), 1));
+  EXPECT_EQ(refusal_of(hello("studio", "a")), RefusalCode::bad_token) << "another tenant's";
+  EXPECT_EQ(refusal_of(hello("studio", "")), RefusalCode::bad_token);
+  EXPECT_EQ(count_of(Fault::refused_bad_token), 2u);
+  EXPECT_EQ(refusal_of(hello("nobody", "s")), RefusalCode::bad_token) << "which tenants there are is no stranger's";
+  EXPECT_EQ(count_of(Fault::refused_unknown_tenant), 1u);
+}
+
+TEST_F(Secure, AReloadTakesAwayAToken) {
+  start();
+  Config next = config_;
+  next.tenants[0].token_sha256 = {hash_of("new")};
+  ASSERT_TRUE(daemon_->reload(next));
+  EXPECT_EQ(refusal_of(hello("studio", "s")), RefusalCode::bad_token);
+  TestClient c = client();
+  EXPECT_TRUE(c.join(hello("studio", "new")));
+}
+
+TEST_F(Secure, AClientCertificateStandsForAToken) {
+  ask_for_client_certificates();
+  start();
+  TestClient c = client_with("studio", make("studio", Use::client, &authority_));
+  EXPECT_TRUE(c.join(hello("", "")));
+  TestClient other = client_with("arcade", make("arcade", Use::client, &authority_));
+  other.send(hello("studio", ""));
+  const auto refused = other.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::bad_token);
+  TestClient by_token = client();
+  EXPECT_TRUE(by_token.join(hello("studio", "s"))) << "it is not asked for";
+}
+
+TEST_F(Secure, ACertificateThatIsNotGoodIsRefusedInTheHandshake) {
+  ask_for_client_certificates();
+  start();
+  const Identity stranger = make("stranger", Use::authority, nullptr);
+  const std::vector<std::pair<const char*, Identity>> bad = {
+      {"expired", make("studio", Use::client, &authority_, -60s)},
+      {"foreign", make("studio", Use::client, &stranger)},
+      {"self_signed", make("studio", Use::client, nullptr)},
+      {"server", make("studio", Use::server, &authority_)},
+  };
+  uint64_t refused = 0;
+  for (const auto& [name, identity] : bad) {
+    TestClient c = client_with(name, identity);
+    EXPECT_FALSE(c.join(hello("studio", "s"))) << name << ": not even with a good token";
+    ++refused;
+    EXPECT_TRUE(eventually([&] { return count_of(Fault::tls_certificate) == refused; })) << name;
+  }
+  TestClient honest = client();
+  EXPECT_TRUE(honest.join(hello("studio", "s")));
+}
+
+TEST_F(Secure, OlderTlsAndOtherProtocolsAreRefused) {
+  start();
+  TestClient old(daemon_->control_port(), [](SSL* tls) { SSL_set_max_proto_version(tls, TLS1_2_VERSION); });
+  EXPECT_FALSE(old.shook_hands());
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::tls_version) == 1; }));
+  TestClient other(daemon_->control_port(),
+                   [](SSL* tls) { SSL_set_alpn_protos(tls, reinterpret_cast<const uint8_t*>("\x02h2"), 3); });
+  EXPECT_FALSE(other.shook_hands());
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::tls_failed) == 1; }));
+}
+
+TEST_F(Secure, AVersionFromBeforeOrAfterOursIsRefusedWithItsCode) {
+  start();
+  for (const uint16_t version : {1, 3}) {
+    protocol::Hello asks = hello("studio", "s");
+    asks.version_min = asks.version_max = version;
+    EXPECT_EQ(refusal_of(asks), RefusalCode::version) << version;
+  }
+  // What a version 1 client sends, whose Hello has another layout: the first three fields are enough.
+  std::vector<uint8_t> ancient = {16, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2};
+  TestClient c = client();
+  c.send_bytes(ancient);
+  const auto refused = c.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::version);
+}
+
+TEST_F(Secure, DoesNotStartInsecurely) {
+  config_.server.tls = {};
+  EXPECT_NE(failure().find("gnomonctl make-certs --out DIR"), std::string::npos) << failure();
+  config_.server.tls.certificate = folder_ / "server.pem";
+  EXPECT_NE(failure().find("certificate and key are needed together"), std::string::npos);
+  config_.server.tls.key = folder_ / "server-key.pem";
+  chmod(config_.server.tls.key.c_str(), 0644);
+  EXPECT_NE(failure().find("may be read by others"), std::string::npos) << failure();
+  chmod(config_.server.tls.key.c_str(), 0600);
+  EXPECT_EQ(failure(), "started");
+
+  write_identity("other", make("other", Use::server, &authority_));
+  config_.server.tls.key = folder_ / "other-key.pem";
+  EXPECT_NE(failure().find("key values mismatch"), std::string::npos) << failure();
+  write_identity("old", make("old", Use::server, &authority_, -60s));
+  config_.server.tls = {folder_ / "old.pem", folder_ / "old-key.pem", {}};
+  EXPECT_NE(failure().find("has expired"), std::string::npos) << failure();
+  config_.server.tls = {folder_ / "none.pem", folder_ / "server-key.pem", {}};
+  EXPECT_NE(failure().find("server.tls.certificate"), std::string::npos) << failure();
+  config_.server.tls = {folder_ / "server.pem", folder_ / "server-key.pem", folder_ / "none.pem"};
+  EXPECT_NE(failure().find("server.tls.client_ca"), std::string::npos) << failure();
+  config_.server.tls.client_ca.clear();
+  config_.tenants.push_back({.name = "nobodys"});
+  EXPECT_NE(failure().find("nobody could connect as nobodys"), std::string::npos) << failure();
+}
+
+TEST_F(Secure, AReloadReadsTheCertificatesAnewForNewConnections) {
+  start();
+  TestClient before = client();
+  ASSERT_TRUE(before.join(hello("studio", "s")));
+  write_identity("server", make("server", Use::server, &authority_));  // in the same files
+  ask_for_client_certificates();
+  ASSERT_TRUE(daemon_->reload(config_));
+  TestClient after = client_with("studio", make("studio", Use::client, &authority_));
+  EXPECT_NE(after.server_pin(), before.server_pin());
+  EXPECT_EQ(after.server_pin(), daemon_->pin());
+  ASSERT_TRUE(after.join(hello("", ""))) << "its certificate is asked for now";
+  for (TestClient* c : {&before, &after}) {
+    c->send_view(1, 1);
+    EXPECT_TRUE(is_frame_of(*c, c->receive_frame(1), 1));
+  }
+}
+
+TEST_F(Secure, AReloadWithCertificatesOfNoUseChangesNothing) {
+  start();
+  const protocol::Pin pin = daemon_->pin();
+  TestClient before = client();
+  ASSERT_TRUE(before.join(hello("studio", "s")));
+  Config next = config_;
+  next.tenants[0].token_sha256 = {hash_of("new")};
+  const auto why = [&] {
+    const auto done = daemon_->reload(next);
+    return done ? "reloaded" : done.error().message;
+  };
+  write_identity("server", make("server", Use::server, &authority_, -60s));
+  EXPECT_NE(why().find("has expired"), std::string::npos);
+  std::ofstream(folder_ / "server.pem") << "half a certificate";
+  EXPECT_NE(why().find("server.tls.certificate"), std::string::npos);
+  next.server.tls = {};
+  EXPECT_NE(why().find("gnomonctl make-certs"), std::string::npos);
+  TestClient after = client();
+  EXPECT_EQ(after.server_pin(), pin);
+  EXPECT_TRUE(after.join(hello("studio", "s"))) << "nor have the tenants changed";
+  before.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(before, before.receive_frame(1), 1));
+}
+
+TEST_F(Secure, DemoModeKeepsItsCertificate) {
+  config_.server.mode = ServerMode::demo;
+  config_.server.tls = {};
+  start();
+  const protocol::Pin pin = daemon_->pin();
+  daemon_.reset();
+  start();
+  EXPECT_EQ(daemon_->pin(), pin);
+  struct stat info {};
+  ASSERT_EQ(stat((folder_ / "state/demo.pem").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0600u);
+  std::string shown;
+  std::getline(std::ifstream(folder_ / "state/demo.pin"), shown);
+  EXPECT_EQ(shown, protocol::to_string(pin));
+}
+
+TEST_F(Secure, AnAddressThatOpensConnectionAfterConnectionIsTurnedAway) {
+  config_.server.max_sessions_per_address = 8;
+  config_.server.connections_per_s = 1;
+  start();
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> flood;
+  for (int i = 0; i < 200; ++i) {
+    auto& socket = flood.emplace_back(io, asio::ip::tcp::endpoint(asio::ip::make_address("127.0.0.2"), 0));
+    asio::error_code ignored;
+    socket.connect({asio::ip::address_v4::loopback(), daemon_->control_port()}, ignored);
+  }
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::connection_rate) > 100; }));
+  TestClient honest = client();
+  EXPECT_TRUE(honest.join(hello("studio", "s"))) << "from another address";
+}
+
+TEST_F(Secure, AFloodOfJunkIsCountedToTheLastDatagramAndHarmsNobody) {
+  start();
+  TestClient honest = client(), victim = client();
+  ASSERT_TRUE(honest.join(hello("studio", "s")));
+  ASSERT_TRUE(victim.join(hello("arcade", "a")));
+  // Noise with the right version and kind; the victim's session with wrong tags; honest's datagrams in its name.
+  std::mt19937 random(1);
+  uint64_t sent = 0;
+  const auto all_counted = [&] {
+    return count_of(Fault::datagram_header) + count_of(Fault::datagram_session) +
+               count_of(Fault::datagram_replayed) + count_of(Fault::datagram_forged) ==
+           sent;
+  };
+  std::vector<uint8_t> forged = victim.sealed_view(1, 1);
+  for (uint32_t round = 1; round <= 100; ++round) {
+    for (int i = 0; i < 100; ++i) {
+      std::vector<uint8_t> junk(36 + random() % 1100);
+      for (uint8_t& byte : junk) byte = static_cast<uint8_t>(random());
+      junk[0] = static_cast<uint8_t>(protocol::kVersion);
+      junk[1] = 1;
+      victim.send_datagram(junk);
+      forged[20 + random() % (forged.size() - 20)] ^= static_cast<uint8_t>(1 + random() % 255);
+      victim.send_datagram(forged);
+      sent += 2;
+    }
+    auto spliced = honest.sealed_view(1000 + round, 1);
+    std::copy_n(forged.begin() + 4, 8, spliced.begin() + 4);  // the victim's session
+    victim.send_datagram(spliced);
+    ++sent;
+    honest.send_view(round, static_cast<float>(round));
+    ASSERT_TRUE(is_frame_of(honest, honest.receive_frame(round), static_cast<float>(round)));
+    ASSERT_TRUE(eventually(all_counted)) << daemon_->metrics().text();
+  }
+  victim.send_view(2, 3);
+  EXPECT_TRUE(is_frame_of(victim, victim.receive_frame(2), 3));
+  EXPECT_GE(count_of(Fault::datagram_forged), 10'000u);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon

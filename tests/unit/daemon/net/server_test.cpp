@@ -1,0 +1,426 @@
+// Clients that behave: joining, being refused, getting frames, leaving.
+#include "tests/unit/daemon/net/served.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using protocol::RefusalCode;
+using namespace std::chrono_literals;
+
+TEST_F(Served, WelcomesAndAnswersWithTheMasksOfTheCameraAskedFor) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  EXPECT_EQ(c.welcome().width, 32);
+  EXPECT_EQ(c.welcome().height, 24);
+  EXPECT_EQ(c.welcome().data_port, daemon_->data_ports()[0]);
+  EXPECT_EQ(c.welcome().scene.name, kScene);
+  EXPECT_EQ(c.welcome().scene.triangles, 1u);
+  EXPECT_EQ(c.welcome().scene.lights.size(), 1u);
+  for (uint32_t frame = 1; frame <= 20; ++frame) {
+    const float x = static_cast<float>(frame) / 4;
+    c.send_view(frame, x);
+    EXPECT_TRUE(is_frame_of(c, c.receive_frame(frame), x)) << frame;
+  }
+  EXPECT_TRUE(eventually([&] {
+    return metrics_say("gnomon_visibility_buffers_total{tenant=\"default\"} 20") &&
+           metrics_say("gnomon_scene_visibility_buffers_total{scene=\"triangle\"} 20");
+  })) << daemon_->metrics().text();
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1"));
+}
+
+TEST_F(Served, ServesManyClientsOverSeveralNetThreads) {
+  config_.server.net_threads = 3;
+  start();
+  EXPECT_EQ(daemon_->data_ports().size(), 3u);
+  std::vector<std::unique_ptr<TestClient>> clients;
+  for (int i = 0; i < 12; ++i) {
+    clients.push_back(std::make_unique<TestClient>(daemon_->control_port()));
+    ASSERT_TRUE(clients.back()->join(TestClient::hello(kScene))) << i;
+  }
+  for (uint32_t frame = 1; frame <= 5; ++frame) {
+    for (size_t i = 0; i < clients.size(); ++i) clients[i]->send_view(frame, static_cast<float>(i));
+    for (size_t i = 0; i < clients.size(); ++i) {
+      EXPECT_TRUE(is_frame_of(*clients[i], clients[i]->receive_frame(frame), static_cast<float>(i))) << i;
+    }
+  }
+}
+
+TEST_F(Served, FollowsAClientWhoseAddressChanges) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  c.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame(1), 1));
+  c.change_data_port();
+  c.send_view(2, 2);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame(2), 2));
+}
+
+TEST_F(Served, ServesOverTheControlConnectionAndBackAgain) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  for (uint32_t frame = 1; frame <= 5; ++frame) {
+    c.send_view_by_control(frame, static_cast<float>(frame));
+    EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(frame), static_cast<float>(frame))) << frame;
+  }
+  c.send_view(6, 6);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame(6), 6)) << "datagrams pass again";
+  c.send_view_by_control(7, 7);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(7), 7));
+}
+
+TEST_F(Served, AnswersPingsWithoutChangingWhereFramesGo) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  const auto pong = c.ping();
+  ASSERT_TRUE(pong);
+  EXPECT_EQ(pong->kind, protocol::DatagramKind::pong);
+  c.send_view_by_control(1, 1);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(1), 1));
+  EXPECT_TRUE(c.ping());
+  c.send_view_by_control(2, 2);
+  EXPECT_TRUE(is_frame_of(c, c.receive_frame_by_control(2), 2));
+}
+
+TEST_F(Served, SwitchingTheCodecLosesNoFrame) {
+  using protocol::CodecId;
+  config_.encode.threads = 3;
+  start();
+  TestClient client = this->client();
+  auto hello = TestClient::hello(kScene, 160, 120);
+  hello.features = protocol::kFeatureReferences;
+  ASSERT_TRUE(client.join(hello));
+  EXPECT_EQ(client.welcome().codec, CodecId::tiles_lz4);
+  ASSERT_TRUE(client.welcome().features & protocol::kFeatureReferences);
+  const TileGrid grid{160, 120, kLights};
+  uint32_t frame = 0;
+  const auto expect_frames = [&](CodecId codec, bool referred) {
+    for (int i = 0; i < 4; ++i) {
+      ++frame;
+      client.send_view(frame, 0.01f * static_cast<float>(frame % 2));
+      const std::vector<uint64_t> words = client.receive_frame(frame);
+      ASSERT_EQ(words.size(), grid.word_count()) << "frame " << frame;
+      gpu::CameraView camera;
+      camera.position.x = 0.01f * static_cast<float>(frame % 2);
+      for (size_t word = 0; word < words.size(); ++word) ASSERT_EQ(words[word], fake_word(camera, word));
+      EXPECT_EQ(client.codec(), codec);
+      EXPECT_EQ(client.referred(), referred && i > 0);
+    }
+  };
+  expect_frames(CodecId::tiles_lz4, false);
+  daemon_->choose_codec(client.welcome().session, CodecId::tiles_context);
+  expect_frames(CodecId::tiles_context, true);
+  daemon_->choose_codec(client.welcome().session, CodecId::raw32_lz4);
+  expect_frames(CodecId::raw32_lz4, false);
+  daemon_->choose_codec(client.welcome().session, CodecId::tiles_lz4);
+  expect_frames(CodecId::tiles_lz4, false);
+}
+
+TEST_F(Served, AClientThatKeepsNoFramesGetsNoneThatRefer) {
+  start();
+  TestClient client = this->client();
+  auto hello = TestClient::hello(kScene);
+  hello.codecs = {protocol::CodecId::tiles_context};
+  ASSERT_TRUE(client.join(hello));
+  for (uint32_t frame = 1; frame <= 3; ++frame) {
+    client.send_view(frame, 0.01f);
+    EXPECT_FALSE(client.receive_frame(frame).empty());
+    EXPECT_EQ(client.codec(), protocol::CodecId::tiles_context);
+    EXPECT_FALSE(client.referred());
+  }
+}
+
+TEST_F(Served, AConfiguredContextCodecIsForClientsThatDecodeIt) {
+  config_.encode.codec = protocol::CodecId::tiles_context;
+  start();
+  TestClient plain = client(), able = client();
+  ASSERT_TRUE(plain.join(TestClient::hello(kScene)));
+  EXPECT_EQ(plain.welcome().codec, protocol::CodecId::tiles_lz4);
+  auto hello = TestClient::hello(kScene);
+  hello.features = protocol::kFeatureReferences;
+  ASSERT_TRUE(able.join(hello));
+  EXPECT_EQ(able.welcome().codec, protocol::CodecId::tiles_context);
+}
+
+TEST_F(Served, ServesFilesBelowTheAllowedFoldersAndNoOthers) {
+  start();
+  for (const std::string& name : {std::string("another.gltf"), (folder_ / "files" / "another.gltf").string()}) {
+    TestClient c = client();
+    ASSERT_TRUE(c.join(TestClient::hello(name))) << name;
+    EXPECT_EQ(c.welcome().scene.name, "another.gltf");
+    c.send_view(1, 3);
+    EXPECT_TRUE(is_frame_of(c, c.receive_frame(1), 3));
+  }
+  for (const std::string& name : {std::string("../triangle.gltf"), (folder_ / "triangle.gltf").string(),
+                                  (folder_ / "files/../triangle.gltf").string(), std::string("/etc/passwd")}) {
+    TestClient c = client();
+    c.send(TestClient::hello(name));
+    const auto refused = c.receive_a<protocol::Refused>();
+    ASSERT_TRUE(refused) << name;
+    EXPECT_EQ(refused->code, RefusalCode::unknown_scene) << name;
+  }
+}
+
+// What is asked, what is refused. Every code that this server can say to a Hello.
+struct Refusal {
+  const char* name;
+  RefusalCode code;
+  std::function<void(protocol::Hello&)> change;
+};
+void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.name; }
+
+class Refuses : public Served, public testing::WithParamInterface<Refusal> {};
+
+TEST_P(Refuses, SaysWhyAndCounts) {
+  start();
+  protocol::Hello hello = TestClient::hello(kScene);
+  GetParam().change(hello);
+  TestClient c = client();
+  c.send(hello);
+  const auto refused = c.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, GetParam().code) << refused->text;
+  EXPECT_FALSE(refused->text.empty());
+  EXPECT_FALSE(c.receive()) << "the server closes after a refusal";
+  EXPECT_EQ(count_of(fault_of(GetParam().code)), 1u);
+  TestClient honest = client();
+  EXPECT_TRUE(honest.join(TestClient::hello(kScene)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Codes, Refuses,
+    testing::Values(
+        Refusal{"version", RefusalCode::version, [](auto& h) { h.version_min = h.version_max = 999; }},
+        Refusal{"tenant", RefusalCode::unknown_tenant, [](auto& h) { h.tenant = "nobody"; }},
+        Refusal{"scene", RefusalCode::unknown_scene, [](auto& h) { h.scene = "nowhere"; }},
+        Refusal{"broken_scene", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "broken.gltf"; }},
+        Refusal{"scene_without_lights", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "dark.gltf"; }},
+        Refusal{"size", RefusalCode::bad_size, [](auto& h) { h.width = 641; }},
+        Refusal{"pass", RefusalCode::unknown_pass,
+                [](auto& h) {
+                  h.passes = {"gbuffer", "bloom"};
+                }}),
+    [](const auto& instance) { return instance.param.name; });
+
+TEST_F(Served, ARefusedSizeSaysWhatWouldFit) {
+  start();
+  TestClient c = client();
+  c.send(TestClient::hello(kScene, 2000, 100));
+  const auto refused = c.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->fit_width, 640);
+  EXPECT_EQ(refused->fit_height, 100);
+}
+
+TEST_F(Served, WhoseFramesFindNoMemoryAtTheLeastSizeIsRefused) {
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "modest", .least_size_percent = 50}};
+  make_renderers_ = {[]() -> Result<std::unique_ptr<gpu::Renderer>> {
+    auto made = std::make_unique<SelfRunningFakeRenderer>(3, kLights, 0ms);
+    made->most_pixels = 64 * 48;
+    return std::unique_ptr<gpu::Renderer>(std::move(made));
+  }};
+  start();
+  protocol::Hello hello = TestClient::hello(kScene, 128, 96);
+  TestClient proud = client(), modest = client(), small = client();
+  proud.send(hello);
+  const auto refused = proud.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::over_capacity);
+  EXPECT_EQ(refused->text, "no memory for its frames: no memory, says the test");
+  EXPECT_EQ(count_of(Fault::refused_over_capacity), 1u);
+  hello.tenant = "modest";
+  EXPECT_TRUE(modest.join(hello)) << "64x48 would do";
+  ASSERT_TRUE(small.join(TestClient::hello(kScene, 64, 48)));
+  small.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(small, small.receive_frame(1), 1));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1")) << "who is refused has no seat";
+}
+
+TEST_F(Served, ARefusalForATenantsLimitSaysWhatWouldFit) {
+  config_.tenants = {{.name = kDefaultTenant, .max_vbps = 50, .max_width = 200}};
+  start();
+  protocol::Hello hello = TestClient::hello(kScene);
+  hello.rate_hz = 30;
+  TestClient first = client(), second = client(), third = client();
+  ASSERT_TRUE(first.join(hello));
+  second.send(hello);
+  const auto refused = second.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::over_capacity);
+  EXPECT_EQ(refused->fit_rate_hz, 20);
+  EXPECT_EQ(refused->fit_width, 0) << "no size would help";
+  EXPECT_NE(refused->text.find("visibility buffers"), std::string::npos);
+  hello.rate_hz = refused->fit_rate_hz;
+  EXPECT_TRUE(third.join(hello));
+
+  TestClient wide = client();
+  wide.send(TestClient::hello(kScene, 400, 100));
+  const auto too_wide = wide.receive_a<protocol::Refused>();
+  ASSERT_TRUE(too_wide);
+  EXPECT_EQ(too_wide->code, RefusalCode::bad_size);
+  EXPECT_EQ(too_wide->fit_width, 200);
+}
+
+TEST_F(Served, AReloadChangesTermsAndLimitsAndDropsNobody) {
+  config_.tenants = {{.name = kDefaultTenant}};
+  start();
+  TestClient stays = client(), late = client();
+  ASSERT_TRUE(stays.join(TestClient::hello(kScene)));
+  Config next = config_;
+  next.scheduler.policy = "priority";
+  next.tenants[0].max_sessions = 1;
+  ASSERT_TRUE(daemon_->reload(next));
+  late.send(TestClient::hello(kScene));
+  const auto refused = late.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::too_many_sessions);
+  stays.send_view(1, 2);
+  EXPECT_TRUE(is_frame_of(stays, stays.receive_frame(1), 2)) << "under the new policy";
+
+  EXPECT_FALSE(daemon_->reload(Error{"not a configuration"}));
+  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"done\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"failed\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_tenant_refusals_total{limit=\"sessions\",tenant=\"default\"} 1"));
+}
+
+TEST_F(Served, AReloadBringsTenantsAndClosesThoseThatAreGone) {
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "leaving"}};
+  start();
+  protocol::Hello leaving = TestClient::hello(kScene), arriving = leaving;
+  leaving.tenant = "leaving";
+  arriving.tenant = "arriving";
+  TestClient stays = client(), goes = client(), early = client();
+  ASSERT_TRUE(stays.join(TestClient::hello(kScene)));
+  ASSERT_TRUE(goes.join(leaving));
+  early.send(arriving);
+  EXPECT_EQ(early.receive_a<protocol::Refused>()->code, RefusalCode::unknown_tenant);
+
+  Config next = config_;
+  next.tenants = {{.name = "arriving", .weight = 3}, {.name = kDefaultTenant}};  // another order, too
+  ASSERT_TRUE(daemon_->reload(next));
+  EXPECT_EQ(goes.receive_a<protocol::Bye>()->reason, "the tenant is no longer served");
+  TestClient comes = client(), late = client();
+  ASSERT_TRUE(comes.join(arriving));
+  late.send(leaving);
+  EXPECT_EQ(late.receive_a<protocol::Refused>()->code, RefusalCode::unknown_tenant);
+  stays.send_view(1, 2);
+  comes.send_view(1, 3);
+  EXPECT_TRUE(is_frame_of(stays, stays.receive_frame(1), 2));
+  EXPECT_TRUE(is_frame_of(comes, comes.receive_frame(1), 3));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"arriving\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1"));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"leaving\"} 0"));
+
+  ASSERT_TRUE(daemon_->reload(config_));  // back again, as who it was
+  TestClient again = client();
+  ASSERT_TRUE(again.join(leaving));
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"leaving\"} 1"));
+}
+
+TEST_F(Served, LimitsSessionsAndGivesSeatsBack) {
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "small", .max_sessions = 1}};
+  config_.server.max_sessions = 3;
+  start();
+  protocol::Hello small = TestClient::hello(kScene);
+  small.tenant = "small";
+  TestClient first = client();
+  ASSERT_TRUE(first.join(small));
+  TestClient second = client();
+  second.send(small);
+  const auto refused = second.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, RefusalCode::too_many_sessions);
+  TestClient third = client(), fourth = client(), fifth = client();
+  EXPECT_TRUE(third.join(TestClient::hello(kScene)));
+  EXPECT_TRUE(fourth.join(TestClient::hello(kScene)));
+  fifth.send(TestClient::hello(kScene));
+  const auto full = fifth.receive_a<protocol::Refused>();
+  ASSERT_TRUE(full);
+  EXPECT_EQ(full->code, RefusalCode::too_many_sessions);
+
+  first.send(protocol::Bye{"done"});
+  ASSERT_TRUE(eventually([&] { return metrics_say("gnomon_sessions{tenant=\"small\"} 0"); }));
+  TestClient sixth = client();
+  EXPECT_TRUE(sixth.join(small));
+}
+
+TEST_F(Served, ReapsSilentAndVanishedSessions) {
+  config_.server.silence_timeout = 300ms;
+  start();
+  TestClient silent = client(), vanished = client();
+  ASSERT_TRUE(silent.join(TestClient::hello(kScene)));
+  ASSERT_TRUE(vanished.join(TestClient::hello(kScene)));
+  vanished.send_view(1, 1);
+  vanished.vanish();
+  const auto bye = silent.receive_a<protocol::Bye>();
+  ASSERT_TRUE(bye);
+  EXPECT_EQ(bye->reason, "silent");
+  EXPECT_TRUE(eventually([&] { return metrics_say("gnomon_sessions{tenant=\"default\"} 0"); }));
+}
+
+TEST_F(Served, DrainTellsTheClientsServesThemAndRefusesNewOnes) {
+  config_.server.drain_timeout = 30s;
+  start();
+  TestClient staying = client();
+  ASSERT_TRUE(staying.join(TestClient::hello(kScene)));
+  std::thread draining([&] { daemon_->drain(); });
+  const auto told = staying.receive_a<protocol::Draining>();
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->deadline_ms, 30'000u);
+  TestClient late = client();
+  late.send(TestClient::hello(kScene));
+  const auto refused = late.receive_a<protocol::Refused>();
+  EXPECT_TRUE(refused && refused->code == RefusalCode::draining);
+  staying.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(staying, staying.receive_frame(1), 1)) << "served until it leaves";
+  staying.send(protocol::Bye{"moving on"});
+  draining.join();
+}
+
+TEST_F(Served, DrainEndsAtItsDeadlineWithByeToThoseWhoStay) {
+  start();  // deadline: now
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  daemon_->drain();
+  EXPECT_TRUE(c.receive_a<protocol::Bye>());
+  EXPECT_FALSE(c.receive());
+}
+
+TEST_F(Served, PortsInUseAreAnErrorThatNamesTheKey) {
+  start();
+  const auto refused = [&](const std::function<void(Config&)>& change) {
+    Daemon::Options options;
+    options.config = config_;
+    change(options.config);
+    options.make_renderers = {[]() -> Result<std::unique_ptr<gpu::Renderer>> { return Error{"never reached"}; }};
+    const auto second = Daemon::start(std::move(options));
+    return second ? std::string("started") : second.error().message;
+  };
+  EXPECT_NE(
+      refused([&](Config& c) { c.server.control_port = daemon_->control_port(); }).find("server.control_port"),
+      std::string::npos);
+  EXPECT_NE(refused([&](Config& c) { c.server.data_port = daemon_->data_ports()[0]; }).find("server.data_port"),
+            std::string::npos);
+  EXPECT_NE(refused([&](Config& c) { c.admin.port = daemon_->admin_port(); }).find("admin.port"),
+            std::string::npos);
+  EXPECT_NE(refused([&](Config& c) { c.server.listen = "203.0.113.1"; }).find("server."), std::string::npos);
+}
+
+TEST_F(Served, AConfiguredSceneThatDoesNotLoadStopsTheStart) {
+  config_.scenes.list.push_back({"bad", folder_ / "files/broken.gltf", "gnomond.yaml:9: scenes.list"});
+  Daemon::Options options;
+  options.config = config_;
+  options.make_renderers = {[]() -> Result<std::unique_ptr<gpu::Renderer>> {
+    return std::unique_ptr<gpu::Renderer>(std::make_unique<FakeRenderer>(1));
+  }};
+  const auto daemon = Daemon::start(std::move(options));
+  ASSERT_FALSE(daemon);
+  EXPECT_NE(daemon.error().message.find("gnomond.yaml:9: scenes.list: scene bad"), std::string::npos)
+      << daemon.error().message;
+}
+
+}  // namespace
+}  // namespace gnomon::daemon

@@ -1,0 +1,89 @@
+// A render loop with a fake renderer, on the test's own thread and clock.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "daemon/render/render_loop.h"
+#include "tests/unit/daemon/render/fake_renderer.h"
+
+namespace gnomon::daemon {
+
+using namespace std::chrono_literals;
+inline constexpr SceneId kScene{0};
+inline constexpr TenantId kTenant{0};
+inline constexpr SessionId kA{11}, kB{22}, kSilent{33};
+
+class RenderLoopTest : public testing::Test {
+ protected:
+  static constexpr uint32_t kSlots = 2;
+
+  void SetUp() override {
+    device_ = std::move(*RenderDevice::open(
+        [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
+          ++renderers_made_;
+          if (no_more_renderers_) return Error{"no device left"};
+          auto made = std::make_unique<FakeRenderer>(slots_);
+          made->cpu = cpu_;
+          fake_ = made.get();
+          return std::unique_ptr<gpu::Renderer>(std::move(made));
+        },
+        [] {}));
+    loop_ = std::make_unique<RenderLoop>(
+        Terms{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_, inbox_,
+        metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
+        [this](const SessionDegraded& d) { degraded_.push_back(d); });
+    loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
+                               [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
+                  now_);
+    for (const SessionId session : {kA, kB, kSilent}) open(session);
+  }
+
+  void TearDown() override {
+    rendered_.clear();
+    device_.reset();
+  }
+
+  void open(SessionId session) {
+    loop_->handle(SessionOpened{session, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  }
+
+  void view(SessionId session, uint32_t frame) {
+    ViewRequest view{session, FrameId{frame}, {}, now_};
+    view.camera.position.x = static_cast<float>(frame);
+    loop_->handle(view, now_);
+  }
+
+  // What the thread does with its inbox, and then starts what fits.
+  void settle() {
+    std::vector<RenderEvent> batch;
+    do {
+      loop_->start(now_);
+      inbox_.take(batch, TimePoint::min());
+      for (RenderEvent& event : batch) loop_->handle(std::move(event), now_);
+    } while (!batch.empty());
+    now_ += 1ms;
+  }
+
+  std::vector<uint32_t> rendered_frames_of(SessionId session) {
+    std::vector<uint32_t> frames;
+    for (const RenderedFrame& frame : rendered_) {
+      if (frame.meta.session == session) frames.push_back(frame.meta.frame.value);
+    }
+    return frames;
+  }
+
+  uint32_t slots_ = kSlots;
+  TimePoint now_ = TimePoint(std::chrono::hours(1));
+  Metrics metrics_{{"default", "other"}, {}, "test"};
+  RenderInbox inbox_;
+  int renderers_made_ = 0;
+  bool no_more_renderers_ = false;
+  bool cpu_ = false;  // whether the device is one
+  FakeRenderer* fake_ = nullptr;
+  std::unique_ptr<RenderDevice> device_;
+  std::vector<RenderedFrame> rendered_;
+  std::vector<SessionDegraded> degraded_;
+  std::unique_ptr<RenderLoop> loop_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,441 @@
+#include "daemon/render/render_loop.h"
+
+#include "daemon/render/light_importance.h"
+#include "tests/unit/daemon/render/render_loop_fixture.h"
+
+namespace gnomon::daemon {
+namespace {
+
+TEST_F(RenderLoopTest, NewestCameraWinsAndTheOthersAreCounted) {
+  for (uint32_t frame = 1; frame <= kSlots; ++frame) {  // fill the device
+    view(kB, frame);
+    settle();
+  }
+  for (uint32_t frame = 1; frame <= 5; ++frame) view(kA, frame);
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots);
+  fake_->complete();
+  rendered_.clear();  // drops the lease: a slot is free
+  settle();
+  ASSERT_EQ(fake_->waiting(), kSlots);
+  EXPECT_EQ(fake_->job(1).camera.position.x, 5.0f);
+  fake_->complete();
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{5});
+  EXPECT_EQ(rendered_.back().meta.coalesced, 4u);
+  EXPECT_NE(metrics_.text().find("gnomon_frames_coalesced_total{tenant=\"default\"} 4"), std::string::npos);
+}
+
+TEST_F(RenderLoopTest, ASilentSessionHoldsNobodyUp) {
+  for (uint32_t frame = 1; frame <= 50; ++frame) {
+    view(kA, frame);
+    view(kB, frame);
+    settle();
+    ASSERT_EQ(fake_->waiting(), 2u);
+    fake_->complete();
+    fake_->complete();
+    EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{frame});
+    EXPECT_EQ(rendered_frames_of(kB), std::vector<uint32_t>{frame});
+    rendered_.clear();
+    settle();
+  }
+}
+
+TEST_F(RenderLoopTest, NeverSubmitsMoreThanTheSlots) {
+  for (uint64_t i = 100; i < 120; ++i) {
+    open(SessionId{i});
+    view(SessionId{i}, 1);
+  }
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots);
+  fake_->complete();  // done, but the lease is still out
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots - 1);
+  rendered_.clear();
+  settle();
+  EXPECT_EQ(fake_->waiting(), kSlots);
+}
+
+TEST_F(RenderLoopTest, FramesCarryWhatLaterStagesNeed) {
+  const TimePoint arrival = now_;
+  view(kA, 7);
+  now_ += 3ms;
+  settle();
+  fake_->complete(4ms);
+  ASSERT_EQ(rendered_.size(), 1u);
+  const FrameMeta& meta = rendered_[0].meta;
+  EXPECT_EQ(meta.arrival, arrival);
+  EXPECT_EQ(meta.submitted, arrival + 3ms);
+  EXPECT_EQ(meta.gpu, Nanoseconds(4ms));
+  EXPECT_EQ(meta.grid, rendered_[0].mask.mask().grid);
+  gpu::CameraView camera;
+  camera.position.x = 7;
+  EXPECT_EQ(unpacked(rendered_[0].mask.mask())[0], fake_word(camera, 0));
+}
+
+TEST_F(RenderLoopTest, AClosedSessionsViewIsDropped) {
+  for (uint32_t frame = 1; frame <= kSlots; ++frame) {
+    view(kB, frame);
+    settle();
+  }
+  view(kA, 1);
+  loop_->handle(SessionClosed{kA}, now_);
+  view(kA, 2);  // was on its way
+  while (fake_->waiting() > 0) {
+    fake_->complete();
+    rendered_.clear();
+    settle();
+  }
+  EXPECT_EQ(metrics_.count_of(Fault::session_gone), 2u);
+  view(kB, 9);
+  settle();
+  ASSERT_EQ(fake_->waiting(), 1u);
+  EXPECT_EQ(fake_->job(0).camera.position.x, 9.0f);
+}
+
+TEST_F(RenderLoopTest, ASessionMayCloseWhileItsFrameIsOnTheDevice) {
+  view(kA, 1);
+  settle();
+  loop_->handle(SessionClosed{kA}, now_);
+  fake_->complete();
+  rendered_.clear();
+  settle();
+  EXPECT_EQ(fake_->free_slots(), kSlots);
+}
+
+TEST_F(RenderLoopTest, StopsWhenTheLastLeaseHasComeBack) {
+  view(kA, 1);
+  settle();
+  view(kB, 1);
+  loop_->handle(StopRendering{}, now_);
+  EXPECT_FALSE(loop_->finished());
+  fake_->complete();
+  settle();
+  EXPECT_FALSE(loop_->finished()) << "the lease is still out";
+  rendered_.clear();
+  settle();
+  EXPECT_TRUE(loop_->finished());
+  EXPECT_EQ(fake_->waiting(), 0u) << "the view that was pending is not rendered";
+  view(kB, 2);
+  EXPECT_EQ(metrics_.count_of(Fault::view_draining), 2u);
+}
+
+TEST_F(RenderLoopTest, ALostDeviceIsMadeAnewWithItsScenesAndSessionsGoOn) {
+  view(kA, 1);
+  view(kB, 1);
+  settle();
+  fake_->complete(1ms, true);
+  settle();
+  EXPECT_EQ(renderers_made_, 1) << "a frame is still on the old device";
+  EXPECT_FALSE(loop_->device_up());
+  view(kA, 2);
+  fake_->complete(1ms, true);
+  settle();
+  EXPECT_EQ(renderers_made_, 2);
+  EXPECT_TRUE(loop_->device_up());
+  EXPECT_EQ(fake_->resident(), std::set<SceneId>{kScene});
+  ASSERT_EQ(fake_->waiting(), 1u);
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{2});
+  EXPECT_EQ(metrics_.count_of(Fault::device_lost), 2u);
+}
+
+TEST_F(RenderLoopTest, ADeviceThatIsLostTooOftenIsGivenUp) {
+  for (uint32_t loss = 1; loss <= kMaxLosses + 1; ++loss) {
+    EXPECT_FALSE(loop_->finished()) << loss;
+    view(kA, loss);
+    settle();
+    fake_->complete(1ms, true);
+    settle();
+  }
+  EXPECT_TRUE(loop_->finished());
+  ASSERT_TRUE(loop_->failure());
+  EXPECT_NE(loop_->failure()->message.find("lost 4 times within 60 s"), std::string::npos);
+}
+
+TEST_F(RenderLoopTest, LossesFarApartAreForgiven) {
+  for (uint32_t loss = 1; loss <= 3 * kMaxLosses; ++loss) {
+    view(kA, loss);
+    settle();
+    fake_->complete(1ms, true);
+    settle();
+    now_ += kLossWindow;
+  }
+  EXPECT_FALSE(loop_->failure());
+}
+
+TEST_F(RenderLoopTest, AFailedRebuildIsAFailure) {
+  no_more_renderers_ = true;
+  view(kA, 1);
+  settle();
+  fake_->complete(1ms, true);
+  settle();
+  ASSERT_TRUE(loop_->failure());
+  EXPECT_EQ(loop_->failure()->message, "no device left");
+  view(kA, 2);
+  settle();  // and nothing is submitted to a renderer that is not there
+}
+
+TEST_F(RenderLoopTest, NoMemoryForAFrameMakesItSmallerAndNothingIsLost) {
+  const SessionId large{44};
+  loop_->handle(SessionOpened{large, kTenant, kScene, 1600, 800, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  fake_->most_pixels = 200 * 100;
+  view(large, 1);
+  view(kB, 1);
+  settle();
+  ASSERT_EQ(fake_->waiting(), 2u) << "the same view, and the neighbour's as ever";
+  const size_t at = fake_->job(0).width == 16 ? 1 : 0;
+  EXPECT_EQ(fake_->job(1 - at).width, 16u);
+  EXPECT_EQ(fake_->job(at).width, 200u);
+  EXPECT_EQ(fake_->job(at).height, 96u);
+  ASSERT_FALSE(degraded_.empty());
+  EXPECT_EQ(degraded_.back().news.width, 200);
+  EXPECT_EQ(degraded_.back().news.reason, "the device has no memory for more");
+  fake_->most_pixels = UINT32_MAX;
+  for (uint32_t frame = 2; frame < 20; ++frame) {
+    while (fake_->waiting() > 0) fake_->complete();
+    rendered_.clear();
+    settle();
+    now_ += 2s;
+    view(large, frame);
+    settle();
+  }
+  EXPECT_EQ(fake_->job(0).width, 1600u) << "all of it again when there is room";
+  EXPECT_EQ(metrics_.count_of(Fault::submit_failed), 0u);
+  EXPECT_EQ(renderers_made_, 1);
+}
+
+TEST_F(RenderLoopTest, WithNoMemoryAtAllFramesAreLostAndNotTheDevice) {
+  fake_->refuse_submits = true;
+  for (uint32_t frame = 1; frame <= 100; ++frame) {
+    view(kA, frame);
+    settle();
+  }
+  EXPECT_EQ(metrics_.count_of(Fault::submit_failed), 100u);
+  EXPECT_EQ(renderers_made_, 1);
+  fake_->refuse_submits = false;
+  view(kA, 101);
+  settle();
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{101});
+}
+
+TEST_F(RenderLoopTest, AFrameThatTheDriverCouldNotStartIsLostAlone) {
+  for (uint32_t frame = 1; frame <= 20; ++frame) {
+    view(kA, frame);
+    settle();
+    fake_->refuse_to_start();
+    settle();
+  }
+  EXPECT_EQ(metrics_.count_of(Fault::submit_failed), 20u);
+  EXPECT_TRUE(loop_->device_up());
+  EXPECT_EQ(renderers_made_, 1);
+  EXPECT_EQ(fake_->free_slots(), kSlots);
+  EXPECT_EQ(loop_->frames_out(), 0u);
+  view(kA, 21);
+  settle();
+  fake_->complete();
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{21});
+}
+
+TEST_F(RenderLoopTest, APolicyChangesWithViewsWaitingAndOnTheDevice) {
+  for (const char* policy : {"fair", "priority", "deadline", "round_robin"}) {
+    view(kA, 1);
+    settle();
+    view(kB, 1);
+    Terms terms = terms_of({});
+    terms.policy = policy;
+    loop_->handle(TermsChanged{terms}, now_);
+    settle();
+    while (fake_->waiting() > 0) {
+      fake_->complete();
+      settle();
+    }
+    EXPECT_EQ(rendered_frames_of(kA).size(), 1u) << policy;
+    EXPECT_EQ(rendered_frames_of(kB).size(), 1u) << policy;
+    rendered_.clear();
+    settle();
+  }
+}
+
+TEST_F(RenderLoopTest, ATenantsRateIsKept) {
+  Terms terms = terms_of({});
+  terms.tenants[0].rates.buffers_per_second = 50;
+  loop_->handle(TermsChanged{terms}, now_);
+  const TimePoint begin = now_;
+  size_t frames = 0;
+  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
+    view(kA, frame);
+    settle();
+    while (fake_->waiting() > 0) fake_->complete();
+    frames += std::exchange(rendered_, {}).size();
+    settle();
+  }
+  EXPECT_NEAR(static_cast<double>(frames), 2 * 50 + 5, 2) << "and a burst of 100 ms";
+  EXPECT_LT(loop_->wake_at(), TimePoint::max());
+}
+
+TEST_F(RenderLoopTest, ATenantsShareOfTheDeviceHasACeiling) {
+  Terms terms = terms_of({});
+  terms.tenants[0].rates.gpu_share = 0.2;
+  loop_->handle(TermsChanged{terms}, now_);
+  const TimePoint begin = now_;
+  size_t frames = 0;
+  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
+    view(kA, frame);
+    settle();
+    while (fake_->waiting() > 0) fake_->complete(1ms);
+    frames += std::exchange(rendered_, {}).size();
+    settle();
+  }
+  EXPECT_NEAR(static_cast<double>(frames), 2 * 200 + 20, 5) << "of 1 ms each, and a burst of 100 ms at that share";
+}
+
+TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
+  Terms terms = terms_of({});
+  terms.tenants[0].rates.bytes_per_second = 1000;
+  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(BytesSent{kTenant, kScene, 1000, 2000}, now_);
+  view(kA, 1);
+  settle();
+  EXPECT_EQ(fake_->waiting(), 0u);
+  now_ = loop_->wake_at();
+  settle();
+  EXPECT_EQ(fake_->waiting(), 1u);
+}
+
+TEST_F(RenderLoopTest, AGrantedRateIsKept) {
+  const SessionId slow{77};
+  loop_->handle(SessionOpened{slow, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0, 20.0}, now_);
+  const TimePoint begin = now_;
+  size_t frames = 0;
+  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
+    view(slow, frame);
+    settle();
+    while (fake_->waiting() > 0) fake_->complete();
+    frames += std::exchange(rendered_, {}).size();
+    settle();
+  }
+  EXPECT_NEAR(static_cast<double>(frames), 2 * 20 + 1, 2);
+}
+
+TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
+  Terms terms = terms_of({});
+  terms.policy = "deadline";
+  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(ViewRequest{kA, FrameId{1}, {}, now_, now_ - 1ms}, now_);
+  loop_->handle(ViewRequest{kB, FrameId{1}, {}, now_, now_ + 1s}, now_);
+  settle();
+  EXPECT_EQ(fake_->waiting(), 1u);
+  EXPECT_EQ(metrics_.count_of(Fault::view_hopeless), 1u);
+  EXPECT_NE(metrics_.text().find("gnomon_tenant_frames_dropped_total{reason=\"deadline\",tenant=\"default\"} 1"),
+            std::string::npos);
+}
+
+// A session that asks for more than it gets: its rate goes down, then its size, both are told, and both come back.
+class OverloadTest : public RenderLoopTest {
+ protected:
+  static constexpr SessionId kBusy{88};
+
+  void SetUp() override {
+    RenderLoopTest::SetUp();
+    Terms terms = terms_of({});
+    terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
+    loop_->handle(TermsChanged{terms}, now_);
+    SessionOpened opened{kBusy, kTenant, kScene, 160, 96, 2, protocol::CodecId::tiles_lz4, 0};
+    opened.rate_hz = 40;
+    loop_->handle(opened, now_);
+  }
+
+  // A second in which a view comes every 25 ms and every n-th is answered.
+  void second(uint32_t answered_of) {
+    for (uint32_t i = 0; i < 40; ++i) {
+      view(kBusy, ++frame_);
+      if (i % answered_of == 0) {
+        settle();
+        while (fake_->waiting() > 0) {
+          last_ = fake_->job(0);
+          fake_->complete();
+        }
+        rendered_.clear();
+      }
+      settle();
+      now_ += 23ms;
+    }
+    loop_->review_sessions(1s);
+  }
+
+  uint32_t frame_ = 0;
+  gpu::RenderJob last_;
+};
+
+TEST_F(OverloadTest, LessIsToldAndMoreAgain) {
+  for (int i = 0; i < 20; ++i) second(8);
+  ASSERT_FALSE(degraded_.empty());
+  EXPECT_EQ(degraded_.front().news.width, 160) << "the rate first";
+  EXPECT_EQ(degraded_.front().news.rate_hz, 30);
+  EXPECT_LT(degraded_.back().news.width, 160);
+  EXPECT_GE(degraded_.back().news.width, 80);
+  EXPECT_GE(degraded_.back().news.rate_hz, 20);
+  EXPECT_EQ(last_.width, degraded_.back().news.width) << "told what is in force";
+  for (int i = 0; i < 200; ++i) second(1);
+  EXPECT_EQ(degraded_.back().news.width, 160);
+  EXPECT_EQ(degraded_.back().news.rate_hz, 40);
+  EXPECT_EQ(last_.width, 160u);
+}
+
+TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
+  constexpr SceneId kLit{7};
+  auto scene = std::make_shared<scenes::Scene>();
+  for (const float x : {100.0f, 0.0f, 50.0f}) scene->lights.emplace_back().position = {x, 0, 0};
+  loop_->handle(SceneArrived{{kLit, scene, 0, 0}, [](Result<gpu::SceneFootprint>) {}}, now_);
+  Terms terms = terms_of({});
+  terms.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1, .least_lights = 0.3};
+  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SessionClosed{kBusy}, now_);
+  SessionOpened opened{kBusy, kTenant, kLit, 160, 96, 3, protocol::CodecId::tiles_lz4, 0};
+  opened.rate_hz = 40;
+  loop_->handle(opened, now_);
+  for (int i = 0; i < 30; ++i) second(8);  // the camera stands at x = the frame's number, 1,000 and more
+  ASSERT_FALSE(degraded_.empty());
+  EXPECT_EQ(degraded_.front().news.rate_hz, 30) << "the rate first";
+  EXPECT_TRUE(degraded_.front().news.untraced_lights.empty());
+  EXPECT_EQ(degraded_.back().news.untraced_lights, (std::vector<uint16_t>{1, 2}))
+      << "the first light is the nearest";
+  EXPECT_EQ(last_.untraced, gpu::LightSet(0b110)) << "told what is in force";
+  for (int i = 0; i < 200; ++i) second(1);
+  EXPECT_TRUE(degraded_.back().news.untraced_lights.empty());
+  EXPECT_TRUE(last_.untraced.none());
+}
+
+TEST(LightImportance, DistanceCountsAndPlacesAreNotChangedForLittle) {
+  std::vector<scenes::Light> lights(2);
+  lights[1].position = {10, 0, 0};
+  const auto left_out = [&](float x, const gpu::LightSet& before) {
+    return least_important(lights, {x, 0, 0}, 1, before);
+  };
+  const gpu::LightSet first(0b01), second(0b10);
+  EXPECT_EQ(left_out(2, {}), second);
+  EXPECT_EQ(left_out(8, {}), first);
+  EXPECT_EQ(left_out(5.2f, second), second) << "a little nearer to the second";
+  EXPECT_EQ(left_out(4.8f, first), first);
+  EXPECT_EQ(left_out(8, second), first);
+  lights[0].intensity = 1000;
+  EXPECT_EQ(left_out(8, first), second);
+  lights[0].range = 1;
+  EXPECT_EQ(left_out(8, second), first) << "out of its range";
+}
+
+TEST(RenderInbox, BoundsWaitingViewsAndNothingElse) {
+  RenderInbox inbox(3);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(inbox.push_view({}));
+  EXPECT_FALSE(inbox.push_view({}));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(inbox.push(SessionClosed{}));
+  std::vector<RenderEvent> batch;
+  inbox.take(batch, TimePoint::min());
+  EXPECT_EQ(batch.size(), 13u);
+  EXPECT_TRUE(inbox.push_view({}));
+}
+
+}  // namespace
+}  // namespace gnomon::daemon

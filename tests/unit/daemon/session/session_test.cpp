@@ -1,0 +1,231 @@
+// A session's policy, with a clock that the test ticks.
+#include "daemon/session/session.h"
+
+#include <gtest/gtest.h>
+
+#include "daemon/session/session_table.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+using asio::ip::udp;
+
+class SessionTest : public testing::Test {
+ protected:
+  static constexpr TimePoint kStart = TimePoint(1h);
+
+  Session& add(uint64_t id, TimePoint now, uint64_t features = 0) {
+    Accepted accepted;
+    accepted.features = features;
+    auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    return table_.add(std::make_unique<Session>(SessionId{id}, seal(id, protocol::Side::server), accepted,
+                                                std::get<Seat>(std::move(seat)), now));
+  }
+
+  static std::unique_ptr<protocol::Seal> seal(uint64_t id, protocol::Side side) {
+    return std::make_unique<protocol::Seal>(SessionId{id}, protocol::CipherId::aes_128_gcm, protocol::SealSecrets{},
+                                            side);
+  }
+
+  // What the client of that session sends next.
+  std::vector<uint8_t> view(uint64_t id, uint32_t frame) {
+    auto& client = client_seals_[id];
+    if (!client) client = seal(id, protocol::Side::client);
+    protocol::CameraUpdate update;
+    update.frame = FrameId{frame};
+    std::vector<uint8_t> body, datagram;
+    protocol::append_camera_update(body, update);
+    client->seal(protocol::DatagramKind::camera_update, body, datagram);
+    return datagram;
+  }
+
+  udp::endpoint here_{asio::ip::address_v4::loopback(), 1000};
+  udp::endpoint there_{asio::ip::address_v4::loopback(), 2000};
+  Seats seats_{Config{}};
+  SessionTable table_;
+  std::map<uint64_t, std::unique_ptr<protocol::Seal>> client_seals_;
+};
+
+TEST_F(SessionTest, SilentOnesAreFoundBySilenceAlone) {
+  add(1, kStart);
+  Session& talking = add(2, kStart);
+  EXPECT_TRUE(table_.silent_since(kStart + 5s - 5s).empty());
+  talking.receive(view(2, 1), here_, kStart + 3s);
+  EXPECT_EQ(table_.silent_since(kStart + 5001ms - 5s), std::vector<SessionId>{SessionId{1}});
+  EXPECT_EQ(table_.silent_since(kStart + 8001ms - 5s).size(), 2u);
+}
+
+TEST_F(SessionTest, OnlyWhatIsAuthenticCountsAsLifeAndMovesTheAddress) {
+  Session& session = add(1, kStart);
+  EXPECT_FALSE(session.address());
+  auto damaged = view(1, 1);
+  damaged.back() ^= 1;
+  EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_forged);
+  EXPECT_FALSE(session.address());
+  EXPECT_EQ(session.last_heard(), kStart);
+  EXPECT_TRUE(session.receive(view(1, 2), here_, kStart + 4s).view);
+  EXPECT_EQ(session.address(), here_);
+  EXPECT_TRUE(session.receive(view(1, 3), there_, kStart + 5s).view);
+  EXPECT_EQ(session.address(), there_);
+  EXPECT_EQ(session.last_heard(), kStart + 5s);
+}
+
+TEST_F(SessionTest, RepeatedFramesAreLifeButNoNewsAndOldOnesAreDropped) {
+  Session& session = add(1, kStart);
+  EXPECT_TRUE(session.receive(view(1, 5), here_, kStart).view);
+  const Received repeated = session.receive(view(1, 5), here_, kStart + 1s);
+  EXPECT_FALSE(repeated.view);
+  EXPECT_FALSE(repeated.fault);
+  EXPECT_EQ(session.last_heard(), kStart + 1s);
+  EXPECT_EQ(session.receive(view(1, 4), here_, kStart).fault, Fault::view_out_of_order);
+}
+
+TEST_F(SessionTest, FrameNumbersMayWrap) {
+  Session& session = add(1, kStart);
+  EXPECT_TRUE(session.receive(view(1, 0xfffffffe), here_, kStart).view);
+  EXPECT_TRUE(session.receive(view(1, 2), here_, kStart).view);
+  EXPECT_EQ(session.receive(view(1, 0xffffffff), here_, kStart).fault, Fault::view_out_of_order);
+}
+
+TEST_F(SessionTest, AServersOwnKindOfDatagramIsRefused) {
+  Session& session = add(1, kStart);
+  const auto client = seal(1, protocol::Side::client);
+  std::vector<uint8_t> datagram;
+  client->seal(protocol::DatagramKind::frame_slice, {}, datagram);
+  EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_kind);
+  client->seal(protocol::DatagramKind::camera_update, {}, datagram);
+  EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_body);
+  EXPECT_FALSE(session.address());
+}
+
+// Slices of `bytes` each.
+protocol::EncodedFrame large_frame(uint32_t frame, uint16_t slices, size_t bytes) {
+  protocol::EncodedFrame made;
+  made.offsets.push_back(0);
+  for (uint16_t i = 0; i < slices; ++i) {
+    protocol::SliceHeader header;
+    header.frame = FrameId{frame};
+    header.slice = i;
+    header.slice_count = slices;
+    header.tile_count = header.light_count = 1;
+    made.slices.push_back(header);
+    made.bytes.resize(made.bytes.size() + bytes);
+    made.offsets.push_back(made.bytes.size());
+  }
+  return made;
+}
+
+TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
+  Session& session = add(1, kStart, protocol::kFeatureFeedback);
+  ASSERT_TRUE(session.receive(view(1, 1), here_, kStart).view);
+  FrameMeta meta;
+  meta.frame = FrameId{1};
+  session.sending(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
+  EXPECT_FALSE(session.receive(view(1, 2), here_, kStart + 1ms).view);
+  EXPECT_FALSE(session.receive(view(1, 3), here_, kStart + 2ms).view);
+  EXPECT_FALSE(session.take_kept(kStart + 2ms));
+  const TimePoint later = session.kept_until(kStart + 2ms);
+  ASSERT_GT(later, kStart + 100ms);
+
+  TimePoint now = kStart;
+  for (uint64_t sent = 0; session.link().wake_at(now) < kStart + 10s && sent < 200; now += 1ms) {
+    while (session.link().next(now)) session.link().sent(++sent, 1168, now);
+  }
+  const auto ended = session.take_ended();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->meta.frame, FrameId{1});
+  EXPECT_TRUE(ended->whole);
+  const auto kept = session.take_kept(now);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->frame, FrameId{3});
+  EXPECT_EQ(kept->coalesced, 1u);
+  EXPECT_FALSE(session.take_kept(now)) << "once";
+}
+
+TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
+  Session& session = add(1, kStart, protocol::kFeatureFeedback);
+  session.receive(view(1, 1), here_, kStart);
+  FrameMeta meta;
+  meta.frame = FrameId{1};
+  session.sending(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
+  EXPECT_FALSE(session.take_ended());
+  EXPECT_FALSE(session.link().next(kStart + 20ms));
+  const auto ended = session.take_ended();
+  ASSERT_TRUE(ended);
+  EXPECT_FALSE(ended->whole);
+}
+
+TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
+  Session& session = add(1, kStart);
+  FrameMeta meta;
+  meta.arrival = kStart;
+  meta.submitted = kStart + 2ms;
+  meta.gpu = 3ms;
+  meta.coalesced = 4;
+  session.frame_sent(meta, kStart + 10ms);
+  meta.submitted = kStart + 4ms;
+  meta.coalesced = 0;
+  session.frame_sent(meta, kStart + 20ms);
+  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));
+  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
+}
+
+TEST_F(SessionTest, ClosingASessionGivesItsSeatBack) {
+  add(1, kStart);
+  add(2, kStart);
+  EXPECT_EQ(seats_.taken(), 2u);
+  table_.remove(SessionId{1});
+  EXPECT_EQ(seats_.taken(), 1u);
+}
+
+TEST(Seats, LimitPerAddress) {
+  Config config;
+  config.server.max_sessions_per_address = 1;
+  Seats seats(config);
+  const auto near = asio::ip::make_address("127.0.0.1"), far = asio::ip::make_address("192.0.2.1");
+  {
+    const auto first = seats.take(TenantId{0}, near);
+    EXPECT_TRUE(std::holds_alternative<Seat>(first));
+    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(seats.take(TenantId{0}, near)));
+    EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, far)));
+  }
+  EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, near)));
+}
+
+protocol::MaskReferencePtr sent_frame(uint32_t frame, uint32_t width = 8) {
+  const TileGrid grid{width, 8, 1};
+  const std::vector<uint64_t> words(grid.word_count(), frame);
+  return std::make_shared<protocol::MaskReference>(FrameId{frame}, TileMaskView{grid, words});
+}
+
+TEST(SessionReferences, AreWhatTheClientSaysThatItHas) {
+  const TileGrid grid{8, 8, 1};
+  SessionReferences references;
+  for (uint32_t frame = 1; frame <= 4; ++frame) references.sent(sent_frame(frame));
+  EXPECT_EQ(references.newest(grid), nullptr);
+  references.client_has(FrameId{2});
+  ASSERT_NE(references.newest(grid), nullptr);
+  EXPECT_EQ(references.newest(grid)->frame(), FrameId{2});
+  EXPECT_EQ(references.newest({16, 8, 1}), nullptr) << "another shape";
+  references.client_has(FrameId{1});
+  EXPECT_EQ(references.newest(grid), nullptr) << "given up when it had a newer one";
+  references.client_has(FrameId{4});
+  EXPECT_EQ(references.newest(grid)->frame(), FrameId{4});
+  references.client_has(FrameId{0});
+  EXPECT_EQ(references.newest(grid), nullptr);
+}
+
+TEST(SessionReferences, AreNotReferredToForEver) {
+  const TileGrid grid{8, 8, 1};
+  SessionReferences references;
+  references.sent(sent_frame(1));
+  references.client_has(FrameId{1});
+  uint32_t frame = 1;
+  while (references.newest(grid)) references.sent(sent_frame(++frame));
+  EXPECT_LT(frame, protocol::ReferenceShelf::kFrames) << "the client would have given it up by then";
+  EXPECT_GT(frame, protocol::ReferenceShelf::kFrames / 2);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon

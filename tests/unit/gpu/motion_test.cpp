@@ -1,0 +1,169 @@
+// Scenes in motion: at any time the masks are those of the whole scene stopped at that time, whatever moves.
+#include <gtest/gtest.h>
+
+#include <future>
+#include <random>
+
+#include "gpu/scene/resident_scene.h"
+#include "tests/unit/gpu/brute_force.h"
+#include "tests/unit/gpu/made_scenes.h"
+#include "tests/unit/gpu/test_device.h"
+
+namespace gnomon::test {
+namespace {
+
+using namespace gpu;
+using namespace std::chrono_literals;
+using scenes::SceneTime;
+
+constexpr uint32_t kWidth = 100, kHeight = 60;
+
+CameraView camera() { return look_at({0.5f, 0.6f, 2.4f}, {0.5f, 0.5f, 0.5f}, 0.8f, kWidth, kHeight); }
+
+// How many bits may differ for roundings of the tracer's own: none, but for the device's ray queries.
+size_t allowed(const std::string& tracer, const Count& count) {
+  return tracer == "ray_query" ? (count.lit + count.dark) / 1000 : 0;
+}
+
+void expect_exact(SurfaceProbe& probe, const scenes::Scene& scene, SceneTime time, const std::string& tracer) {
+  const auto frame = probe.render(camera(), kWidth, kHeight, time);
+  ASSERT_TRUE(frame) << frame.error().message;
+  const Count count = compare(*scenes::frozen_at(scene, time), camera(), *frame);
+  EXPECT_LE(count.differing, allowed(tracer, count)) << tracer << " at " << time.count() << " us";
+  EXPECT_GT(count.lit, 200u);
+  EXPECT_GT(count.dark, 200u);
+}
+
+bool has_stage(const ProbedFrame& frame, std::string_view name) {
+  return std::any_of(frame.timing.stages.begin(), frame.timing.stages.end(),
+                     [&](const StageTime& stage) { return stage.pass == name; });
+}
+
+class InMotion : public testing::TestWithParam<WhatMoves> {};
+
+TEST_P(InMotion, MasksAreThoseOfTheSceneStopped) {
+  for (const std::string& tracer : tracers()) {
+    for (uint32_t seed = 1; seed <= 3; ++seed) {
+      const auto scene = swinging_soup(seed, GetParam());
+      auto probe = SurfaceProbe::create(device_options(tracer), scene);
+      ASSERT_TRUE(probe) << probe.error().message;
+      std::mt19937 random(seed);
+      std::uniform_int_distribution<int> time(0, 2'000'000);
+      for (int i = 0; i < 4; ++i) expect_exact(*probe, *scene, SceneTime(time(random)), tracer);
+    }
+  }
+}
+
+TEST_P(InMotion, SurfacesAndCaresAreThoseOfTheSceneStopped) {
+  const auto scene = swinging_soup(9, GetParam());
+  for (const SceneTime time : {SceneTime(0), SceneTime(700ms)}) {
+    auto moving = SurfaceProbe::create(device_options(), scene);
+    auto stopped = SurfaceProbe::create(device_options(), scenes::frozen_at(*scene, time));
+    ASSERT_TRUE(moving && stopped);
+    const auto a = moving->render(camera(), kWidth, kHeight, time);
+    const auto b = stopped->render(camera(), kWidth, kHeight);
+    ASSERT_TRUE(a && b);
+    size_t shown = 0, of_what_moves = 0;
+    const size_t resting = moving->scene().triangle_count();
+    for (size_t i = 0; i < a->samples.size(); ++i) {
+      ASSERT_EQ(a->samples[i].position, b->samples[i].position) << i;
+      ASSERT_EQ(a->samples[i].normal, b->samples[i].normal) << i;
+      shown += a->samples[i].triangle != 0;
+      of_what_moves += a->samples[i].triangle > resting;
+    }
+    EXPECT_GT(shown, 500u);
+    EXPECT_EQ(of_what_moves > 50, GetParam().body);
+    EXPECT_EQ(a->words, b->words);
+    EXPECT_EQ(a->cares, b->cares);
+    EXPECT_TRUE(has_stage(*a, "trace_moving"));
+    EXPECT_FALSE(has_stage(*b, "trace_moving"));
+    EXPECT_FALSE(has_stage(*b, "pose"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(What, InMotion,
+                         testing::Values(WhatMoves{true, false}, WhatMoves{false, true}, WhatMoves{true, true}),
+                         [](const auto& test) {
+                           return std::string(test.param.body ? "Body" : "") + (test.param.light ? "Light" : "");
+                         });
+
+// Triangles with an alpha test that move: they are looked up in the slot's part of the scene's buffers.
+TEST(Motion, MaskedTrianglesMoveWithTheirHoles) {
+  auto scene =
+      std::make_shared<scenes::Scene>(*checks_over_floor(point_light({0, 3, 0}), 4, scenes::AlphaMode::mask));
+  scene->moving_nodes = {swing({0, 0, 0}, {0.5f, 0.4f, -0.3f})};
+  scene->period = 2s;
+  for (scenes::Primitive& primitive : scene->meshes[0].primitives) {
+    if (primitive.material != 1) continue;
+    scene->meshes.push_back({"checks", {primitive}});
+    primitive.triangles.clear();
+  }
+  ASSERT_EQ(scene->meshes.size(), 2u);
+  scene->instances.push_back({1, glm::mat4(1.0f), 0});
+  scene->bounds = scenes::moved_bounds(*scene, scene->bounds);
+  const CameraView above = look_at({0, 2.5f, 2.5f}, {0, 0, 0}, 1.0f, kWidth, kHeight);
+  for (const SceneTime time : {SceneTime(0), SceneTime(600ms), SceneTime(1s)}) {
+    auto moving = SurfaceProbe::create(device_options("bvh"), scene);
+    auto stopped = SurfaceProbe::create(device_options("bvh"), scenes::frozen_at(*scene, time));
+    ASSERT_TRUE(moving && stopped);
+    const auto a = moving->render(above, kWidth, kHeight, time);
+    const auto b = stopped->render(above, kWidth, kHeight);
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(a->words, b->words);
+    EXPECT_TRUE(std::any_of(a->words.begin(), a->words.end(), [](uint64_t w) { return w != 0 && ~w != 0; }));
+  }
+}
+
+// A frame's pose is its slot's: neither another frame in flight nor one between its bands changes it.
+TEST(Motion, FramesInFlightHaveTheirOwnTimes) {
+  const auto scene = swinging_soup(4, {true, true});
+  auto probe = SurfaceProbe::create(device_options(), scene);
+  auto renderer = make_renderer(device_options());
+  ASSERT_TRUE(probe && renderer);
+  ASSERT_TRUE((*renderer)->make_resident(SceneId(0), scene));
+  std::vector<std::promise<std::vector<uint64_t>>> arrivals(3);
+  const auto deliver = [&](size_t i) {
+    return [&arrivals, i](FrameDone done) {
+      if (done.complete) arrivals[i].set_value(unpacked(done.mask.mask()));
+    };
+  };
+  const auto job = [&](size_t i) {
+    return RenderJob{JobId(i), SceneId(0), camera(), kWidth, kHeight, SceneTime(300'000 * static_cast<int>(i))};
+  };
+  RenderJob in_bands = job(0);
+  in_bands.tile_rows = 0;  // rasterised alone
+  ASSERT_TRUE((*renderer)->submit(in_bands, deliver(0)));
+  ASSERT_TRUE((*renderer)->submit(job(1), deliver(1)));
+  ASSERT_TRUE((*renderer)->submit(job(2), deliver(2)));
+  ASSERT_TRUE((*renderer)->resume(JobId(0), 5, deliver(0)));
+  ASSERT_TRUE((*renderer)->resume(JobId(0), 100, deliver(0)));
+  for (size_t i = 0; i < arrivals.size(); ++i) {
+    const auto frame = probe->render(camera(), kWidth, kHeight, job(i).time);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(arrivals[i].get_future().get(), unpacked(PackedMask(frame->mask(), frame->cares).view())) << i;
+  }
+}
+
+TEST(Motion, LightsThatWereMovedAreExactAndRestAgainWhenRebuilt) {
+  for (const std::string& tracer : tracers()) {
+    auto scene = std::make_shared<scenes::Scene>(*triangle_soup(5, 300, 4));
+    auto probe = SurfaceProbe::create(device_options(tracer), scene);
+    ASSERT_TRUE(probe) << probe.error().message;
+    scene->lights[0].position += glm::vec3(0.2f, 0.1f, -0.1f);
+    scene->lights[2].direction = glm::normalize(glm::vec3(0.3f, -0.8f, 0.2f));
+    ASSERT_TRUE(probe->set_lights(scene->lights));
+    expect_exact(*probe, *scene, {}, tracer);
+    const auto moved = probe->render(camera(), kWidth, kHeight);
+    ASSERT_TRUE(moved);
+    EXPECT_EQ(has_stage(*moved, "trace_moving"), tracer == "light_buffer");
+    ASSERT_TRUE(probe->rebuild());
+    const auto rested = probe->render(camera(), kWidth, kHeight);
+    ASSERT_TRUE(rested);
+    EXPECT_FALSE(has_stage(*rested, "trace_moving"));
+    EXPECT_EQ(moved->words, rested->words) << tracer;
+    EXPECT_EQ(moved->cares, rested->cares) << tracer;
+  }
+}
+
+}  // namespace
+}  // namespace gnomon::test

@@ -1,0 +1,49 @@
+#include "tests/unit/gpu/test_device.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "gpu/tracers/tracer.h"
+
+namespace gnomon::test {
+
+gpu::RendererOptions device_options(const std::string& tracer) {
+  gpu::RendererOptions options;
+  if (const char* device = std::getenv("GNOMON_TEST_DEVICE")) options.device = device;
+  if (const char* raster = std::getenv("GNOMON_TEST_RASTER")) options.raster = raster;
+  options.tracer = tracer;
+  return options;
+}
+
+std::vector<std::string> tracers() {
+  static const std::vector<std::string> offered = [] {
+    std::vector<std::string> names;
+    const auto device = gpu::Device::create({device_options().device, {}});
+    const char* only = std::getenv("GNOMON_TEST_TRACERS");
+    for (const std::string name : {"bvh", "light_buffer", "ray_query"}) {
+      if (only && name != only) continue;
+      if (device && gpu::make_tracer(name, *device)) {
+        names.push_back(name);
+      } else {
+        std::printf("skipped: tracer %s, which this device does not offer\n", name.c_str());
+      }
+    }
+    return names;
+  }();
+  return offered;
+}
+
+gpu::CameraView look_at(glm::vec3 eye, glm::vec3 target, float vertical_fov, uint32_t width, uint32_t height) {
+  const glm::vec3 forward = glm::normalize(target - eye);
+  const glm::vec3 up = std::abs(forward.y) > 0.99f ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0);
+  gpu::CameraView view;
+  view.position = eye;
+  view.orientation = glm::normalize(glm::quat_cast(glm::inverse(glm::lookAt(eye, target, up))));
+  view.tan_up = view.tan_down = std::tan(vertical_fov / 2);
+  view.tan_left = view.tan_right = view.tan_up * static_cast<float>(width) / static_cast<float>(height);
+  return view;
+}
+
+}  // namespace gnomon::test
