@@ -1,4 +1,4 @@
-// The client in one object, for engines: looks through a camera every frame, says what to show. client/example.cpp is
+// The client in one object, for engines: looks through a camera every frame, says what to show. client/view/example.cpp is
 // the whole use of it.
 //
 //   look(camera) -> VisibilityStream ... masks -> ShowOrder -> next(): draw this camera with these masks

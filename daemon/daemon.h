@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/published.h"
 #include "daemon/admin/admin.h"
 #include "daemon/config/config.h"
 #include "daemon/encode/encode_pool.h"

@@ -1,4 +1,4 @@
-// What an engine uses: ask for a camera, get its visibility. See client/example.cpp.
+// What an engine uses: ask for a camera, get its visibility. See client/view/example.cpp.
 //
 //   ask(camera) -> CameraUpdate (+ acknowledgements) ... FrameSlices -> FrameAssembler -> Answer
 //

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/published.h"
 #include "common/result.h"
 #include "daemon/admin/http_server.h"
 #include "daemon/config/config.h"

@@ -13,8 +13,8 @@
 #include "daemon/frame/frame.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
+#include "daemon/metrics/share_report.h"
 #include "daemon/metrics/status.h"
-#include "daemon/render/share_account.h"
 #include "scenes/registry.h"
 #include "scheduler/admission.h"
 

@@ -14,6 +14,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "common/published.h"
 #include "daemon/config/config.h"
 #include "daemon/config/roster.h"
 #include "daemon/metrics/health.h"

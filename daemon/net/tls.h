@@ -4,6 +4,7 @@
 #include <asio/ssl/context.hpp>
 #include <memory>
 
+#include "common/published.h"
 #include "common/result.h"
 #include "daemon/config/config.h"
 #include "daemon/metrics/status.h"

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/published.h"
 #include "daemon/metrics/status.h"
 #include "daemon/render/render_loop.h"
 #include "daemon/service/heartbeat.h"

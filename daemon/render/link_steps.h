@@ -6,15 +6,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "daemon/link/link_window.h"
 #include "scheduler/degradation.h"
 
 namespace gnomon::daemon {
-
-// What happened to a session's views at its link in about a second.
-struct LinkWindow {
-  uint32_t offered = 0;  // views that came
-  uint32_t taken = 0;    // of them, those that the link had room for
-};
 
 class LinkSteps {
  public:

@@ -9,6 +9,7 @@
 #include "common/inbox.h"
 #include "daemon/config/terms.h"
 #include "daemon/frame/frame.h"
+#include "daemon/link/link_window.h"
 #include "daemon/render/light_change.h"
 #include "daemon/render/link_steps.h"
 #include "scenes/registry.h"

@@ -11,9 +11,9 @@
 
 #include "daemon/frame/frame.h"
 #include "daemon/frame/session_references.h"
+#include "daemon/link/link_window.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
-#include "daemon/render/link_steps.h"
 #include "daemon/session/handshake.h"
 #include "daemon/session/seats.h"
 #include "daemon/session/session_store.h"
