@@ -55,9 +55,7 @@ Result<void> Daemon::bring_up() {
       {options_.config, roster_, tracer_, catalog_, health_, tls_, *scenes_, seats_, *store_, devices_, metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
-  auto admin = Admin::start(options_.config.admin, pages(), actions(), metrics_);
-  if (!admin) return admin.error();
-  admin_ = std::move(*admin);
+  if (auto opened = open_admin(); !opened) return opened;
   if (auto opened = open_devices(); !opened) return opened;
   SceneHost::Fetches fetches = fetch_scenes();  // before any that a client asks for
   server_->run();
@@ -74,6 +72,24 @@ Result<void> Daemon::open_store() {
   store_ = std::move(*store);
   if (!store_->taken_over()) supervisor::keep_memory(kStoreName, store_->descriptor());
   if (store_->resting() > 0) log::info("sessions may be resumed", {{"count", store_->resting()}});
+  return {};
+}
+
+Result<void> Daemon::open_admin() {
+  operations_ = std::make_unique<Operations>(OperatedParts{.version = options_.version,
+                                                           .catalog = catalog_,
+                                                           .health = health_,
+                                                           .metrics = metrics_,
+                                                           .tenants = roster_,
+                                                           .terms = terms_,
+                                                           .devices = devices_,
+                                                           .scenes = *scenes_,
+                                                           .server = *server_,
+                                                           .begin_drain = options_.on_drain,
+                                                           .ask_for_reload = options_.ask_for_reload});
+  auto admin = Admin::start(options_.config.admin, operations_->pages(), operations_->actions(), metrics_);
+  if (!admin) return admin.error();
+  admin_ = std::move(*admin);
   return {};
 }
 

@@ -1,15 +1,14 @@
 // The daemon as a whole: every part made, connected and, in the end, stopped in the right order.
 #pragma once
 
-#include <atomic>
 #include <functional>
-#include <future>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "common/published.h"
 #include "daemon/admin/admin.h"
+#include "daemon/admin/operations.h"
 #include "daemon/config/config.h"
 #include "daemon/encode/encode_pool.h"
 #include "daemon/net/server.h"
@@ -71,18 +70,8 @@ class Daemon {
   SceneHost::Fetches fetch_scenes();
   Result<void> wait_for_scenes(SceneHost::Fetches& fetches) const;
   Result<void> open_store();
+  Result<void> open_admin();
   void stop();
-  Admin::Pages pages();
-  Admin::Actions actions();
-  Page kick(const std::string& session, const std::string& body);
-  Page begin_drain();
-  Page drain_device(const std::string& number, bool drained);
-  Page load_scene(const std::string& name);
-  Page unload_scene(const std::string& name);
-  Page await(std::future<Result<void>> done, const char* what);
-  Page reload_page();
-  Page change_light(const std::string& scene, const std::string& light, const std::string& body);
-  std::string status_json() const;
 
   // What stands below may use what stands above, and goes first; stop() has ended all threads before.
   const Options options_;
@@ -94,12 +83,12 @@ class Daemon {
   DevicePool devices_;
   Published<Terms> terms_;
   Published<Roster> roster_;
-  std::atomic<bool> loading_{false};  // a scene that an operator asked for
   std::string tracer_;
   PublishedTls tls_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
   std::unique_ptr<SceneHost> scenes_;
+  std::unique_ptr<Operations> operations_;
   std::unique_ptr<Admin> admin_;
 };
 

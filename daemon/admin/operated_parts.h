@@ -1,0 +1,35 @@
+// The parts of a daemon that its operators look at and change.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/published.h"
+#include "common/result.h"
+#include "daemon/config/roster.h"
+#include "daemon/config/terms.h"
+#include "daemon/metrics/health.h"
+#include "daemon/metrics/metrics.h"
+#include "daemon/net/server.h"
+#include "daemon/render/device_pool.h"
+#include "daemon/scenes/scene_catalog.h"
+#include "daemon/scenes/scene_host.h"
+
+namespace gnomon::daemon {
+
+// All of it outlives whoever holds this, and may be used from any thread.
+struct OperatedParts {
+  std::string version;
+  const SceneCatalog& catalog;
+  Health& health;
+  Metrics& metrics;
+  const Published<Roster>& tenants;
+  const Published<Terms>& terms;
+  DevicePool& devices;
+  SceneHost& scenes;
+  Server& server;
+  std::function<void()> begin_drain;                                      // empty if nobody can be asked to drain
+  std::function<void(std::function<void(Result<void>)>)> ask_for_reload;  // empty if there is no file to read again
+};
+
+}  // namespace gnomon::daemon

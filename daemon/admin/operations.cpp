@@ -1,0 +1,154 @@
+#include "daemon/admin/operations.h"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "daemon/admin/page_files.h"
+#include "daemon/admin/status_json.h"
+#include "daemon/render/light_change.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+constexpr const char* kText = "text/plain; charset=utf-8";
+constexpr size_t kMaxWhy = 200;  // bytes that a client is told
+
+}  // namespace
+
+Operations::Operations(OperatedParts parts) : parts_(std::move(parts)) {}
+
+// Says what is wrong before the render thread is asked; that it was asked is all that it says otherwise.
+Page Operations::change_light(const std::string& name, const std::string& light, const std::string& body) {
+  const auto resident = parts_.scenes.resident();
+  const auto scene = resident.find(name);
+  if (scene == resident.end()) return {404, kText, "no such scene is resident\n"};
+  const std::vector<scenes::Light>& lights = scene->second.lights.lights;
+  const size_t index = light.size() > 4 ? lights.size() : std::stoul(light);
+  if (index >= lights.size()) return {404, kText, "the scene has " + std::to_string(lights.size()) + " lights\n"};
+  const auto change = parse_light_change(body);
+  if (!change) return {400, kText, change.error().message + "\n"};
+  const auto changed = changed_light(lights[index], scene->second.loaded.scene->lights[index], *change);
+  if (!changed) return {409, kText, changed.error().message + "\n"};
+  parts_.devices.change_light({scene->second.loaded.id, static_cast<uint32_t>(index), *change});
+  return {202, kText, "accepted\n"};
+}
+
+Page Operations::kick(const std::string& session, const std::string& body) {
+  SessionId id;
+  const auto read = std::from_chars(session.data(), session.data() + session.size(), id.value);
+  const json asked = json::parse(body, nullptr, false);
+  if (read.ec != std::errc()) return {404, kText, "no such session\n"};
+  if (!asked.is_object()) return {400, kText, "the body must be a JSON object\n"};
+  const auto why = asked.find("why");
+  if (why != asked.end() && (!why->is_string() || why->get_ref<const std::string&>().size() > kMaxWhy)) {
+    return {400, kText, "why: allowed is a text of up to " + std::to_string(kMaxWhy) + " bytes\n"};
+  }
+  const std::string told = why == asked.end() ? "closed by the operator" : why->get<std::string>();
+  return parts_.server.kick(id, told) ? Page{200, kText, "closed\n"} : Page{404, kText, "no such session\n"};
+}
+
+Page Operations::drain_device(const std::string& number, bool drained) {
+  size_t device = parts_.devices.size();
+  std::from_chars(number.data(), number.data() + number.size(), device);
+  if (!parts_.devices.set_drained(device, drained)) return {404, kText, "no such device\n"};
+  return {200, kText, drained ? "drained\n" : "takes sessions\n"};
+}
+
+Page Operations::begin_drain() {
+  if (!parts_.begin_drain) return {501, kText, "this daemon cannot be drained from here\n"};
+  parts_.health.draining = true;  // at once: main may be busy
+  parts_.begin_drain();
+  return {202, kText, "draining\n"};
+}
+
+// Those who answer may end before they do: a daemon that stops keeps nobody waiting.
+Page Operations::await(std::future<Result<void>> done, const char* what) {
+  while (done.wait_for(50ms) != std::future_status::ready) {
+    if (parts_.health.draining) return {503, kText, "the server is stopping\n"};
+  }
+  const auto result = done.get();
+  return result ? Page{200, kText, std::string(what) + "\n"} : Page{409, kText, result.error().message + "\n"};
+}
+
+// One at a time: each holds a thread of this server's few for as long as it takes.
+Page Operations::load_scene(const std::string& asked) {
+  const std::string name = parts_.catalog.find(asked);
+  if (name.empty()) return {404, kText, "the configuration has no such scene\n"};
+  if (loading_.exchange(true)) return {409, kText, "another scene is being loaded\n"};
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  parts_.scenes.fetch(name, [done](Result<SceneForUse> scene) {
+    done->set_value(scene ? Result<void>() : Result<void>(scene.error()));
+  });
+  const Page answer = await(done->get_future(), "loaded");
+  loading_ = false;
+  return answer;
+}
+
+Page Operations::unload_scene(const std::string& asked) {
+  const auto gone = parts_.scenes.unload(parts_.catalog.find(asked));
+  return gone ? Page{200, kText, "unloaded\n"} : Page{409, kText, gone.error().message + "\n"};
+}
+
+// The main thread reads and applies; this one waits for what it says.
+Page Operations::reload_page() {
+  if (!parts_.ask_for_reload) return {501, kText, "this daemon has no configuration file\n"};
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  parts_.ask_for_reload([done](Result<void> reloaded) { done->set_value(std::move(reloaded)); });
+  return await(done->get_future(), "reloaded");
+}
+
+Admin::Actions Operations::actions() {
+  using Groups = std::vector<std::string>;
+  return {
+      {"/sessions/([0-9]+)/kick", [this](const Groups& g, const std::string& body) { return kick(g[0], body); }},
+      {"/devices/([0-9]+)/drain", [this](const Groups& g, const std::string&) { return drain_device(g[0], true); }},
+      {"/devices/([0-9]+)/resume",
+       [this](const Groups& g, const std::string&) { return drain_device(g[0], false); }},
+      {"/reload", [this](const Groups&, const std::string&) { return reload_page(); }},
+      {"/drain", [this](const Groups&, const std::string&) { return begin_drain(); }},
+      {"/scenes/(.+)/load", [this](const Groups& g, const std::string&) { return load_scene(g[0]); }},
+      {"/scenes/(.+)/unload", [this](const Groups& g, const std::string&) { return unload_scene(g[0]); }},
+      {"/scenes/(.+)/lights/([0-9]+)",
+       [this](const Groups& g, const std::string& body) { return change_light(g[0], g[1], body); }},
+  };
+}
+
+Admin::Pages Operations::pages() {
+  return {
+      {"/",
+       [] {
+         return Page{200, "text/html; charset=utf-8", kPageHtml};
+       }},
+      {"/page.css",
+       [] {
+         return Page{200, "text/css; charset=utf-8", kPageCss};
+       }},
+      {"/page.js",
+       [] {
+         return Page{200, "text/javascript; charset=utf-8", kPageJs};
+       }},
+      {"/healthz",
+       [this] {
+         return parts_.health.hangs(Clock::now()) ? Page{503, kText, "a render thread hangs\n"}
+                                                  : Page{200, kText, "alive\n"};
+       }},
+      {"/readyz",
+       [this] {
+         return parts_.health.ready() ? Page{200, kText, "ready\n"} : Page{503, kText, "not ready\n"};
+       }},
+      {"/metrics",
+       [this] {
+         parts_.metrics.ready(parts_.health.ready());
+         return Page{200, "text/plain; version=0.0.4; charset=utf-8", parts_.metrics.text()};
+       }},
+      {"/status",
+       [this] {
+         return Page{200, "application/json", status_json(parts_)};
+       }},
+  };
+}
+
+}  // namespace gnomon::daemon

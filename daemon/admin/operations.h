@@ -1,0 +1,35 @@
+// What operators see and do over HTTP: the handlers of the admin server's pages and actions.
+#pragma once
+
+#include <atomic>
+#include <future>
+#include <string>
+
+#include "daemon/admin/admin.h"
+#include "daemon/admin/operated_parts.h"
+
+namespace gnomon::daemon {
+
+// Called from the admin server's threads, several at a time. Outlives that server.
+class Operations {
+ public:
+  explicit Operations(OperatedParts parts);
+
+  Admin::Pages pages();
+  Admin::Actions actions();
+
+ private:
+  Page kick(const std::string& session, const std::string& body);
+  Page begin_drain();
+  Page drain_device(const std::string& number, bool drained);
+  Page load_scene(const std::string& name);
+  Page unload_scene(const std::string& name);
+  Page await(std::future<Result<void>> done, const char* what);
+  Page reload_page();
+  Page change_light(const std::string& scene, const std::string& light, const std::string& body);
+
+  OperatedParts parts_;
+  std::atomic<bool> loading_{false};  // a scene that an operator asked for
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,119 @@
+#include "daemon/admin/status_json.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace gnomon::daemon {
+namespace {
+
+using nlohmann::json;
+
+const char* state_of(const SceneReport& scene) {
+  if (scene.failed) return "failed";
+  if (scene.built_share() == 0) return "waiting";
+  return scene.progress.lights.empty() ? "ready" : "building";
+}
+
+// What the tracer builds for the scene's lights. Until it is ready frames are as exact, and cost more.
+json to_json(const SceneReport& scene) {
+  return {{"state", state_of(scene)},
+          {"percent", 100 * scene.built_share()},
+          {"lights_percent",
+           [&] {
+             json lights = json::array();
+             for (const float share : scene.progress.lights) lights.push_back(100 * share);
+             return lights;
+           }()},
+          {"average_list", scene.on_device.tracer_average_list},
+          {"longest_list", scene.on_device.tracer_longest_list}};
+}
+
+json to_json(const std::string& name, const HostedScene& scene, const SceneReport& report) {
+  return {{"name", name},
+          {"triangles", scene.loaded.scene->triangle_count},
+          {"lights", scene.loaded.scene->lights.size()},
+          {"hash", scenes::to_hex(scene.loaded.scene->content_hash)},
+          {"sessions", scene.users},
+          {"load_seconds", scene.loaded.load_seconds},
+          {"memory_bytes", scene.loaded.memory_bytes},
+          {"device_memory_bytes", report.on_device.memory_bytes},
+          {"tracer_build_seconds", report.on_device.tracer_build_seconds},
+          {"light_buffers", to_json(report)},
+          {"period_seconds", std::chrono::duration<double>(scene.loaded.scene->period).count()},
+          {"lights_version", scene.lights.version}};
+}
+
+json to_json(const PooledDevice& device) {
+  return {{"name", device.name},        {"driver", device.driver}, {"tracer", device.tracer},
+          {"raster", device.raster},    {"up", device.up},         {"drained", device.drained},
+          {"sessions", device.sessions}};
+}
+
+json to_json(const TenantTotals& totals) {
+  return {{"buffers", totals.buffers}, {"bits", totals.bits}, {"bytes", totals.bytes}};
+}
+
+json to_json(const TenantReport& tenant) {
+  return {{"gpu_seconds", to_seconds(tenant.service)},
+          {"share", tenant.share},
+          {"expected_share", tenant.expected_share},
+          {"lag_ms", to_milliseconds(tenant.lag)},
+          {"cost_error", tenant.predicted_error}};
+}
+
+// Ids are 64 bits: as text, for readers whose numbers are doubles.
+json to_json(const SessionStatus& session, const std::string& tenant) {
+  return {{"id", std::to_string(session.id.value)},
+          {"tenant", tenant},
+          {"scene", session.scene},
+          {"address", session.address},
+          {"width", session.width},
+          {"height", session.height},
+          {"frames", session.stats.frames},
+          {"coalesced", session.stats.coalesced},
+          {"queue_us", session.stats.queue_us},
+          {"gpu_us", session.stats.gpu_us},
+          {"total_us", session.stats.total_us}};
+}
+
+}  // namespace
+
+std::string status_json(const OperatedParts& parts) {
+  const auto roster = parts.tenants.get();
+  const std::vector<SessionStatus> sessions = parts.server.sessions();
+  const ShareReport shares = parts.devices.shares();
+  const auto terms = parts.terms.get();
+  json status{{"version", parts.version},
+              {"ready", parts.health.ready()},
+              {"draining", parts.health.draining.load()},
+              {"devices", json::array()},
+              {"scenes", json::array()},
+              {"policy", terms->policy},
+              {"jain", shares.jain},
+              {"worst_lag_ms", to_milliseconds(shares.worst_lag)},
+              {"tenants", json::array()},
+              {"sessions", json::array()}};
+  for (const PooledDevice& device : parts.devices.report()) status["devices"].push_back(to_json(device));
+  const SceneReports reports = parts.devices.scenes();
+  for (const auto& [name, scene] : parts.scenes.resident()) {
+    const auto report = reports.find(scene.loaded.id);
+    const SceneReport just_arrived{name, scene.on_device, {.unbuilt = 1}, {}};
+    status["scenes"].push_back(to_json(name, scene, report == reports.end() ? just_arrived : report->second));
+  }
+  for (uint32_t i = 0; i < std::min(roster->size(), terms->tenants.size()); ++i) {
+    const auto open = std::count_if(sessions.begin(), sessions.end(),
+                                    [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
+    if (!roster->open(TenantId{i}) && open == 0) continue;
+    json row{{"name", roster->name(TenantId{i})}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
+    row.update(to_json(parts.metrics.totals(TenantId{i})));
+    if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
+    status["tenants"].push_back(std::move(row));
+  }
+  for (const SessionStatus& session : sessions) {
+    status["sessions"].push_back(to_json(session, roster->name(session.tenant)));
+  }
+  // A scene file's name may be no UTF-8: shown with replacement characters, never an exception.
+  return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace gnomon::daemon
