@@ -11,8 +11,8 @@
 namespace gnomon::tests {
 namespace {
 
-constexpr client::ViewSize kSize{.width = 640, .height = 360};
-constexpr size_t kFrames = 4;
+constexpr client::ViewSize kCodecSize{.width = 640, .height = 360};
+constexpr size_t kCodecFrames = 4;
 
 // Bytes of a frame's datagrams by codec, as the benchmark says.
 std::map<std::string, double> benchmark() {
@@ -20,7 +20,7 @@ std::map<std::string, double> benchmark() {
   const auto json = folder.path() / "codec.json";
   const auto [status, output] =
       run("gnomon-bench", {"codec", "--scene", "living_room", "--size", "640x360", "--frames",
-                           std::to_string(kFrames), "--device", "cpu", "--json", json.string()});
+                           std::to_string(kCodecFrames), "--device", "cpu", "--json", json.string()});
   EXPECT_EQ(status, 0) << output;
   std::map<std::string, double> bytes;
   if (status != 0) return bytes;
@@ -42,16 +42,16 @@ double served(protocol::CodecId codec) {
   options.connect.timeout = kPatience;
   options.connect.hello.tenant = "studio";
   options.connect.hello.scene = "living_room";
-  options.connect.hello.width = kSize.width;
-  options.connect.hello.height = kSize.height;
+  options.connect.hello.width = kCodecSize.width;
+  options.connect.hello.height = kCodecSize.height;
   options.connect.hello.codecs = {codec};
   options.keep_references = false;  // cameras are seconds apart
   options.patience = options.answer_timeout = kPatience;
   double bytes = 0;
   client::VisibilityStream* stream = nullptr;
   const auto ask = [&] {
-    const double seconds = path.duration_seconds() * (static_cast<double>(asked++) + 0.5) / kFrames;
-    stream->ask(client::view_of(path.at(seconds), kSize));
+    const double seconds = path.duration_seconds() * (static_cast<double>(asked++) + 0.5) / kCodecFrames;
+    stream->ask(client::view_of(path.at(seconds), kCodecSize));
   };
   client::VisibilityStream made(
       loop, options,
@@ -60,15 +60,15 @@ double served(protocol::CodecId codec) {
              EXPECT_TRUE(answer.mask.complete());
              constexpr size_t kOverhead = protocol::kMaxDatagramBytes - protocol::kMaxSlicePayloadBytes;
              bytes += static_cast<double>(answer.mask.payload_bytes + answer.mask.slice_count * kOverhead);
-             if (++answered < kFrames) ask();
+             if (++answered < kCodecFrames) ask();
            },
        .opened = [&] { ask(); }});
   stream = &made;
-  EXPECT_TRUE(loop.run_until(Clock::now() + kPatience, [&] { return answered == kFrames; }));
+  EXPECT_TRUE(loop.run_until(Clock::now() + kPatience, [&] { return answered == kCodecFrames; }));
   EXPECT_GT(
       daemon.metric("gnomon_codec_bytes_sent_total", {"codec=\"" + std::string(protocol::to_string(codec)) + "\""}),
       0);
-  return bytes / kFrames;
+  return bytes / kCodecFrames;
 }
 
 TEST(Codec, TheWireCarriesWhatTheBenchmarkSays) {

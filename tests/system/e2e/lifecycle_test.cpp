@@ -37,7 +37,7 @@ TEST(Lifecycle, GoesAtOnceWhenNobodyIsThere) {
 }
 
 // The daemon gives it up while it sleeps; its keys are gone then.
-TEST(Client, FindsItsServerAgainAfterASleep) {
+TEST(ClientProgram, FindsItsServerAgainAfterASleep) {
   const Daemon daemon;
   const TemporaryFolder folder;
   const fs::path json = folder.path() / "client.json";
