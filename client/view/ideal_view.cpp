@@ -10,12 +10,13 @@ constexpr SceneId kScene{1};
 }  // namespace
 
 Result<std::unique_ptr<IdealView>> IdealView::create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                                     const std::string& device) {
+                                                     const std::string& device, const std::string& cache) {
   auto view = OwnView::create(scene, size, device);
   if (!view) return view.error();
   std::unique_ptr<IdealView> ideal(new IdealView(std::move(*view), size));
   gpu::RendererOptions options;
   options.device = device;
+  options.tracer_options.cache_folder = cache;
   auto renderer = gpu::make_renderer(options);
   if (!renderer) return renderer.error();
   ideal->renderer_ = std::move(*renderer);

@@ -13,9 +13,9 @@ namespace gnomon::client {
 // One thread. Calls block.
 class IdealView {
  public:
-  // `device`: as gpu::RendererOptions::device.
+  // `device`: as gpu::RendererOptions::device. `cache`: folder for light buffers; empty: none are kept.
   static Result<std::unique_ptr<IdealView>> create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                                   const std::string& device);
+                                                   const std::string& device, const std::string& cache = {});
 
   // `camera` is of the traced buffer, from which the picture is cut, as a client does with masks of the camera itself.
   // Lights are where the scene has them at `time`. The exposure is chosen at the first picture and stays.

@@ -144,7 +144,8 @@ def sharing(args):
 
 
 def memory_and_time(args, kind):
-    args.cache = None  # the time that it takes to build what is shared counts
+    if not args.quick:
+        args.cache = None  # the time that it takes to build what is shared counts
     rows, daemons = [], []
     try:
         for count in range(1, (2 if args.quick else 4) + 1):

@@ -26,8 +26,8 @@ def video_row(args, mbit):
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         command = [args.bin / "gnomon-remote", "--scene", args.scene, "--size", args.size, "--frames", frames_of(args), "--rate", args.rate,
-                   "--link", f"delay={ROUND_TRIP_MS / 2}ms,rate={mbit}mbit", "--device", args.device, "--out", folder,
-                   "--json", folder / "remote.json"]
+                   "--link", f"delay={ROUND_TRIP_MS / 2}ms,rate={mbit}mbit", "--device", args.device, "--cache", args.cache,
+                   "--out", folder, "--json", folder / "remote.json"]
         subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
         for name in ("shown", "ideal"):
             subprocess.run(["ffmpeg", "-loglevel", "error", "-i", folder / f"{name}.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24",

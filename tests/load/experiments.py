@@ -2,7 +2,7 @@
 import signal
 import time
 
-from served import change, serving
+from served import PATIENCE_S, change, serving
 
 POLICIES = ["fair", "priority", "deadline", "round_robin"]
 WARM_UP_S = 3  # until everybody is connected and costs are learned
@@ -39,6 +39,19 @@ def equal(args):
     return flood_shares(args, "equal", "fair", [1, 1, 1, 1])
 
 
+def sessions(daemon):
+    return {session["id"] for session in daemon.status()["sessions"]}
+
+
+def connected(daemon, count, before=frozenset()):
+    """Waits until there are so many sessions beside those before."""
+    until = time.monotonic() + PATIENCE_S
+    while len(sessions(daemon) - before) < count:
+        if time.monotonic() > until:
+            raise SystemExit(f"never: {count} more sessions")
+        time.sleep(0.05)
+
+
 def frame_seconds(args, daemon, tenant):
     """Device time of a steady client's frame."""
     before = daemon.metric(GPU)[tenant]
@@ -58,11 +71,12 @@ def beside_a_flood(args, experiment, policy, steady_priority):
         rate = round(min(args.rate, 0.25 / cost), 2)
         slice_ms = max(4.0, 3300 * cost)
         daemon.reload(slice_us=int(1000 * slice_ms))
-        alone = daemon.load({"steady": 1}, args.size, rate, args.seconds).rows()["steady"]
+        alone = daemon.load({"steady": 1}, args.size, rate, args.unchecked_seconds).rows()["steady"]
         flood = daemon.load({"flood": args.sessions}, args.large, 0, args.seconds + 600)
-        time.sleep(2 * WARM_UP_S)
+        connected(daemon, args.sessions)
+        time.sleep(2 * args.unchecked_warm_up)
         busy_before = daemon.metric(GPU)
-        beside = daemon.load({"steady": 1}, args.size, rate, args.seconds).rows()["steady"]
+        beside = daemon.load({"steady": 1}, args.size, rate, args.unchecked_seconds).rows()["steady"]
         busy = {t: v - busy_before[t] for t, v in daemon.metric(GPU).items()}
         flood.end()
     row = {"experiment": experiment, "policy": policy, "tenant": "steady", "weight": 1,
@@ -86,15 +100,18 @@ def vanishing(args):
     """Steady clients, and beside them one that falls silent, one that stops reading, one that is killed."""
     rows = []
     tenants = [{"name": "steady"}, {"name": "other"}]
-    seconds = min(args.seconds, 10)
+    seconds = min(args.unchecked_seconds, 10)
     with serving(args, "fair", tenants) as daemon:
         steady = daemon.load({"steady": 2}, args.size, args.rate / 4, 8 * seconds + 60)
-        time.sleep(WARM_UP_S)
+        connected(daemon, 2)
+        time.sleep(args.unchecked_warm_up)
         for name, rate, sign in [("silent", 0.01, None), ("stops reading", args.rate / 8, signal.SIGSTOP),
                                  ("killed", args.rate / 8, signal.SIGKILL)]:
             before = change(daemon, BUFFERS, seconds)["steady"]
+            known = sessions(daemon)  # those that vanished before may be among them
             other = daemon.load({"other": 1}, args.size, rate, 600)
-            time.sleep(WARM_UP_S)
+            connected(daemon, 1, known)
+            time.sleep(args.unchecked_warm_up)
             if sign:
                 other.process.send_signal(sign)
             after = change(daemon, BUFFERS, seconds)["steady"]

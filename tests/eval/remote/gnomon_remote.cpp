@@ -23,7 +23,7 @@ using namespace gnomon;
 using namespace gnomon::remote;
 
 struct Arguments {
-  std::string scene, scene_folder, size = "640x360", link, preset = "veryfast", device, json, out;
+  std::string scene, scene_folder, size = "640x360", link, preset = "veryfast", device, cache, json, out;
   uint32_t frames = 120;
   double rate_hz = 30;
   uint64_t seed = 1;
@@ -41,6 +41,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--seed", a.seed, "of the link's chances")->type_name("N");
   app.add_option("--preset", a.preset, "libx264's")->type_name("NAME");
   app.add_option("--device", a.device, "Vulkan device: name, index or type")->type_name("NAME");
+  app.add_option("--cache", a.cache, "folder for light buffers, so that the next run is quick to start")
+      ->type_name("DIR");
   app.add_option("--out", a.out, "folder for shown.mp4 and ideal.mp4: what came and what was rendered")
       ->type_name("DIR");
   app.add_option("--json", a.json, "where to write the figures")->type_name("FILE");
@@ -102,7 +104,7 @@ double squared_error(const client::Picture& a, const client::Picture& b) {
 // Of the pictures that came against those that were meant. Writes both as videos if asked.
 Result<double> compare(const Arguments& a, const scenes::ScenePtr& scene, const client::Size& size,
                        const FlightResult& flight) {
-  auto source = client::IdealView::create(scene, {size.width, size.height}, a.device);
+  auto source = client::IdealView::create(scene, {size.width, size.height}, a.device, a.cache);
   if (!source) return source.error();
   std::optional<client::VideoFile> shown_file, ideal_file;
   if (!a.out.empty()) {
@@ -166,6 +168,7 @@ Result<void> run(const Arguments& a) {
   ServerOptions options;
   options.scene = *scene;
   options.device = a.device;
+  options.cache = a.cache;
   options.video = {.width = size->width, .height = size->height, .fps = a.rate_hz, .preset = a.preset.c_str()};
   options.secrets = new_secrets();
   auto server = RemoteServer::start(options);

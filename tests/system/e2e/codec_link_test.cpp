@@ -90,6 +90,7 @@ class Judge {
   explicit Judge(const client::ViewSize& size = kSize) {
     gpu::RendererOptions options;
     options.device = "cpu";
+    options.tracer_options.cache_folder = kept_light_buffers();  // of those that e2e_exact checks
     auto made = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_cares"},
                                            scenes::load_scene(living_room_file()).value());
     EXPECT_TRUE(made) << made.error().message;

@@ -15,12 +15,11 @@ namespace gnomon::tests {
 namespace fs = std::filesystem;
 namespace {
 
-// What a scene's light buffers were built to is kept for the next daemon of the same test program.
 std::string with_cache(std::string config) {
-  static const TemporaryFolder cache;
+  if (config.find("cache_folder") != std::string::npos) return config;
   const std::string device = "device: cpu";
   if (const size_t at = config.find(device); at != std::string::npos) {
-    config.insert(at, "cache_folder: " + cache.path().string() + ", ");
+    config.insert(at, "cache_folder: " + kept_light_buffers().string() + ", ");
   }
   return config;
 }
@@ -59,6 +58,17 @@ std::string get(const client::Address& server, const std::string& path) {
 }
 
 }  // namespace
+
+fs::path kept_light_buffers() {
+  static const fs::path folder = [] {
+    const fs::path bin = GNOMON_BINARY_DIR, all = bin.parent_path() / "light_buffers" / "e2e";
+    const auto made = fs::last_write_time(bin / "gnomond").time_since_epoch().count();
+    const fs::path own = all / (std::to_string(fs::file_size(bin / "gnomond")) + "_" + std::to_string(made));
+    if (!fs::exists(own)) fs::remove_all(all);
+    return own;
+  }();
+  return folder;
+}
 
 fs::path living_room_file() {
   return fs::path(GNOMON_BINARY_DIR).parent_path() / "share" / "gnomon" / "scenes" / "living_room.glb";

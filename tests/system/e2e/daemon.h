@@ -25,6 +25,10 @@ tenants:
 
 std::filesystem::path living_room_file();
 
+// Where daemons keep the light buffers that they have built, for others of the same build; a configuration that names a
+// `cache_folder` has its own.
+std::filesystem::path kept_light_buffers();
+
 class Daemon {
  public:
   // Returns once it serves (or has failed: then address() has port 0, and output() says why).

@@ -18,18 +18,19 @@ std::string light_buffers(const Daemon& daemon) {
   return "";
 }
 
-// `render`: what it says beside the device.
-std::string config_with(const std::string& render) {
+// With nothing in the cache. `render`: what it says beside the device.
+std::string config_with(const TemporaryFolder& cache, const std::string& render) {
   std::string config = kConfig;
   const std::string usual = ", wait_for_light_buffers: true";
-  config.replace(config.find(usual), usual.size(), render);
+  config.replace(config.find(usual), usual.size(), ", cache_folder: " + cache.path().string() + render);
   return config;
 }
 
 bool answers_ready(const Daemon& daemon) { return daemon.page("/readyz") == "ready\n"; }
 
 TEST(FirstStart, FramesAreExactBeforeTheLightBuffersAcrossTheChangeAndAfter) {
-  const Daemon daemon(config_with(""));
+  const TemporaryFolder cache;
+  const Daemon daemon(config_with(cache, ""));
   EXPECT_TRUE(answers_ready(daemon));
   client::Loop loop;
   Fliers fliers;
@@ -66,7 +67,8 @@ TEST(FirstStart, FramesAreExactBeforeTheLightBuffersAcrossTheChangeAndAfter) {
 }
 
 TEST(FirstStart, WhoWantsToWaitsForTheLightBuffers) {
-  const Daemon daemon(config_with(", wait_for_light_buffers: true, light_buffer_mb: 96"));  // not those cached
+  const TemporaryFolder cache;
+  const Daemon daemon(config_with(cache, ", wait_for_light_buffers: true, light_buffer_mb: 96"));
   EXPECT_TRUE(answers_ready(daemon));
   EXPECT_EQ(daemon.metric("gnomon_scene_lights", {"state=\"unbuilt\""}), 0);
   EXPECT_EQ(light_buffers(daemon), "ready");

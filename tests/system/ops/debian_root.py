@@ -69,11 +69,27 @@ def bootstrap(target, suite, *options, sources=None):
         skip(f"no root of {suite} can be made here: " + done.stdout.strip()[-300:].replace("\n", " "))
 
 
+def packed(build):
+    """A digest of all that the packages may be made of, by names, sizes and times: what is built, and the tree but its
+    tests."""
+    cache = (build / "CMakeCache.txt").read_text()
+    source = pathlib.Path(re.search(r"^CMAKE_HOME_DIRECTORY:\w+=(.*)$", cache, re.M)[1])
+    made = [build / name for name in ("bin", "lib", "share", "deploy", "client", "CPackConfig.cmake")]
+    own = [path for path in source.iterdir() if path.name not in (".git", "build", "out", "tests")]
+    files = [file for top in made + own for file in (top, *top.rglob("*"))] + list(build.rglob("cmake_install.cmake"))
+    states = ((file, file.stat()) for file in sorted(files) if file.is_file())
+    text = "".join(f"{file} {state.st_size} {state.st_mtime_ns} {state.st_mode}\n" for file, state in states)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
 def build_packages(build):
-    """This build's packages, anew, by name."""
+    """This build's packages, by name; anew, if anything has changed since another test made them."""
     folder = build / "ops/package"
-    shutil.rmtree(folder, ignore_errors=True)
-    run("cpack", "-B", folder, cwd=build)
+    digest, made_of = packed(build), folder / "made_of"
+    if not made_of.is_file() or made_of.read_text() != digest:
+        shutil.rmtree(folder, ignore_errors=True)
+        run("cpack", "-B", folder, cwd=build)
+        made_of.write_text(digest)
     return {file.name.split("_")[0]: file for file in folder.glob("*.deb")}
 
 

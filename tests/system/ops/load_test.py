@@ -46,7 +46,7 @@ class UnderLoad(unittest.TestCase):
 
     def test_reload(self):
         node = self.node
-        load = self.load({"studio": 3, "arcade": 3}, seconds=30)
+        load = self.load({"studio": 3, "arcade": 3})
         eventually(lambda: abs(self.share("studio") - 0.5) < 0.1, "equal shares")
         self.assertEqual(self.reload(4), (0, "reloaded\n"))
         since = time.monotonic()
@@ -65,6 +65,8 @@ class UnderLoad(unittest.TestCase):
             self.assertEqual(self.reload(1 + number % 4)[0], 0)
         self.assertLessEqual(node.metric("gnomon_process_open_fds"), descriptors + 8, "descriptors leak")
         self.assertEqual(node.metric("gnomon_config_reloads_total", result="done"), RELOADS + 1)
+        self.assertIsNone(load.process.poll(), "they are all still there")
+        load.process.send_signal(signal.SIGINT)
         rows = load.rows()
         total = rows[-1]
         self.assertEqual(load.process.returncode, 0, load.output)

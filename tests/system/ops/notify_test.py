@@ -62,7 +62,7 @@ class Manager:
 
 class Notify(unittest.TestCase):
     def setUp(self):
-        self.node = Node(BUILD, faults=True)
+        self.node = Node(BUILD, faults=True, render={"tracer": "bvh"})  # nothing to build
         self.addCleanup(self.node.__exit__)
         self.manager = Manager(self.node)
 

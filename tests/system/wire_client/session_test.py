@@ -41,6 +41,7 @@ ASKED_NOTHING = {(0, 0, 0), (70, 70, 85)}  # gnomon-client's colours of bits tha
 COLOUR_OF_BIT = {1: (255, 255, 255), 0: (120, 30, 50)}
 CAMERAS, STEP = 3, 0.05  # and radians between them
 FAR, FRAMES = "127.0.0.9", 60  # of a bad link
+SHORT_SILENCE_MS = 4000  # of the server that is listened to for longer than that
 
 
 def fields_of(output):
@@ -57,10 +58,11 @@ class Sessions(unittest.TestCase):
         cls.node.config["tenants"].append({"name": "vault", "token_sha256": [token["token_sha256"]]})
         cls.node.start()
 
-    def session(self, host=None, **hello):
-        own_host, port = self.node.control.rsplit(":", 1)
+    def session(self, host=None, node=None, **hello):
+        node = node or self.node
+        own_host, port = node.control.rsplit(":", 1)
         hello = {"scene": "living_room", "tenant": "studio", "width": SIZE[0], "height": SIZE[1], **hello}
-        session = Session(host or own_host, int(port), self.node.pin, Hello(**hello))
+        session = Session(host or own_host, int(port), node.pin, Hello(**hello))
         self.addCleanup(session.abandon)
         return session
 
@@ -174,25 +176,29 @@ class Sessions(unittest.TestCase):
     def test_losses_are_rebuilt_where_sending_again_takes_too_long(self):
         self.assertGreater(self.over_a_bad_link("300ms").counts["recovered"], 0)
 
-    def frames(self):
+    def frames(self, node=None):
         """Answered to the tenant arcade, whose sessions go over no bad link."""
-        return self.node.metric("gnomon_visibility_buffers_total", tenant="arcade")
+        return (node or self.node).metric("gnomon_visibility_buffers_total", tenant="arcade")
 
-    def after_one_frame(self):
+    def after_one_frame(self, node=None):
         """A session, and frames() with the one that it has got."""
-        before = self.frames()
-        session = self.session(tenant="arcade")
+        before = self.frames(node)
+        session = self.session(node=node, tenant="arcade")
         session.picture(session.welcome.scene.default_camera)
-        eventually(lambda: self.frames() == before + 1, "a frame is counted")
+        eventually(lambda: self.frames(node) == before + 1, "a frame is counted")
         return session, before + 1
 
     def test_signs_of_life(self):
-        session, frames = self.after_one_frame()
+        node = Node(BUILD, render={"tracer": "bvh"}, server={"silence_timeout_ms": SHORT_SILENCE_MS})
+        self.addCleanup(node.__exit__)
+        node.start()
+        session, frames = self.after_one_frame(node)
         silence_s = session.welcome.silence_timeout_ms / 1000
+        self.assertEqual(silence_s, SHORT_SILENCE_MS / 1000)
         sent = session.sealer.sequence
         session.listen(1.5 * silence_s)
         self.assertGreaterEqual(session.sealer.sequence - sent, 4)
-        self.assertEqual(self.frames(), frames, "an update said again asks for nothing")
+        self.assertEqual(self.frames(node), frames, "an update said again asks for nothing")
         session.picture(session.welcome.scene.default_camera)
 
     # ---- who may
