@@ -5,7 +5,7 @@ import time
 from served import PATIENCE_S, change, serving
 
 POLICIES = ["fair", "priority", "deadline", "round_robin"]
-WARM_UP_S = 3  # until everybody is connected and costs are learned
+WARM_UP_S = 3  # until costs are learned
 GPU = "gnomon_tenant_gpu_seconds_total"
 BUFFERS = "gnomon_visibility_buffers_total"
 
@@ -18,10 +18,12 @@ def flood_shares(args, experiment, policy, weights):
     """Every tenant floods with as many sessions as keep it busy."""
     tenants = [{"name": f"weight{w}-{i}", "weight": w, "priority": i} for i, w in enumerate(weights)]
     with serving(args, policy, tenants) as daemon:
-        load = daemon.load({t["name"]: 4 for t in tenants}, args.size, 0, args.seconds + WARM_UP_S + 1,
-                           deadline_ms=1000)
-        time.sleep(WARM_UP_S)
-        busy = change(daemon, GPU, args.seconds)
+        load = daemon.load({t["name"]: 4 for t in tenants}, args.size, 0, 36000, deadline_ms=1000)
+        connected(daemon, 4 * len(tenants))
+        change(daemon, GPU, args.warm_up, until=lambda: answered(daemon) >= args.least_frames / 4)
+        warm = answered(daemon)
+        busy = change(daemon, GPU, args.seconds, until=lambda: answered(daemon) >= warm + args.least_frames)
+        load.process.send_signal(signal.SIGINT)
         clients = load.rows()
     fairness = jain([busy[t["name"]] / t["weight"] for t in tenants])
     return [{"experiment": experiment, "policy": policy, "tenant": t["name"], "weight": t["weight"],
@@ -37,6 +39,11 @@ def shares(args):
 
 def equal(args):
     return flood_shares(args, "equal", "fair", [1, 1, 1, 1])
+
+
+def answered(daemon):
+    """Frames, of all tenants."""
+    return sum(daemon.metric(BUFFERS).values())
 
 
 def sessions(daemon):
@@ -71,12 +78,12 @@ def beside_a_flood(args, experiment, policy, steady_priority):
         rate = round(min(args.rate, 0.25 / cost), 2)
         slice_ms = max(4.0, 3300 * cost)
         daemon.reload(slice_us=int(1000 * slice_ms))
-        alone = daemon.load({"steady": 1}, args.size, rate, args.unchecked_seconds).rows()["steady"]
+        alone = daemon.load({"steady": 1}, args.size, rate, args.seconds).rows()["steady"]
         flood = daemon.load({"flood": args.sessions}, args.large, 0, args.seconds + 600)
         connected(daemon, args.sessions)
-        time.sleep(2 * args.unchecked_warm_up)
+        time.sleep(2 * args.warm_up)
         busy_before = daemon.metric(GPU)
-        beside = daemon.load({"steady": 1}, args.size, rate, args.unchecked_seconds).rows()["steady"]
+        beside = daemon.load({"steady": 1}, args.size, rate, args.seconds).rows()["steady"]
         busy = {t: v - busy_before[t] for t, v in daemon.metric(GPU).items()}
         flood.end()
     row = {"experiment": experiment, "policy": policy, "tenant": "steady", "weight": 1,
@@ -100,18 +107,18 @@ def vanishing(args):
     """Steady clients, and beside them one that falls silent, one that stops reading, one that is killed."""
     rows = []
     tenants = [{"name": "steady"}, {"name": "other"}]
-    seconds = min(args.unchecked_seconds, 10)
+    seconds = min(args.seconds, 10)
     with serving(args, "fair", tenants) as daemon:
-        steady = daemon.load({"steady": 2}, args.size, args.rate / 4, 8 * seconds + 60)
+        steady = daemon.load({"steady": 2}, args.size, args.rate / 4, 8 * seconds + 600)
         connected(daemon, 2)
-        time.sleep(args.unchecked_warm_up)
+        time.sleep(args.warm_up)
         for name, rate, sign in [("silent", 0.01, None), ("stops reading", args.rate / 8, signal.SIGSTOP),
                                  ("killed", args.rate / 8, signal.SIGKILL)]:
             before = change(daemon, BUFFERS, seconds)["steady"]
             known = sessions(daemon)  # those that vanished before may be among them
             other = daemon.load({"other": 1}, args.size, rate, 600)
             connected(daemon, 1, known)
-            time.sleep(args.unchecked_warm_up)
+            time.sleep(args.warm_up)
             if sign:
                 other.process.send_signal(sign)
             after = change(daemon, BUFFERS, seconds)["steady"]

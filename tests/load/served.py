@@ -112,9 +112,13 @@ def serving(args, policy, tenants, devices=(), **scheduler):
         daemon.stop()
 
 
-def change(daemon, name, seconds):
-    """How much a counter of each tenant grows in that time, by second."""
+def change(daemon, name, seconds, until=lambda: True):
+    """How much a counter of each tenant grows in that time, and until that is true, by second."""
     before, begin = daemon.metric(name), time.monotonic()
     time.sleep(seconds)
+    while not until():
+        if time.monotonic() > begin + seconds + PATIENCE_S:
+            raise SystemExit("the daemon answers too little to be measured")
+        time.sleep(0.05)
     after, took = daemon.metric(name), time.monotonic() - begin
     return {tenant: (after[tenant] - before.get(tenant, 0)) / took for tenant in after}

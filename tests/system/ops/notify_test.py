@@ -154,7 +154,7 @@ class Notify(unittest.TestCase):
 
         kills, clients = 3, 4
         start()
-        load = node.load({"studio": 2, "arcade": 2}, rate=20, seconds=15)
+        load = node.load({"studio": 2, "arcade": 2}, rate=20, seconds=600)
         self.addCleanup(load.kill)
         eventually(lambda: len(sessions()) == clients and frames() > 20, "frames")
         ids = sessions()
@@ -166,6 +166,8 @@ class Notify(unittest.TestCase):
             had = frames()
             eventually(lambda: frames() > had + 20, "frames of the same sessions")
             self.assertEqual(node.metric("gnomon_refusals_total"), 0)
+        self.assertIsNone(load.process.poll(), "they are all still there")
+        load.process.send_signal(signal.SIGINT)
         rows = load.rows()
         self.assertEqual(load.process.returncode, 0, load.output)
         self.assertEqual((rows[-1]["resumed"], rows[-1]["wrong_frames"]), (kills * clients, 0), rows[-1])
