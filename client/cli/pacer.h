@@ -27,6 +27,7 @@ class Pacer {
   // How long a full window waits since the last camera: mean plus four mean deviations of the response time, as
   // TCP's retransmission timer (RFC 6298), so that a slow server is not taken for a lossy one.
   Nanoseconds answer_patience() const;
+  bool any_answer() const { return any_answer_; }
 
  private:
   PaceOptions options_;

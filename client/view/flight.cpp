@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr Nanoseconds kFirstAnswerPatience = std::chrono::seconds(60);
 constexpr auto kTurn = 100ms;  // how often the loop looks at what has no event of its own
 
 PaceOptions pace_of(const FlightOptions& options, float granted_hz) {
@@ -127,10 +128,12 @@ TimePoint Flight::next_event(TimePoint now) const {
   return std::min(now + kTurn, pacer_.next_send(client_.in_flight()));
 }
 
-// The last camera's answer may never come: it is waited for as long as others took.
+// The last camera's answer may never come: it is waited for as long as others took. Where there were no others, a busy
+// server may be preparing its first frame.
 bool Flight::finished(TimePoint now) const {
   if (!all_asked() || new_masks_) return false;
-  return client_.in_flight() == 0 || now - last_asked_ > pacer_.answer_patience();
+  const Nanoseconds patience = pacer_.any_answer() ? pacer_.answer_patience() : kFirstAnswerPatience;
+  return client_.in_flight() == 0 || now - last_asked_ > patience;
 }
 
 FlightFigures Flight::figures() const {
