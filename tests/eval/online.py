@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 
-from served import Daemon, serving
+from served import MeasuredNode, serving
 
 BORDERS = {"0": (0, 0), "64x36": (64, 36), "128x72": (128, 72)}
 TENANTS = [{"name": "eval"}]
@@ -66,7 +66,7 @@ class Link:
     """netsim before a daemon: that round trip more."""
 
     def __init__(self, args, daemon, round_trip_ms, *more):
-        data = re.search(r" data=(\S+)", open(daemon.log.name).read()).group(1).split(",")
+        data = re.search(r" data=(\S+)", daemon.log_text()).group(1).split(",")
         control = daemon.control.rsplit(":", 1)[1]
         self.server = f"127.0.0.2:{control}"
         self.process = subprocess.Popen([args.bin / "netsim", "--tcp", control, "--udp", *data, "--delay",
@@ -117,7 +117,7 @@ def clients_together(args, border):
         for count in [1, 2, 4] if args.quick else [1, 2, 4, 8, 16, 32, 64] if border == "0" else [1, 2]:
             # A program of clients is one thread: so many that it is not they who are measured.
             loads = [daemon.load({"eval": min(4, count)}, size, 0, args.seconds) for _ in range((count + 3) // 4)]
-            each = [load.rows()["eval"] for load in loads]
+            each = [load.tenant_rows()["eval"] for load in loads]
             rows.append({"scene": args.scene, "size": args.size, "border": border, "clients": count,
                          "vbps": sum(row["vbps"] for row in each), "p50_ms": statistics.median(row["p50_ms"] for row in each),
                          "p99_ms": max(row["p99_ms"] for row in each)})
@@ -151,12 +151,12 @@ def memory_and_time(args, kind):
         for count in range(1, (2 if args.quick else 4) + 1):
             began = time.monotonic()
             if kind == "separate" or not daemons:
-                daemons.append(Daemon(args, "fair", TENANTS))
+                daemons.append(MeasuredNode(args, "fair", TENANTS).start())
             client(args, daemons[-1], args.small, 1)
             took = time.monotonic() - began
             loads = [daemon.load({"eval": count if kind == "shared" else 1}, args.small, 2, 2) for daemon in daemons]
             with concurrent.futures.ThreadPoolExecutor() as pool:
-                list(pool.map(lambda load: load.rows(), loads))
+                list(pool.map(lambda load: load.tenant_rows(), loads))
             rows.append({"kind": kind, "clients": count, "host_mb": sum(map(resident_mb, daemons)),
                          "device_mb": sum(map(device_mb, daemons)), "last_client_ready_s": took})
             print(f"    {count} clients: {rows[-1]['host_mb']:.0f} MB, {took:.1f} s", flush=True)

@@ -24,7 +24,7 @@ def flood_shares(args, experiment, policy, weights):
         warm = answered(daemon)
         busy = change(daemon, GPU, args.seconds, until=lambda: answered(daemon) >= warm + args.least_frames)
         load.process.send_signal(signal.SIGINT)
-        clients = load.rows()
+        clients = load.tenant_rows()
     fairness = jain([busy[t["name"]] / t["weight"] for t in tenants])
     return [{"experiment": experiment, "policy": policy, "tenant": t["name"], "weight": t["weight"],
              "share": busy[t["name"]] / sum(busy.values()), "expected_share": t["weight"] / sum(weights),
@@ -43,7 +43,7 @@ def equal(args):
 
 def answered(daemon):
     """Frames, of all tenants."""
-    return sum(daemon.metric(BUFFERS).values())
+    return sum(daemon.metric_by_tenant(BUFFERS).values())
 
 
 def sessions(daemon):
@@ -61,9 +61,9 @@ def connected(daemon, count, before=frozenset()):
 
 def frame_seconds(args, daemon, tenant):
     """Device time of a steady client's frame."""
-    before = daemon.metric(GPU)[tenant]
-    frames = daemon.load({tenant: 1}, args.size, 0, WARM_UP_S).rows()[tenant]["frames"]
-    return (daemon.metric(GPU)[tenant] - before) / max(frames, 1)
+    before = daemon.metric_by_tenant(GPU)[tenant]
+    frames = daemon.load({tenant: 1}, args.size, 0, WARM_UP_S).tenant_rows()[tenant]["frames"]
+    return (daemon.metric_by_tenant(GPU)[tenant] - before) / max(frames, 1)
 
 
 def beside_a_flood(args, experiment, policy, steady_priority):
@@ -78,14 +78,14 @@ def beside_a_flood(args, experiment, policy, steady_priority):
         rate = round(min(args.rate, 0.25 / cost), 2)
         slice_ms = max(4.0, 3300 * cost)
         daemon.reload(slice_us=int(1000 * slice_ms))
-        alone = daemon.load({"steady": 1}, args.size, rate, args.seconds).rows()["steady"]
+        alone = daemon.load({"steady": 1}, args.size, rate, args.seconds).tenant_rows()["steady"]
         flood = daemon.load({"flood": args.sessions}, args.large, 0, args.seconds + 600)
         connected(daemon, args.sessions)
         time.sleep(2 * args.warm_up)
-        busy_before = daemon.metric(GPU)
-        beside = daemon.load({"steady": 1}, args.size, rate, args.seconds).rows()["steady"]
-        busy = {t: v - busy_before[t] for t, v in daemon.metric(GPU).items()}
-        flood.end()
+        busy_before = daemon.metric_by_tenant(GPU)
+        beside = daemon.load({"steady": 1}, args.size, rate, args.seconds).tenant_rows()["steady"]
+        busy = {t: v - busy_before[t] for t, v in daemon.metric_by_tenant(GPU).items()}
+        flood.kill()
     row = {"experiment": experiment, "policy": policy, "tenant": "steady", "weight": 1,
            "share": busy["steady"] / sum(busy.values()), "vbps": beside["vbps"], "p50_ms": beside["p50_ms"],
            "p99_ms": beside["p99_ms"], "p50_alone_ms": alone["p50_ms"], "p99_alone_ms": alone["p99_ms"],
@@ -122,10 +122,10 @@ def vanishing(args):
             if sign:
                 other.process.send_signal(sign)
             after = change(daemon, BUFFERS, seconds)["steady"]
-            other.end()
+            other.kill()
             rows.append({"experiment": "vanishing", "policy": "fair", "tenant": f"steady, beside {name}", "weight": 1,
                          "vbps": after, "vbps_alone": before})
-        steady.end()
+        steady.kill()
     return rows
 
 
@@ -138,7 +138,7 @@ def devices(args):
             loads = [daemon.load({"clients": 4}, args.size, 0, args.seconds + 2 * WARM_UP_S) for _ in range(4 * count)]
             time.sleep(WARM_UP_S)
             vbps = change(daemon, BUFFERS, args.seconds)["clients"]
-            clients = [load.rows()["clients"] for load in loads]
+            clients = [load.tenant_rows()["clients"] for load in loads]
         rows.append({"experiment": "devices", "policy": "fair", "tenant": f"clients of {count}", "weight": 1, "vbps": vbps,
                      "vbps_alone": rows[0]["vbps"] if rows else vbps, "p50_ms": max(c["p50_ms"] for c in clients),
                      "p99_ms": max(c["p99_ms"] for c in clients), "jain": jain([c["vbps"] for c in clients])})

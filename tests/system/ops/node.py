@@ -121,6 +121,13 @@ class Node:
                 total += float(value)
         return total
 
+    def metric_by_tenant(self, name):
+        """Values by tenant, each summed over the other labels."""
+        values = {}
+        for tenant, value in re.findall(rf'^{name}{{[^}}]*tenant="([^"]+)"[^}}]*}} (\S+)$', self.page("/metrics"), re.M):
+            values[tenant] = values.get(tenant, 0) + float(value)
+        return values
+
     def ctl(self, *arguments):
         """gnomonctl: exit status, output."""
         done = subprocess.run([self.bin / "gnomonctl", "--admin", self.admin, *arguments], text=True,
@@ -132,10 +139,13 @@ class Node:
         user, system = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]
         return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
-    def load(self, clients, size="160x90", rate=0, seconds=5, scene="living_room", server=None, still=False):
+    def load(self, clients, size="160x90", rate=0, seconds=5, scene="living_room", server=None, still=False,
+             deadline_ms=None):
         """Starts gnomon-load. `clients`: number by tenant, who stand `still` or ask at `rate`; `server`: of a relay(),
         if not directly."""
         pace = ["--still"] if still else ["--rate", str(rate)]
+        if deadline_ms is not None:
+            pace += ["--deadline-ms", str(deadline_ms)]
         return Load(self, clients, size, pace, seconds, scene, server or self.control)
 
     def relay(self, *link):
@@ -191,6 +201,10 @@ class Load:
         """Waits for its end; all rows."""
         self.output = self.process.communicate(timeout=3600)[0]
         return json.loads(self.file.read_text())["rows"]
+
+    def tenant_rows(self):
+        """Waits for its end; the tenants' rows by name."""
+        return {row["tenant"]: row for row in self.rows() if row["scope"] == "tenant"}
 
     def kill(self):
         if self.process.poll() is None:
