@@ -51,7 +51,7 @@ def fields_of(output):
 class Sessions(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.node = Node(BUILD, render={"tracer": "bvh"}, server={"silence_timeout_ms": 10_000})  # decoding is slow here
+        cls.node = Node(BUILD, render={"tracer": "bvh"}, server={"silence_timeout_ms": 60_000})  # decoding is slow here
         cls.addClassCleanup(cls.node.__exit__)
         token = fields_of(subprocess.check_output([cls.node.bin / "gnomonctl", "make-token"], text=True))
         cls.token = token["token"]
