@@ -17,7 +17,8 @@ class Mutation:
 
 
 COMMENT_OR_LITERAL = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])\'', re.S)
-SKIPPED = re.compile(r"\s*(#|virtual\b.* = 0;|template\b|using\b|namespace\b|friend\b|static_assert\b)|.*(\bassert\(|\blog::\w+\()")
+SKIPPED = re.compile(r"\s*(#|virtual\b.* = 0;|(template|using|namespace|friend|static_assert)\b)"
+                     r"|.*(\bassert\(|\blog::\w+\()")
 
 RELATIONS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="}
 ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "<<": ">>", ">>": "<<", "&": "|", "|": "&"}
@@ -84,7 +85,8 @@ def deletions(code, before, after):
     block = BLOCK.match(statement)
     if block:
         end = closing(statement, block.end())
-        whole = end is not None and re.fullmatch(r"\s+\S.*;", statement[end + 1:]) and not after.strip().startswith("else")
+        whole = (end is not None and re.fullmatch(r"\s+\S.*;", statement[end + 1:])
+                 and not after.strip().startswith("else"))
     else:
         head = re.split(r" (?:[-+*/%&|^]|<<|>>)?= |\(", statement, maxsplit=1)[0]
         whole = (statement.endswith(";") and statement.count("(") == statement.count(")")
