@@ -343,6 +343,19 @@ TEST(LinkSender, OfWhatAClientCountedBeforeItWasResumedNothingCounts) {
   }
 }
 
+TEST(LinkCounters, ADifferenceIsOneOfEachCount) {
+  const LinkCounters before{1, 2, 3, 4, 5, 6, 7, 8}, after{2, 4, 6, 8, 10, 12, 14, 16};
+  const LinkCounters since = after - before;
+  EXPECT_EQ(since.sent, 1u);
+  EXPECT_EQ(since.arrived, 2u);
+  EXPECT_EQ(since.lost, 3u);
+  EXPECT_EQ(since.retransmitted, 4u);
+  EXPECT_EQ(since.parity, 5u);
+  EXPECT_EQ(since.recovered, 6u);
+  EXPECT_EQ(since.incomplete, 7u);
+  EXPECT_EQ(since.too_late, 8u);
+}
+
 TEST(LinkSender, PacesAFrame) {
   LinkSender link(protocol::kFeatureFeedback);
   link.add(frame_of(1, 50, 1000), TimePoint::max(), kStart);
