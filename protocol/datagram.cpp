@@ -12,7 +12,7 @@ namespace {
 template <class A>
 void fields(A& a, Of<A, Header>& m) {
   a(m.kind, m.flags, m.session, m.sequence);
-  a.check(m.kind >= DatagramKind::camera_update && m.kind <= DatagramKind::pong, "unknown kind");
+  a.check(std::find(kDatagramKinds.begin(), kDatagramKinds.end(), m.kind) != kDatagramKinds.end(), "unknown kind");
 }
 
 template <class A>

@@ -5,6 +5,7 @@
 // Decoding is total and allocates nothing.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -39,6 +40,9 @@ enum class DatagramKind : uint8_t {
   ping = 6,          // client to server, zeros: do datagrams pass?
   pong = 7,          // the answer, the same
 };
+inline constexpr std::array<DatagramKind, 7> kDatagramKinds{
+    DatagramKind::camera_update, DatagramKind::frame_slice, DatagramKind::feedback, DatagramKind::frame_parity,
+    DatagramKind::probe,         DatagramKind::ping,        DatagramKind::pong};
 
 struct Header {
   DatagramKind kind = DatagramKind::camera_update;

@@ -60,18 +60,26 @@ TEST(ParityPlan, MoreLossTakesMoreParityAndFewerSlicesRelativelyMore) {
   EXPECT_EQ(parity_groups(33), 2u);
 }
 
-// As many groups fail as the plan says, or fewer.
-TEST(ParityPlan, KeepsItsWord) {
+// Of many groups with that much parity: the share that cannot be rebuilt.
+double failures(size_t slices, size_t parity, double loss) {
   std::mt19937_64 random(1);
-  std::bernoulli_distribution lost(0.05);
-  const size_t parity = parity_count(32, 0.05);
+  std::bernoulli_distribution lost(loss);
   int failed = 0;
   for (int group = 0; group < 20000; ++group) {
     size_t count = 0;
-    for (size_t i = 0; i < 32 + parity; ++i) count += lost(random);
+    for (size_t i = 0; i < slices + parity; ++i) count += lost(random);
     failed += count > parity;
   }
-  EXPECT_LE(failed / 20000.0, 1.2 * kGroupFailure);
+  return failed / 20000.0;
+}
+
+TEST(ParityPlan, KeepsItsWordAndWithOneShardLessWouldNot) {
+  const std::vector<std::pair<size_t, double>> cases{{32, 0.05}, {32, 0.01}, {16, 0.1}, {8, 0.02}};
+  for (const auto& [slices, loss] : cases) {
+    const size_t parity = parity_count(slices, loss);
+    EXPECT_LE(failures(slices, parity, loss), 1.2 * kGroupFailure) << slices << " slices, " << loss;
+    EXPECT_GT(failures(slices, parity - 1, loss), 0.8 * kGroupFailure) << slices << " slices, " << loss;
+  }
 }
 
 TEST(PathMtu, FindsWhatThePathTakes) {
@@ -113,6 +121,23 @@ TEST(PathMtu, FallsBackInSilenceAndSearchesAnew) {
   EXPECT_EQ(mtu.bytes(), protocol::kMaxDatagramBytes);
   EXPECT_FALSE(mtu.probe_due(kStart));
   EXPECT_TRUE(mtu.probe_due(kStart + PathMtu::kAfterBlackHole));
+}
+
+TEST(PathMtu, EverySearchTriesASizeThreeTimes) {
+  PathMtu mtu;
+  TimePoint now = kStart;
+  mtu.probe_sent();
+  mtu.probe_arrived(1280, now);
+  mtu.silent(now);
+  for (int search = 0; search < 3; ++search) {
+    now += PathMtu::kSearchAgain;
+    uint32_t tries = 0;
+    for (; mtu.probe_due(now); now += PathMtu::kBetweenProbes, ++tries) {
+      mtu.probe_sent();
+      mtu.probe_lost(now);
+    }
+    EXPECT_EQ(tries, PathMtu::kTries) << search;
+  }
 }
 
 TEST(ViewGate, HoldsViewsBackWhileTheLinkIsBusy) {
@@ -195,7 +220,10 @@ TEST(SliceRecovery, RebuildsWhatParityAllows) {
   }
   std::vector<Bytes> rebuilt;
   for (uint16_t i = 0; i < frame.parity_count(); ++i) {
-    for (auto& body : recovery.add_parity(*protocol::decode_parity(frame.parity_body(i)))) rebuilt.push_back(body);
+    const auto parity = protocol::decode_parity(frame.parity_body(i));
+    ASSERT_TRUE(parity);
+    EXPECT_EQ(parity->header.reserved, 0);
+    for (auto& body : recovery.add_parity(*parity)) rebuilt.push_back(body);
   }
   ASSERT_EQ(rebuilt.size(), 2u);
   for (const Bytes& body : rebuilt) {
@@ -281,6 +309,51 @@ TEST(LinkSender, WithoutFeedbackEverythingGoesAtOnce) {
   EXPECT_EQ(sent, 50u);
   EXPECT_EQ(link.wake_at(kStart), TimePoint::max());
   EXPECT_TRUE(link.takes_view(kStart));
+}
+
+TEST(LinkSender, ADatagramThatItDidNotOfferIsOnlyCounted) {
+  LinkSender link(0);
+  link.add(frame_of(1, 3), TimePoint::max(), kStart);
+  ASSERT_TRUE(link.next(kStart));
+  link.sent(1, 168, kStart);
+  link.sent(2, 168, kStart);
+  EXPECT_EQ(link.counters().sent, 2u);
+  for (uint64_t slice = 1; slice < 3; ++slice) {
+    const auto out = link.next(kStart);
+    ASSERT_TRUE(out);
+    EXPECT_EQ(protocol::decode_frame_slice(out->body)->header.slice, slice);
+    link.sent(2 + slice, 168, kStart);
+  }
+}
+
+TEST(LinkSender, OfWhatAClientCountedBeforeItWasResumedNothingCounts) {
+  for (const bool resumed : {false, true}) {
+    LinkSender link(protocol::kFeatureFeedback, resumed);
+    protocol::Feedback said;
+    said.recovered = 7;
+    said.incomplete = 9;
+    link.hear(said, kStart);
+    EXPECT_EQ(link.counters().recovered, resumed ? 0u : 7u);
+    EXPECT_EQ(link.counters().incomplete, resumed ? 0u : 9u);
+    said.recovered = 8;
+    said.incomplete = 11;
+    link.hear(said, kStart + 10ms);
+    EXPECT_EQ(link.counters().recovered, resumed ? 1u : 8u);
+    EXPECT_EQ(link.counters().incomplete, resumed ? 2u : 11u);
+  }
+}
+
+TEST(LinkCounters, ADifferenceIsOneOfEachCount) {
+  const LinkCounters before{1, 2, 3, 4, 5, 6, 7, 8}, after{2, 4, 6, 8, 10, 12, 14, 16};
+  const LinkCounters since = after - before;
+  EXPECT_EQ(since.sent, 1u);
+  EXPECT_EQ(since.arrived, 2u);
+  EXPECT_EQ(since.lost, 3u);
+  EXPECT_EQ(since.retransmitted, 4u);
+  EXPECT_EQ(since.parity, 5u);
+  EXPECT_EQ(since.recovered, 6u);
+  EXPECT_EQ(since.incomplete, 7u);
+  EXPECT_EQ(since.too_late, 8u);
 }
 
 TEST(LinkSender, PacesAFrame) {
@@ -390,6 +463,8 @@ uint64_t sent_again(TimePoint deadline, TimePoint heard) {
   said.time_us += 30000;
   link.hear(said, heard + 30ms);
   while (link.next(heard + 31ms)) link.sent(++sent, 168, heard + 31ms);
+  EXPECT_EQ(link.take_extra_bytes(), 168 * (sent - 12)) << "somebody pays for what goes again, and for probes";
+  EXPECT_EQ(link.take_extra_bytes(), 0u);
   return link.counters().retransmitted;
 }
 

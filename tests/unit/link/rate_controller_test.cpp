@@ -65,6 +65,16 @@ TEST_F(RateControllerTest, AQueueMakesItFallBelowWhatIsDelivered) {
   EXPECT_GE(rate_.rate(), 0.3e6);
 }
 
+TEST_F(RateControllerTest, AFallIsGivenARoundTripToShow) {
+  run(1s, clear());
+  run(10ms, queued(15ms));
+  const double then = rate_.rate();
+  run(50ms, queued(16ms));
+  EXPECT_EQ(rate_.rate(), then);
+  run(50ms, queued(16ms));
+  EXPECT_LT(rate_.rate(), then);
+}
+
 TEST_F(RateControllerTest, WhenTheQueueIsGoneItTakesUpWhatWasDelivered) {
   run(1s, clear());
   run(10ms, queued(60ms));
@@ -91,6 +101,27 @@ TEST_F(RateControllerTest, AQueueThatDoesNotReactIsSomebodyElses) {
   EXPECT_GT(rate_.rate(), 0.5 * before) << "what was given away in vain comes back";
   run(6s, clear());
   EXPECT_FALSE(rate_.competing(now_)) << "and is tried again";
+}
+
+TEST_F(RateControllerTest, AQueueThatShrinksIsItsOwn) {
+  run(1s, clear());
+  for (Nanoseconds queue = 100ms; queue > RateController::kTarget; queue = queue * 3 / 4) {
+    run(queue + 60ms, queued(queue));  // until the next fall
+    EXPECT_FALSE(rate_.competing(now_)) << to_milliseconds(queue);
+  }
+}
+
+TEST_F(RateControllerTest, WhoCompetesFallsForALossOnceInARoundTrip) {
+  run(1s, clear());
+  run(1s, queued(60ms));
+  ASSERT_TRUE(rate_.competing(now_));
+  const double then = rate_.rate();
+  PathReport lossy = queued(60ms);
+  lossy.lost = 1;
+  run(100ms, lossy);
+  EXPECT_NEAR(rate_.rate(), 0.7 * then, 0.05 * then);
+  run(20ms, lossy);
+  EXPECT_NEAR(rate_.rate(), 0.49 * then, 0.05 * then);
 }
 
 TEST_F(RateControllerTest, FewLossesAreThePathsOwn) {

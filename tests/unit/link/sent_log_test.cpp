@@ -84,6 +84,13 @@ TEST(SentLog, ATailIsTriedAgainOneByOne) {
   EXPECT_GT(log.tail_due(), kStart + 60ms) << "and then patience again";
 }
 
+// RFC 6298: after the first measurement the variation is half of it, and four of them are waited for.
+TEST(SentLog, TheFirstTailWaitsThreeRoundTripsAndAReport) {
+  SentLog log = log_of(10);
+  const PathNews news = log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
+  EXPECT_NEAR(to_milliseconds(log.tail_due() - (kStart + 10ms)), 3 * to_milliseconds(news.rtt) + 15, 0.1);
+}
+
 TEST(SentLog, SilenceCountsFromTheLastArrivalWhileSomethingIsUnderWay) {
   EXPECT_EQ(SentLog().silence(kStart), 0ms);
   SentLog log = log_of(10);

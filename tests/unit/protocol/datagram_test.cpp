@@ -39,7 +39,7 @@ SliceHeader random_slice(Random& random) {
   header.tile_count = static_cast<uint32_t>(1 + random() % 0xffffffff);
   header.first_light = static_cast<uint16_t>(random());
   header.light_count = static_cast<uint16_t>(1 + random() % 65535);
-  header.codec = static_cast<CodecId>(random() % 2);
+  header.codec = tests::one_of(random, kCodecs);
   header.server_us = static_cast<uint32_t>(random());
   header.gpu_us = static_cast<uint32_t>(random());
   header.flags = static_cast<uint8_t>(random());
@@ -55,8 +55,8 @@ SliceHeader random_slice(Random& random) {
 TEST(Datagram, HeadersComeBackAsTheyWere) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
-    const Header header{static_cast<DatagramKind>(1 + random() % 2), static_cast<uint16_t>(random()),
-                        SessionId{random()}, random()};
+    const Header header{tests::one_of(random, kDatagramKinds), static_cast<uint16_t>(random()), SessionId{random()},
+                        random()};
     std::array<uint8_t, kHeaderBytes> bytes;
     write_header(bytes, header);
     EXPECT_EQ(decode_header(bytes), header);

@@ -67,7 +67,7 @@ SceneManifest manifest(Random& random) {
           .lights = lights(random)};
 }
 
-CodecId codec(Random& random) { return static_cast<CodecId>(below(random, 2)); }
+CodecId codec(Random& random) { return one_of(random, kCodecs); }
 CipherId cipher(Random& random) { return static_cast<CipherId>(1 + below(random, 2)); }
 
 Hello hello(Random& random) {
@@ -124,7 +124,7 @@ Refused refused(Random& random) {
 }
 
 Data data(Random& random) {
-  Data m{static_cast<DatagramKind>(1 + below(random, 7)), random(), {}};
+  Data m{one_of(random, kDatagramKinds), random(), {}};
   for (uint64_t i = below(random, 100); i > 0; --i) m.body.push_back(static_cast<uint8_t>(random()));
   return m;
 }

@@ -69,6 +69,25 @@ TEST(CostModel, TellsTheConstantsFromThePartsThatGrow) {
   EXPECT_LT(model.relative_error(), 0.06);
 }
 
+TEST(CostModel, TheConstantIsWhatIsNeitherForPixelsNorForBits) {
+  CostModel model;
+  for (uint64_t pixels = 1000; pixels <= 20'000; pixels += 1000) {
+    const Work work{pixels, 8 * pixels, true};
+    const Nanoseconds begin(5000 + 2 * pixels), trace(300 + work.bits);
+    model.learn(work, begin + trace, trace);
+  }
+  EXPECT_NEAR(static_cast<double>(model.constant().count()), 5300, 10);
+}
+
+// Twice the size costs four times as much: the line that fits best would begin below 0.
+TEST(CostModel, ALineIsNowhereNegative) {
+  RobustLine line;
+  for (const double x : {1.0, 2.0, 4.0, 8.0}) line.learn(x, x * x);
+  EXPECT_GE(line.constant(), 0);
+  EXPECT_GE(line.at(0.5), 0);
+  EXPECT_GT(line.slope(), 0);
+}
+
 TEST(CostModel, FramesThatWereHeldUpTeachLittle) {
   CostModel model;
   Device device(0.05, 0.05);

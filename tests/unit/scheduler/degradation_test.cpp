@@ -47,6 +47,14 @@ TEST(Degradation, OneBadWindowIsForgiven) {
   EXPECT_EQ(s.changes, 0u);
 }
 
+TEST(Degradation, TwoBadWindowsInARowAreOneStepDown) {
+  Session s = session(0.25, 0.5);
+  s.run(1, 10, 1);
+  EXPECT_EQ(s.degradation.point(), OperatingPoint{});
+  s.run(1, 10, 1);
+  EXPECT_EQ(s.degradation.point(), (OperatingPoint{.rate = 0.75}));
+}
+
 TEST(Degradation, TheRateGoesFirstThenTheSizeAndNeitherTooFar) {
   Session s = session(0.5, 0.5);
   OperatingPoint before = s.degradation.point();

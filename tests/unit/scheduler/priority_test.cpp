@@ -87,5 +87,30 @@ TEST(Priority, ATenantCanChangeItsClassWithViewsWaiting) {
   EXPECT_FALSE(scheduler->pick(kNow));
 }
 
+TEST(Priority, ARemovedSessionIsForgottenAndItsNumberCanComeBack) {
+  auto scheduler = with_classes(2, 0);
+  scheduler->make_ready(SessionId{1}, {1ms}, kNow);
+  scheduler->remove_session(SessionId{1});
+  scheduler->make_ready(SessionId{1}, {1ms}, kNow);  // late news of a session that has gone
+  EXPECT_FALSE(scheduler->pick(kNow));
+  scheduler->add_session(SessionId{1}, TenantId{0});
+  scheduler->make_ready(SessionId{1}, {1ms}, kNow);
+  EXPECT_EQ(scheduler->pick(kNow)->tenant, TenantId{0});
+}
+
+TEST(Priority, AStandingIsWhatATenantWasChargedAndIsOwed) {
+  auto scheduler = with_classes(2, 0);
+  scheduler->set_tenant(TenantId{0}, {.weight = 1, .priority = 1});  // as the other one
+  for (const uint64_t session : {0, 1}) scheduler->make_ready(SessionId{session}, {2ms}, kNow);
+  const auto ticket = scheduler->pick(kNow);
+  const TenantId other{1 - ticket->tenant.value};
+  EXPECT_EQ(scheduler->standing(ticket->tenant).lag, Nanoseconds(-1ms));
+  EXPECT_EQ(scheduler->standing(other).lag, Nanoseconds(1ms));
+  scheduler->charge(*ticket, 3ms, kNow);
+  EXPECT_EQ(scheduler->standing(ticket->tenant).service, Nanoseconds(3ms));
+  EXPECT_EQ(scheduler->standing(other).service, Nanoseconds(0));
+  EXPECT_EQ(scheduler->standing(TenantId{99}).service, Nanoseconds(0)) << "of a tenant that nobody knows";
+}
+
 }  // namespace
 }  // namespace gnomon::scheduler

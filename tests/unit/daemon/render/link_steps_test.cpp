@@ -15,6 +15,10 @@ class NarrowLink : public RenderLoopTest {
     Terms terms = terms_of({});
     terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
     loop_->handle(TermsChanged{terms}, now_);
+    open_far();
+  }
+
+  void open_far() {
     SessionOpened opened{
         .session = kFar, .tenant = kTenant, .scene = kScene, .width = 160, .height = 96, .lights = 2};
     opened.codec = protocol::CodecId::raw32_lz4;
@@ -71,7 +75,16 @@ TEST_F(NarrowLink, TheCodecGetsDenserThenThePictureSmallerAndBothComeBack) {
   EXPECT_EQ(codec_, protocol::CodecId::raw32_lz4);
 }
 
-TEST_F(NarrowLink, NewsOfASessionThatIsGoneIsNoNews) { loop_->handle(LinkReviewed{SessionId{999}, {40, 1}}, now_); }
+TEST_F(NarrowLink, AReviewOfASessionThatIsGoneIsNoStep) {
+  second(5);  // the next one like it would be a step
+  loop_->handle(SessionClosed{kFar}, now_);
+  loop_->handle(LinkReviewed{kFar, {40, 5}}, now_);
+  EXPECT_NE(metrics_.text().find("gnomon_degradations_total{direction=\"down\"} 0"), std::string::npos);
+  open_far();
+  second(5);
+  EXPECT_EQ(codec_, protocol::CodecId::raw32_lz4) << "who comes by that number later begins anew";
+  EXPECT_TRUE(degraded_.empty());
+}
 
 }  // namespace
 }  // namespace gnomon::daemon
