@@ -89,7 +89,7 @@ Result<void> Daemon::open_devices() {
   };
   auto started = devices_.start(options_.make_renderers, terms_of(options_.config), motion,
                                 {[this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
-                                 [this](const SessionDegraded& session) { server_->tell(session); }, failed});
+                                 [this](const SessionDegraded& session) { server_->notify(session); }, failed});
   if (!started) return started;
   tracer_ = devices_.report().front().tracer;
   open_encoders();
