@@ -80,8 +80,8 @@ struct RenderedFrame {
 struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;
-  protocol::Degraded news;
-  uint32_t life = 0;  // of the session, see SessionOpened
+  protocol::Degraded message;
+  uint32_t generation = 0;  // the session's when this was sent, see SessionOpened
 };
 
 struct EncodedFrame {

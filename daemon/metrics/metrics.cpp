@@ -14,7 +14,7 @@
 
 #include "daemon/metrics/process_figures.h"
 
-#include "daemon/config/roster.h"
+#include "daemon/config/tenant_directory.h"
 
 namespace gnomon::daemon {
 namespace {

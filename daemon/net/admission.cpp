@@ -30,13 +30,14 @@ protocol::Refused refusal_of(const scheduler::Misfit& misfit) {
 }  // namespace
 
 Admission::Admission(const NetShared& shared, uint16_t data_port, asio::io_context& io, SessionControl& control,
-                     Lobby& lobby)
-    : shared_(shared), data_port_(data_port), io_(io), control_(control), lobby_(lobby) {}
+                     PendingConnections& pending)
+    : shared_(shared), data_port_(data_port), io_(io), control_(control), pending_(pending) {}
 
 void Admission::on_accept(asio::ip::tcp::socket socket) {
   const std::shared_ptr<Tls> tls = *shared_.tls.get();
   auto stream = std::make_shared<ControlStream>(std::move(socket), tls->context, kMaxClientMessageBytes);
-  for (const Visitor& pushed_out : lobby_.enter({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
+  for (const PendingConnection& pushed_out :
+       pending_.add({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
     if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
     pushed_out.stream->close();
   }
@@ -47,9 +48,9 @@ void Admission::on_accept(asio::ip::tcp::socket socket) {
 }
 
 void Admission::close_overdue(TimePoint now) {
-  for (const Visitor& visitor : lobby_.expire(now)) {
-    if (!visitor.leaving) shared_.metrics.report(Fault::handshake_timeout);
-    visitor.stream->close();
+  for (const PendingConnection& connection : pending_.expire(now)) {
+    if (!connection.leaving) shared_.metrics.report(Fault::handshake_timeout);
+    connection.stream->close();
   }
 }
 
@@ -72,7 +73,7 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
   } else {
     co_return refused(RefusalCode::malformed, "the first message must be a Hello or a Resume");
   }
-  if (auto refusal = seat(applicant)) co_return refusal;
+  if (auto refusal = take_permit(applicant)) co_return refusal;
   if (auto refusal = co_await fetch_scene(applicant)) co_return refusal;
   if (auto refusal = book(applicant)) co_return refusal;
   if (auto refusal = co_await find_room(applicant)) co_return refusal;
@@ -83,7 +84,7 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
 Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hello& hello) const {
   if (shared_.health.draining) return refused(RefusalCode::draining, "the server is going away");
   if (const auto message = check_version(hello)) return refused(*message);
-  const auto who = daemon::identify(hello, applicant.stream->certificate_names(), *shared_.roster.get(),
+  const auto who = daemon::identify(hello, applicant.stream->certificate_names(), *shared_.tenants.get(),
                                     shared_.config.server.mode);
   if (const auto* rejected = std::get_if<Rejected>(&who)) return Refusal{rejected->refused, rejected->fault};
   auto granted = check_hello(hello, std::get<TenantId>(who), shared_.config,
@@ -102,23 +103,25 @@ asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, con
   if (!protocol::is_equal(*proof, resume.proof) || !secret)
     co_return refused(RefusalCode::unknown_session, kNoSession);
   hold(applicant.stream);
-  const Ask<KeptSession> claim = [&](auto on_answer) { shared_.store.claim(resume.session, std::move(on_answer)); };
-  applicant.kept = co_await answer_of(io_, claim);
+  const Ask<StoredSession> claim = [&](auto on_answer) {
+    shared_.store.claim(resume.session, std::move(on_answer));
+  };
+  applicant.stored = co_await answer_of(io_, claim);
   if (has_departed(applicant)) co_return departed();
-  if (!applicant.kept) co_return refused(RefusalCode::unknown_session, kNoSession);
-  auto granted = grant_of(applicant.kept.record(), *shared_.roster.get(), shared_.config,
+  if (!applicant.stored) co_return refused(RefusalCode::unknown_session, kNoSession);
+  auto granted = grant_of(applicant.stored.record(), *shared_.tenants.get(), shared_.config,
                           [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) co_return refused(*message);
   applicant.grant = std::get<SessionGrant>(std::move(granted));
   co_return std::nullopt;
 }
 
-Admission::Verdict Admission::seat(Applicant& applicant) {
-  auto seat = shared_.seats.take(applicant.grant.tenant, applicant.stream->peer());
-  if (const auto* message = std::get_if<protocol::Refused>(&seat)) {
+Admission::Verdict Admission::take_permit(Applicant& applicant) {
+  auto permit = shared_.limits.take(applicant.grant.tenant, applicant.stream->peer());
+  if (const auto* message = std::get_if<protocol::Refused>(&permit)) {
     return Refusal{*message, fault_of(message->code), scheduler::Limit::sessions};
   }
-  applicant.seat.emplace(std::get<Seat>(std::move(seat)));
+  applicant.permit.emplace(std::get<SessionPermit>(std::move(permit)));
   return std::nullopt;
 }
 
@@ -132,7 +135,7 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
   if (has_departed(applicant)) co_return departed();
   if (!scene) co_return refused(RefusalCode::scene_unavailable, scene.error().message);
   applicant.scene = *scene;
-  if (applicant.kept && applicant.kept.record().scene_hash != scene->scene->content_hash) {
+  if (applicant.stored && applicant.stored.record().scene_hash != scene->scene->content_hash) {
     co_return refused(RefusalCode::unknown_session, "the scene is another one now");
   }
   grant.scene = scene->id;
@@ -145,8 +148,9 @@ Admission::Verdict Admission::book(Applicant& applicant) const {
   const SessionGrant& grant = applicant.grant;
   const CostModels costs = shared_.devices.costs();
   const auto known = costs.find(grant.scene);
-  const auto misfit = shared_.seats.book(*applicant.seat, {grant.width, grant.height, grant.lights, grant.rate_hz},
-                                         known == costs.end() ? scheduler::CostModel() : known->second);
+  const auto misfit =
+      shared_.limits.book(*applicant.permit, {grant.width, grant.height, grant.lights, grant.rate_hz},
+                          known == costs.end() ? scheduler::CostModel() : known->second);
   if (!misfit) return std::nullopt;
   const protocol::Refused message = refusal_of(*misfit);
   return Refusal{message, fault_of(message.code), misfit->limit};
@@ -164,7 +168,7 @@ asio::awaitable<Admission::Verdict> Admission::find_room(const Applicant& applic
   };
   const auto room = co_await answer_of(io_, ask);
   if (has_departed(applicant)) co_return departed();
-  if (!shared_.roster.get()->open(grant.tenant)) {
+  if (!shared_.tenants.get()->open(grant.tenant)) {
     co_return refused(RefusalCode::unknown_tenant, "the tenant is no longer served");
   }
   if (room) co_return std::nullopt;
@@ -174,23 +178,23 @@ asio::awaitable<Admission::Verdict> Admission::find_room(const Applicant& applic
 }
 
 Admission::Verdict Admission::open(Applicant& applicant) {
-  const bool resumed = static_cast<bool>(applicant.kept);
-  const SessionId id = resumed ? SessionId{applicant.kept.record().id} : random_session_id();
+  const bool resumed = static_cast<bool>(applicant.stored);
+  const SessionId id = resumed ? SessionId{applicant.stored.record().id} : random_session_id();
   auto seal = make_seal(applicant, id);
   if (!seal) return refused(RefusalCode::internal, seal.error().message);
-  lobby_.remove(applicant.stream.get());
+  pending_.remove(applicant.stream.get());
   const Session& session = control_.open({.id = id,
                                           .grant = std::move(applicant.grant),
                                           .seal = std::move(*seal),
-                                          .seat = std::move(*applicant.seat),
-                                          .kept = std::move(applicant.kept),
+                                          .permit = std::move(*applicant.permit),
+                                          .stored = std::move(applicant.stored),
                                           .scene_use = std::move(applicant.scene.use)},
                                          applicant.stream);
   send_welcome(*applicant.stream, session, applicant.scene);
   const SessionGrant& grant = session.grant();
   log::info(resumed ? "session resumed" : "session opened",
             {{"session", id.value},
-             {"tenant", shared_.roster.get()->name(grant.tenant)},
+             {"tenant", shared_.tenants.get()->name(grant.tenant)},
              {"scene", grant.scene_name},
              {"size", std::to_string(grant.width) + "x" + std::to_string(grant.height)},
              {"address", applicant.stream->peer().to_string()}});
@@ -201,22 +205,23 @@ Admission::Verdict Admission::open(Applicant& applicant) {
 // is room for a record.
 Result<std::unique_ptr<protocol::Seal>> Admission::make_seal(Applicant& applicant, SessionId id) const {
   SessionGrant& grant = applicant.grant;
-  KeptSession& kept = applicant.kept;
-  if (kept) {
-    ++kept.record().life;
-    return std::make_unique<protocol::Seal>(id, grant.cipher, kept.record().seal, protocol::Side::server);
+  StoredSession& stored = applicant.stored;
+  if (stored) {
+    ++stored.record().generation;
+    return std::make_unique<protocol::Seal>(id, grant.cipher, stored.record().seal, protocol::Side::server);
   }
   const auto secrets = applicant.stream->seal_secrets(id, grant.cipher);
   if (!secrets) return secrets.error();
   if (grant.has(protocol::kFeatureResume)) {
     const auto resumption = applicant.stream->resumption_secret(id);
     if (!resumption) return resumption.error();
-    kept = shared_.store.add(record_of(id, grant, shared_.roster.get()->name(grant.tenant),
-                                       {.scene_hash = applicant.scene.scene->content_hash,
-                                        .resumption = *resumption,
-                                        .seal = protocol::first_state(*secrets, protocol::Side::server)}));
+    stored = shared_.store.add(record_of(id, grant, shared_.tenants.get()->name(grant.tenant),
+                                         {.scene_hash = applicant.scene.scene->content_hash,
+                                          .resumption = *resumption,
+                                          .seal = protocol::first_state(*secrets, protocol::Side::server)}));
   }
-  if (kept) return std::make_unique<protocol::Seal>(id, grant.cipher, kept.record().seal, protocol::Side::server);
+  if (stored)
+    return std::make_unique<protocol::Seal>(id, grant.cipher, stored.record().seal, protocol::Side::server);
   grant.features &= ~protocol::kFeatureResume;
   return std::make_unique<protocol::Seal>(id, grant.cipher, *secrets, protocol::Side::server);
 }
@@ -237,9 +242,9 @@ void Admission::send_welcome(ControlStream& stream, const Session& session,
   welcome.tracer = shared_.tracer;
   welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
   welcome.scene = manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
-  const LightsNews news = shared_.scenes.lights_of(grant.scene_name);
-  welcome.scene.lights = to_wire(news.lights);
-  welcome.lights_version = news.version;
+  const LightsUpdate update = shared_.scenes.lights_of(grant.scene_name);
+  welcome.scene.lights = to_wire(update.lights);
+  welcome.lights_version = update.version;
   welcome.motions = to_wire(shared_.catalog.motions(grant.scene_name));
   stream.send(welcome);
 }
@@ -253,7 +258,7 @@ void Admission::listen(const StreamPtr& stream, OnMessage on_message) {
       },
       [this, weak](Fault fault, const std::string& why) {
         const auto from = weak.lock();
-        if (from && lobby_.remove(from.get())) {
+        if (from && pending_.remove(from.get())) {
           shared_.metrics.report(fault, {{"why", why}, {"address", from->peer().to_string()}});
         }
       });
@@ -261,8 +266,8 @@ void Admission::listen(const StreamPtr& stream, OnMessage on_message) {
 
 // The connection waits for our answer, for as long as it takes.
 void Admission::hold(const StreamPtr& stream) {
-  lobby_.remove(stream.get());
-  lobby_.enter({stream, TimePoint::max()});
+  pending_.remove(stream.get());
+  pending_.add({stream, TimePoint::max()});
   listen(stream, [this](const StreamPtr& from, const Result<protocol::Message>&) {
     refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
   });
@@ -274,9 +279,9 @@ void Admission::refuse(const StreamPtr& stream, const Refusal& refusal, TenantId
   shared_.metrics.report(refusal.fault, {{"reason", row_of(refusal.fault).label},
                                          {"text", refusal.message.text},
                                          {"address", stream->peer().to_string()}});
-  lobby_.remove(stream.get());
+  pending_.remove(stream.get());
   stream->send(refusal.message);
-  lobby_.close_gracefully(stream, Clock::now());
+  pending_.close_gracefully(stream, Clock::now());
 }
 
 Admission::Refusal Admission::refused(const protocol::Refused& message) {

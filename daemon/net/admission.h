@@ -1,9 +1,9 @@
 // From an accepted connection to an open session: a new one, or one that lost its connection before.
 //
-//   identify or reclaim -> check -> seat -> fetch the scene -> book -> find room -> open
+//   identify or reclaim -> check -> take a permit -> fetch the scene -> book -> find room -> open
 //
-// Each connection is one coroutine on the net thread's event loop. Where it waits for another thread, its connection
-// stays in the lobby; should that end meanwhile, the coroutine ends at its next step.
+// Each connection is one coroutine on the net thread's event loop. While it waits for another thread,
+// its connection stays among the pending ones; if the connection ends meanwhile, the coroutine ends when it is resumed.
 #pragma once
 
 #include <asio/awaitable.hpp>
@@ -13,8 +13,8 @@
 #include <memory>
 #include <optional>
 
-#include "daemon/net/lobby.h"
 #include "daemon/net/net_shared.h"
+#include "daemon/net/pending_connections.h"
 #include "daemon/net/session_control.h"
 #include "daemon/session/session.h"
 
@@ -25,7 +25,7 @@ class Admission {
  public:
   // `data_port`: where the clients of this net thread send their datagrams.
   Admission(const NetShared& shared, uint16_t data_port, asio::io_context& io, SessionControl& control,
-            Lobby& lobby);
+            PendingConnections& pending);
 
   void on_accept(asio::ip::tcp::socket socket);  // its executor is that of `io`
   void close_overdue(TimePoint now);             // connections that did not become a session in time
@@ -37,8 +37,8 @@ class Admission {
   struct Applicant {
     StreamPtr stream;
     SessionGrant grant = {};
-    KeptSession kept = {};  // the session that it resumes; empty if it opens a new one
-    std::optional<Seat> seat = {};
+    StoredSession stored = {};  // the session that it resumes; empty if it opens a new one
+    std::optional<SessionPermit> permit = {};
     SceneForUse scene = {};
   };
 
@@ -55,7 +55,7 @@ class Admission {
   asio::awaitable<Verdict> take_steps(Applicant& applicant, const protocol::Message& first);
   Verdict identify(Applicant& applicant, const protocol::Hello& hello) const;
   asio::awaitable<Verdict> reclaim(Applicant& applicant, const protocol::Resume& resume);
-  Verdict seat(Applicant& applicant);
+  Verdict take_permit(Applicant& applicant);
   asio::awaitable<Verdict> fetch_scene(Applicant& applicant);
   Verdict book(Applicant& applicant) const;
   asio::awaitable<Verdict> find_room(const Applicant& applicant);
@@ -65,7 +65,7 @@ class Admission {
   template <typename OnMessage>
   void listen(const StreamPtr& stream, OnMessage on_message);
   void hold(const StreamPtr& stream);
-  bool has_departed(const Applicant& applicant) const { return !lobby_.hosts(applicant.stream.get()); }
+  bool has_departed(const Applicant& applicant) const { return !pending_.is_waiting(applicant.stream.get()); }
   Result<std::unique_ptr<protocol::Seal>> make_seal(Applicant& applicant, SessionId id) const;
   void send_welcome(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene) const;
   void refuse(const StreamPtr& stream, const Refusal& refusal, TenantId tenant = {});
@@ -78,7 +78,7 @@ class Admission {
   const uint16_t data_port_;
   asio::io_context& io_;
   SessionControl& control_;
-  Lobby& lobby_;
+  PendingConnections& pending_;
 };
 
 }  // namespace gnomon::daemon

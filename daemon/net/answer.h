@@ -32,8 +32,8 @@ struct Awaited {
   std::optional<Answer> answer;
 };
 
-// Calls `ask` and gives the answer. If there never is one, the coroutine waits until `io` is destroyed, and is destroyed
-// with it. `io` runs on one thread, the caller's.
+// Calls `ask` and gives the answer. If none ever comes, the coroutine waits until `io` is destroyed, and is destroyed with
+// it. `io` runs on one thread, the caller's.
 template <typename Answer>
 asio::awaitable<Answer> answer_of(asio::io_context& io, const Ask<Answer>& ask) {
   const auto awaited =

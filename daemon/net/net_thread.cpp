@@ -18,7 +18,7 @@ constexpr uint32_t kMaxFramesWaiting = 256;  // encoded, but this thread has not
 NetThread::NetThread(const NetShared& shared, uint32_t index)
     : shared_(shared),
       index_(index),
-      lobby_(std::max(1u, shared.config.server.max_half_open / shared.config.server.net_threads)) {}
+      pending_(std::max(1u, shared.config.server.max_half_open / shared.config.server.net_threads)) {}
 
 Result<std::unique_ptr<NetThread>> NetThread::open(const NetShared& shared, uint32_t index) {
   std::unique_ptr<NetThread> made(new NetThread(shared, index));
@@ -26,7 +26,7 @@ Result<std::unique_ptr<NetThread>> NetThread::open(const NetShared& shared, uint
   const auto port = static_cast<uint16_t>(server.data_port == 0 ? 0 : server.data_port + index);
   const auto opened = made->links_.open({asio::ip::make_address(server.listen), port});
   if (!opened) return opened.error();
-  made->admission_.emplace(made->shared_, made->data_port(), made->io_, made->control_, made->lobby_);
+  made->admission_.emplace(made->shared_, made->data_port(), made->io_, made->control_, made->pending_);
   return made;
 }
 
@@ -50,8 +50,8 @@ void NetThread::stop(bool for_good) {
 
 void NetThread::stop_when_all_left(TimePoint deadline) {
   const TimePoint now = Clock::now();
-  lobby_.expire(now);
-  if (lobby_.size() == 0 || now >= deadline) return io_.stop();
+  pending_.expire(now);
+  if (pending_.size() == 0 || now >= deadline) return io_.stop();
   timer_.expires_after(1ms);  // in the place of the tick
   timer_.async_wait([this, deadline](asio::error_code) { stop_when_all_left(deadline); });
 }
@@ -102,8 +102,8 @@ void NetThread::announce_drain(std::chrono::milliseconds deadline) {
   asio::post(io_, [this, deadline] { control_.announce_drain(deadline); });
 }
 
-void NetThread::announce_lights(const LightsNews& news) {
-  asio::post(io_, [this, news] { control_.announce_lights(news); });
+void NetThread::announce_lights(const LightsUpdate& update) {
+  asio::post(io_, [this, update] { control_.announce_lights(update); });
 }
 
 void NetThread::close_closed_tenants() {

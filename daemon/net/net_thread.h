@@ -15,9 +15,9 @@
 #include <thread>
 
 #include "daemon/net/admission.h"
-#include "daemon/net/lobby.h"
 #include "daemon/net/net_shared.h"
 #include "daemon/net/open_sessions.h"
+#include "daemon/net/pending_connections.h"
 #include "daemon/net/session_control.h"
 #include "daemon/net/session_links.h"
 #include "daemon/net/session_statistics.h"
@@ -37,11 +37,12 @@ class NetThread {
   void adopt(asio::ip::tcp::socket socket);  // its executor is io()'s
   void deliver(EncodedFrame frame);
   void notify(const SessionDegraded& session);
-  bool kick(SessionId id, const std::string& why);  // false: it is not here. Blocking; not on this thread
+  bool kick(SessionId id, const std::string& why);  // false if it is not here. Blocks; not on this thread
   void announce_drain(std::chrono::milliseconds deadline);
-  void announce_lights(const LightsNews& news);  // to the sessions of that scene
-  void close_closed_tenants();                   // sessions of tenants that the roster has no more
-  // Ends the thread; returns when it has ended. Sessions are told Bye, or left for whoever comes after us to resume.
+  void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
+  void close_closed_tenants();                       // the sessions of tenants that are no longer served
+  // Ends the thread and returns when it has ended. `for_good`: every session is closed; otherwise those that can be
+  // resumed are left for the next process.
   void stop(bool for_good = true);
   std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return statistics_.latest(); }
 
@@ -56,10 +57,10 @@ class NetThread {
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_{io_.get_executor()};
   asio::steady_timer timer_{io_};
-  Lobby lobby_;
+  PendingConnections pending_;
   OpenSessions sessions_;
   SessionLinks links_{shared_, sessions_, io_};
-  SessionControl control_{shared_, index_, io_, sessions_, links_, lobby_};
+  SessionControl control_{shared_, index_, io_, sessions_, links_, pending_};
   SessionStatistics statistics_{shared_, sessions_};
   std::optional<Admission> admission_;  // from open() on
   std::atomic<uint32_t> frames_waiting_{0};

@@ -95,8 +95,8 @@ void Server::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& thread : threads_) thread->announce_drain(deadline);
 }
 
-void Server::announce_lights(const LightsNews& news) {
-  for (const auto& thread : threads_) thread->announce_lights(news);
+void Server::announce_lights(const LightsUpdate& update) {
+  for (const auto& thread : threads_) thread->announce_lights(update);
 }
 
 void Server::close_closed_tenants() {

@@ -26,7 +26,7 @@ class Server {
   void notify(const SessionDegraded& session);
   bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
   void announce_drain(std::chrono::milliseconds deadline);
-  void announce_lights(const LightsNews& news);
+  void announce_lights(const LightsUpdate& update);
   void close_closed_tenants();
   std::vector<SessionStatus> sessions() const;
 

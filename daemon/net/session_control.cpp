@@ -14,13 +14,13 @@ constexpr const char* kTenantClosed = "the tenant is no longer served";
 }  // namespace
 
 SessionControl::SessionControl(const NetShared& shared, uint32_t net_thread, asio::io_context& io,
-                               OpenSessions& sessions, SessionLinks& links, Lobby& lobby)
-    : shared_(shared), net_thread_(net_thread), io_(io), sessions_(sessions), links_(links), lobby_(lobby) {}
+                               OpenSessions& sessions, SessionLinks& links, PendingConnections& pending)
+    : shared_(shared), net_thread_(net_thread), io_(io), sessions_(sessions), links_(links), pending_(pending) {}
 
 const Session& SessionControl::open(SessionParts parts, const std::shared_ptr<ControlStream>& stream) {
   const SessionId id = parts.id;
-  if (parts.kept) {
-    parts.kept.when_wanted([this, id] {
+  if (parts.stored) {
+    parts.stored.when_wanted([this, id] {
       asio::post(io_, [this, id] { leave(id, "its client has come back on another connection"); });
     });
   }
@@ -31,7 +31,7 @@ const Session& SessionControl::open(SessionParts parts, const std::shared_ptr<Co
                         .grant = session.grant(),
                         .net_thread = net_thread_,
                         .references = session.references(),
-                        .life = session.life()});
+                        .generation = session.generation()});
   shared_.metrics.session_opened(session.grant().tenant);
   return session;
 }
@@ -51,7 +51,7 @@ void SessionControl::on_control_lost(SessionId id, const std::string& why) {
   session.control_lost(Clock::now() + shared_.config.server.silence_timeout);
   if (!sessions_.is_reachable(session)) links_.pause(id);
   log::info("control connection lost",
-            {{"session", id.value}, {"tenant", shared_.roster.get()->name(session.grant().tenant)}, {"why", why}});
+            {{"session", id.value}, {"tenant", shared_.tenants.get()->name(session.grant().tenant)}, {"why", why}});
 }
 
 void SessionControl::close(SessionId id, const std::string& why) {
@@ -61,13 +61,13 @@ void SessionControl::close(SessionId id, const std::string& why) {
   const auto stream = drop(id, why);
   if (!stream) return;
   stream->send(protocol::Bye{why});
-  lobby_.close_gracefully(stream, Clock::now());
+  pending_.close_gracefully(stream, Clock::now());
 }
 
 // The session is to be resumed elsewhere.
 void SessionControl::leave(SessionId id, const std::string& why) {
   if (!sessions_.find(id)) return;
-  if (const auto stream = drop(id, why)) lobby_.close_gracefully(stream, Clock::now());
+  if (const auto stream = drop(id, why)) pending_.close_gracefully(stream, Clock::now());
 }
 
 // Gives the connection that controlled the session, nullptr if it had none.
@@ -76,7 +76,7 @@ std::shared_ptr<ControlStream> SessionControl::drop(SessionId id, const std::str
   const TenantId tenant = session.grant().tenant;
   const protocol::Stats totals = session.take_stats();
   log::info("session closed", {{"session", id.value},
-                               {"tenant", shared_.roster.get()->name(tenant)},
+                               {"tenant", shared_.tenants.get()->name(tenant)},
                                {"why", why},
                                {"frames", totals.frames},
                                {"coalesced", totals.coalesced}});
@@ -99,10 +99,10 @@ void SessionControl::close_silent(TimePoint now) {
 }
 
 void SessionControl::close_closed_tenants() {
-  const auto roster = shared_.roster.get();
+  const auto tenants = shared_.tenants.get();
   std::vector<SessionId> closed;
   for (const auto& [id, session] : sessions_.table()) {
-    if (!roster->open(session->grant().tenant)) closed.push_back(id);
+    if (!tenants->open(session->grant().tenant)) closed.push_back(id);
   }
   for (const SessionId id : closed) close(id, kTenantClosed);
 }
@@ -121,9 +121,9 @@ void SessionControl::end_all(bool for_good) {
 void SessionControl::notify(const SessionDegraded& degraded) {
   Session* const session = sessions_.find(degraded.session);
   ControlStream* const stream = sessions_.stream_of(degraded.session);
-  if (!session || !stream || session->life() != degraded.life) return;
-  stream->send(degraded.news);
-  session->told_of(degraded.news.width, degraded.news.height);
+  if (!session || !stream || session->generation() != degraded.generation) return;
+  stream->send(degraded.message);
+  session->told_of(degraded.message.width, degraded.message.height);
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {
@@ -135,10 +135,10 @@ void SessionControl::announce_drain(std::chrono::milliseconds deadline) {
   }
 }
 
-void SessionControl::announce_lights(const LightsNews& news) {
-  const protocol::LightsChanged message{to_wire(news.lights), news.version};
+void SessionControl::announce_lights(const LightsUpdate& update) {
+  const protocol::LightsChanged message{to_wire(update.lights), update.version};
   for (const auto& [id, stream] : sessions_.streams()) {
-    if (sessions_.find(id)->grant().scene_name == news.scene) stream->send(message);
+    if (sessions_.find(id)->grant().scene_name == update.scene) stream->send(message);
   }
 }
 

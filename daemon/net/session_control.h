@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "daemon/net/lobby.h"
+#include "daemon/net/pending_connections.h"
 #include "daemon/net/session_links.h"
 
 namespace gnomon::daemon {
@@ -18,16 +18,16 @@ class SessionControl {
  public:
   // `net_thread`: the index of this net thread.
   SessionControl(const NetShared& shared, uint32_t net_thread, asio::io_context& io, OpenSessions& sessions,
-                 SessionLinks& links, Lobby& lobby);
+                 SessionLinks& links, PendingConnections& pending);
 
-  // The session is served from now on, and controlled by `stream`, which has left the lobby.
+  // The session is served from now on, and controlled by `stream`, which is no longer pending.
   const Session& open(SessionParts parts, const std::shared_ptr<ControlStream>& stream);
 
   // The client is told why, and nobody resumes the session. No effect if there is no such session.
   void close(SessionId id, const std::string& why);
   // Those that have said nothing for too long, or whose client has not come back to resume them.
   void close_silent(TimePoint now);
-  void close_closed_tenants();  // the sessions of tenants that the roster has closed
+  void close_closed_tenants();  // the sessions of tenants that are no longer served
 
   // Every session ends: closed if `for_good` or if it cannot be resumed, else left to be resumed elsewhere.
   void end_all(bool for_good);
@@ -35,7 +35,7 @@ class SessionControl {
   // Messages to clients, over their control connections. Notifications of an older generation are ignored.
   void notify(const SessionDegraded& session);
   void announce_drain(std::chrono::milliseconds deadline);
-  void announce_lights(const LightsNews& news);  // to the sessions of that scene
+  void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
 
  private:
   void on_control_message(SessionId id, const Result<protocol::Message>& message);
@@ -48,7 +48,7 @@ class SessionControl {
   asio::io_context& io_;
   OpenSessions& sessions_;
   SessionLinks& links_;
-  Lobby& lobby_;
+  PendingConnections& pending_;
 };
 
 }  // namespace gnomon::daemon

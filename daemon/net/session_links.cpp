@@ -68,7 +68,7 @@ void SessionLinks::serve(Session& session) {
   if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
   while (const auto ended = session.take_ended()) finish(session, *ended, now);
   if (const auto view = session.take_kept(now)) request(session, *view);
-  wakes_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));
+  timers_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));
   arm_timer();
 }
 
@@ -83,7 +83,7 @@ void SessionLinks::finish(Session& session, const Session::Ended& ended, TimePoi
 }
 
 void SessionLinks::arm_timer() {
-  const TimePoint next = wakes_.next();
+  const TimePoint next = timers_.next();
   if (next >= armed_) return;
   armed_ = next;
   timer_.expires_at(next);
@@ -95,7 +95,7 @@ void SessionLinks::arm_timer() {
 void SessionLinks::serve_due() {
   armed_ = TimePoint::max();
   const TimePoint now = Clock::now();
-  for (SessionId id; wakes_.take(now, id);) {
+  for (SessionId id; timers_.take(now, id);) {
     if (Session* session = sessions_.find(id)) serve(*session);
   }
   arm_timer();

@@ -11,7 +11,7 @@
 #include "daemon/net/frame_sender.h"
 #include "daemon/net/net_shared.h"
 #include "daemon/net/open_sessions.h"
-#include "daemon/net/wake_list.h"
+#include "daemon/net/timer_queue.h"
 
 namespace gnomon::daemon {
 
@@ -31,7 +31,7 @@ class SessionLinks {
   // A frame of one of the sessions; dropped and counted if its session is gone or cannot be reached.
   void send(EncodedFrame& frame);
   // The session is not served until its client is heard again.
-  void pause(SessionId id) { wakes_.remove(id); }
+  void pause(SessionId id) { timers_.remove(id); }
 
  private:
   void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
@@ -46,7 +46,7 @@ class SessionLinks {
   asio::io_context& io_;
   std::unique_ptr<DataSocket> data_;
   FrameSender sender_;
-  WakeList wakes_;
+  TimerQueue timers_;
   asio::steady_timer timer_{io_};
   TimePoint armed_ = TimePoint::max();  // what timer_ waits for
 };

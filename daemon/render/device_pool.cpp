@@ -37,7 +37,7 @@ DevicePool::DevicePool(size_t count, Metrics& metrics, Health& health)
   for (uint32_t i = 0; i < count; ++i) devices_.push_back(std::make_unique<DeviceThread>(i, metrics));
 }
 
-Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, const Terms& terms,
+Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, const SharingPolicy& terms,
                                SceneMotion::Settings motion, Calls calls) {
   calls_ = std::move(calls);
   for (uint32_t i = 0; i < devices_.size(); ++i) {
@@ -173,8 +173,8 @@ void DevicePool::review(const LinkReviewed& reviewed) {
 
 void DevicePool::sent(uint32_t device, const BytesSent& sent) { devices_[device]->inbox().push(sent); }
 
-void DevicePool::set_terms(const Terms& terms) {
-  for (const auto& device : devices_) device->inbox().push(TermsChanged{terms});
+void DevicePool::set_terms(const SharingPolicy& terms) {
+  for (const auto& device : devices_) device->inbox().push(SharingPolicyChanged{terms});
 }
 
 // All hear of all changes in one order: what each counts is then the same.

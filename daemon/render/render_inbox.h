@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "common/inbox.h"
-#include "daemon/config/terms.h"
+#include "daemon/config/sharing_policy.h"
 #include "daemon/frame/frame.h"
 #include "daemon/frame/grant.h"
 #include "daemon/link/link_window.h"
@@ -25,7 +25,7 @@ struct SessionOpened {
   SessionGrant grant = {};
   uint32_t net_thread = 0;                    // index of the net thread that owns the session
   SessionReferencesPtr references = nullptr;  // null if the client keeps no frames
-  uint32_t life = 0;                          // how often it was resumed
+  uint32_t generation = 0;                    // how often it was resumed
 };
 
 // A session of such frames is about to be opened: is there memory for them, at the least size that its tenant allows?
@@ -112,15 +112,15 @@ struct BytesSent {
 struct LeaseDropped {};  // a frame slot may be free again
 
 // The device is shared on other terms from now on. Tenants are never fewer than before.
-struct TermsChanged {
-  Terms terms;
+struct SharingPolicyChanged {
+  SharingPolicy terms;
 };
 
 struct StopRendering {};  // no further views; the loop ends when the last lease has come back
 
 using RenderEvent = std::variant<ViewRequest, RoomAsked, SessionOpened, CodecChosen, SessionClosed, SessionLeaves,
                                  SceneArrived, SceneLeaves, JobFinished, LeaseDropped, BytesSent, LightChanged,
-                                 BackgroundDone, LinkReviewed, TermsChanged, TenantPart, StopRendering>;
+                                 BackgroundDone, LinkReviewed, SharingPolicyChanged, TenantPart, StopRendering>;
 
 // Only views come as fast as strangers please: their number is bounded, everything else passes.
 class RenderInbox {

@@ -48,7 +48,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
 
 }  // namespace
 
-RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+RenderLoop::RenderLoop(const SharingPolicy& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
                        std::function<void(RenderedFrame)> rendered,
                        std::function<void(const SessionDegraded&)> degraded, uint32_t device_number)
     : device_(device),
@@ -252,7 +252,7 @@ void RenderLoop::on(const BytesSent& sent, TimePoint now) {
   models_[sent.scene].learn_bytes(sent.bits, sent.bytes);
 }
 
-void RenderLoop::on(const TermsChanged& changed, TimePoint now) { apply(changed.terms, now); }
+void RenderLoop::on(const SharingPolicyChanged& changed, TimePoint now) { apply(changed.terms, now); }
 
 void RenderLoop::on(const TenantPart& part, TimePoint) { account_.set_part(part.tenant, part.part); }
 
@@ -269,7 +269,7 @@ void RenderLoop::on(const StopRendering&, TimePoint) {
 }
 
 // Another policy starts with everybody who waits; what was charged before is not held against anybody.
-void RenderLoop::apply(const Terms& terms, TimePoint now) {
+void RenderLoop::apply(const SharingPolicy& terms, TimePoint now) {
   const bool other_policy =
       !scheduler_ || terms.policy != terms_.policy || terms.priority_floor != terms_.priority_floor;
   terms_ = terms;
@@ -439,7 +439,7 @@ void RenderLoop::tell(const RenderSession& session) {
   } else {
     news.reason = full ? "the device keeps up again" : "the device cannot keep up";
   }
-  degraded_({session.opened.session, session.opened.net_thread, news, session.opened.life});
+  degraded_({session.opened.session, session.opened.net_thread, news, session.opened.generation});
 }
 
 // Who has no rate of its own asks again when it is answered: it cannot be overrun.

@@ -13,17 +13,17 @@
 
 namespace gnomon::daemon {
 
-// A Hello fits into this; longer messages of a client are refused before they are read.
+// Every Hello fits into this; longer messages of a client are refused before they are read.
 inline constexpr size_t kMaxClientMessageBytes = 16 * 1024;
 
-// The server's name of the scene that a client asks for; empty: there is none.
+// Returns the server's name of the scene that a client asks for, an empty string if there is none.
 using FindScene = std::function<std::string(const std::string& asked)>;
 
-// Empty: the client speaks our version, and the rest of its Hello could be read.
+// Returns nullopt if the client speaks our version, so that the rest of its Hello could be read.
 std::optional<protocol::Refused> check_version(const protocol::Hello& hello);
 
-// What the Hello is granted, or why it is refused. The grant's scene id and lights are left to whoever fetches the scene.
-// `tenant`: who the client has turned out to be.
+// What the Hello is granted, or why it is refused. The grant's scene id and lights are set when
+// the scene is resident. `tenant`: who the client has turned out to be.
 std::variant<SessionGrant, protocol::Refused> check_hello(const protocol::Hello& hello, TenantId tenant,
                                                           const Config& config, const FindScene& find_scene);
 

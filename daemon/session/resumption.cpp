@@ -43,10 +43,11 @@ SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::stri
   return record;
 }
 
-std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& record, const Roster& roster,
-                                                       const Config& config, const FindScene& find_scene) {
+std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& record,
+                                                       const TenantDirectory& directory, const Config& config,
+                                                       const FindScene& find_scene) {
   using protocol::RefusalCode;
-  const auto tenant = roster.find(record.tenant.data());
+  const auto tenant = directory.find(record.tenant.data());
   if (!tenant || !makes_sense(record)) return refusal(RefusalCode::unknown_session, "the session is over");
   protocol::Hello hello;
   hello.features = record.features;

@@ -1,10 +1,10 @@
-// A session as it is kept for being resumed, and back. No sockets, no state.
+// A grant as a record of the session store, and back. No sockets, no state.
 #pragma once
 
 #include <string>
 #include <variant>
 
-#include "daemon/config/roster.h"
+#include "daemon/config/tenant_directory.h"
 #include "daemon/session/handshake.h"
 #include "daemon/session/session_store.h"
 
@@ -23,7 +23,8 @@ SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::stri
 
 // What the record's session was granted, if it would be granted now. The record is untrusted: a previous process may
 // have written it. Every field is validated.
-std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& record, const Roster& roster,
-                                                       const Config& config, const FindScene& find_scene);
+std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& record,
+                                                       const TenantDirectory& directory, const Config& config,
+                                                       const FindScene& find_scene);
 
 }  // namespace gnomon::daemon

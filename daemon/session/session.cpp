@@ -10,7 +10,7 @@ namespace {
 // Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
 bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
 
-// Old news is as good a sign of where the client is.
+// A datagram with an old view tells where the client is as well as a new one.
 bool is_sound(const Received& received) {
   return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
 }
@@ -35,22 +35,21 @@ Session::Session(SessionParts parts, TimePoint now)
     : id_(parts.id),
       grant_(std::move(parts.grant)),
       scene_use_(std::move(parts.scene_use)),
-      for_resuming_(std::move(parts.kept)),
-      seat_(std::move(parts.seat)),
+      stored_(std::move(parts.stored)),
+      permit_(std::move(parts.permit)),
       told_width_(grant_.width),
       told_height_(grant_.height),
       seal_(std::move(parts.seal)),
       last_heard_(now),
-      link_(grant_.features, life() > 0) {
+      link_(grant_.features, generation() > 0) {
   if (grant_.has(protocol::kFeatureReferences)) references_ = std::make_shared<SessionReferences>();
   // What was asked for before is not answered again: slices of two answers to one camera must not be mixed.
-  if (for_resuming_ && for_resuming_.record().newest_frame != 0)
-    newest_ = FrameId{for_resuming_.record().newest_frame};
+  if (stored_ && stored_.record().newest_frame != 0) newest_ = FrameId{stored_.record().newest_frame};
 }
 
 void Session::forget() {
   seal_.reset();
-  for_resuming_.forget();
+  stored_.forget();
 }
 
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
@@ -100,7 +99,7 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   if (references_) references_->client_has(update.have);
   if (again && !link_.take_lost(update.frame, now)) return {};
   newest_ = update.frame;
-  if (for_resuming_) for_resuming_.record().newest_frame = update.frame.value;
+  if (stored_) stored_.record().newest_frame = update.frame.value;
   // The client's clock is not ours: its deadline counts from the arrival.
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;

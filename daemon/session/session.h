@@ -16,18 +16,18 @@
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
 #include "daemon/session/handshake.h"
-#include "daemon/session/seats.h"
+#include "daemon/session/session_limits.h"
 #include "daemon/session/session_store.h"
 #include "protocol/seal.h"
 
 namespace gnomon::daemon {
 
-// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is no news, unless all
-// of its answer was lost; a view that the link has no room for is kept).
+// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is ignored, unless all
+// of its answer was lost; a view that the link has no room for is kept until it has).
 struct Received {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
-  bool ping = false;  // to be answered to where it came from
+  bool ping = false;  // the datagram has to be answered to the address that it came from
 };
 
 // What a session is made of.
@@ -35,8 +35,8 @@ struct SessionParts {
   SessionId id{};
   SessionGrant grant = {};
   std::unique_ptr<protocol::Seal> seal;
-  Seat seat;
-  KeptSession kept = {};  // the seal goes on from what lies in there; empty if it cannot be resumed
+  SessionPermit permit;
+  StoredSession stored = {};  // the seal goes on from what lies in there; empty if it cannot be resumed
   std::shared_ptr<const void> scene_use = {};  // keeps the scene from being unloaded
 };
 
@@ -61,7 +61,8 @@ class Session {
 
   Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
-  // The newest view, if it was kept and the link has room for it now. When to ask again; max: it was not kept.
+  // The newest view, nullopt if none was kept or the link has no room for it yet; and when to ask again, max() if none
+  // was kept.
   std::optional<ViewRequest> take_kept(TimePoint now);
   TimePoint kept_until(TimePoint now) const;
   LinkWindow take_link_window() { return std::exchange(window_, {}); }  // views since the last call
@@ -75,22 +76,22 @@ class Session {
   };
   std::optional<Ended> take_ended();
 
-  // What the client keeps of frames; null if it keeps none.
+  // What the client keeps of earlier frames; nullptr if it keeps none.
   const SessionReferencesPtr& references() const { return references_; }
 
   TimePoint last_heard() const { return last_heard_; }
 
-  // Without its control connection it goes on until then, if it may be resumed.
-  bool resumable() const { return static_cast<bool>(for_resuming_); }
+  // A session that can be resumed goes on without its control connection until `until`.
+  bool resumable() const { return static_cast<bool>(stored_); }
   void control_lost(TimePoint until) { resumed_until_ = until; }
   TimePoint resumed_until() const { return resumed_until_; }
-  // How often it was resumed in all: news of an earlier life is void.
-  uint32_t life() const { return for_resuming_ ? for_resuming_.record().life : 0; }
+  // Counts how often the session was resumed. Notifications carrying an older generation are ignored.
+  uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 
   // The size of frames that the client has been told to expect.
   void told_of(uint16_t width, uint16_t height) { told_width_ = width, told_height_ = height; }
   bool expects(const TileGrid& grid) const { return grid.width == told_width_ && grid.height == told_height_; }
-  void forget();  // nobody resumes it any more, and nothing is sealed any more
+  void forget();  // the session cannot be resumed any more, and nothing is sealed any more
 
   void frame_sent(const FrameMeta& meta, TimePoint sent);
 
@@ -117,8 +118,8 @@ class Session {
   SessionId id_;
   SessionGrant grant_;
   std::shared_ptr<const void> scene_use_;
-  KeptSession for_resuming_;  // given up after the seat, which whoever resumes it takes
-  Seat seat_;
+  StoredSession stored_;  // destroyed after the permit, which the connection that resumes the session takes
+  SessionPermit permit_;
   uint32_t told_width_, told_height_;
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;

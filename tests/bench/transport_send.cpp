@@ -101,12 +101,12 @@ class SealedFlow {
  public:
   SealedFlow(CipherId cipher, daemon::DataSocket& socket)
       : socket_(socket), client_(kBenchSession, cipher, kBenchSecrets, Side::client) {
-    auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    auto permit = limits_.take(TenantId{0}, asio::ip::address_v4::loopback());
     session_.emplace(
         daemon::SessionParts{.id = kBenchSession,
                              .grant = {.features = protocol::kFeatureFeedback | protocol::kFeatureParity},
                              .seal = std::make_unique<Seal>(kBenchSession, cipher, kBenchSecrets, Side::server),
-                             .seat = std::get<daemon::Seat>(std::move(seat))},
+                             .permit = std::get<daemon::SessionPermit>(std::move(permit))},
         now_);
     report();  // and so the session knows where its client is
   }
@@ -174,7 +174,7 @@ class SealedFlow {
   daemon::DataSocket& socket_;
   Sink sink_;
   Seal client_;
-  daemon::Seats seats_{daemon::Config{}};
+  daemon::SessionLimits limits_{daemon::Config{}};
   std::optional<daemon::Session> session_;
   daemon::FrameSender sender_;
   daemon::EncodedFrame frame_;

@@ -14,9 +14,9 @@ class SlicedTest : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    Terms terms = terms_of({});
+    SharingPolicy terms = sharing_policy_of({});
     terms.slice = Nanoseconds(0);
-    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
     loop_->handle(SessionClosed{kA}, now_);
     loop_->handle(SessionClosed{kB}, now_);
     open(kA, {.width = 16, .height = kHeight});
@@ -27,7 +27,7 @@ class SlicedTest : public RenderLoopTest {
     rendered_.clear();
     settle();
     terms.slice = 75us;
-    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
   }
 
   void complete_one() { fake_->complete(fake_->rows(0) * 1us); }
@@ -46,7 +46,7 @@ class UsualSliceTest : public SlicedTest, public testing::WithParamInterface<boo
   void SetUp() override {
     cpu_ = GetParam();
     SlicedTest::SetUp();
-    loop_->handle(TermsChanged{terms_of({})}, now_);
+    loop_->handle(SharingPolicyChanged{sharing_policy_of({})}, now_);
   }
   size_t pieces_of_a_frame(uint32_t frame) {
     view(kA, frame);
@@ -143,10 +143,10 @@ TEST_F(SlicedTest, OthersPassBetweenBands) {
   view(kA, 2);
   settle();
   open(SessionId{44}, {.width = 8, .height = 8});
-  Terms two = terms_of({});
+  SharingPolicy two = sharing_policy_of({});
   two.slice = 75us;
   two.tenants.push_back({});
-  loop_->handle(TermsChanged{two}, now_);
+  loop_->handle(SharingPolicyChanged{two}, now_);
   open(SessionId{55}, {.tenant = TenantId{1}, .width = 8, .height = 8});
   view(SessionId{55}, 1);
   while (rendered_.empty() && fake_->waiting() > 0) {
@@ -191,10 +191,10 @@ TEST_F(SlicedTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
 }
 
 TEST_F(SlicedTest, TheLastFreeSlotIsForFramesThatAreDoneAtOnce) {
-  Terms both = terms_of({});
+  SharingPolicy both = sharing_policy_of({});
   both.slice = 75us;
   both.policy = "deadline";
-  loop_->handle(TermsChanged{both}, now_);
+  loop_->handle(SharingPolicyChanged{both}, now_);
   view(kA, 2);
   settle();
   EXPECT_EQ(fake_->begun(), 1u);
@@ -223,13 +223,13 @@ class NeighbourTest : public RenderLoopTest {
   }
 
   void begin(const std::string& policy, uint32_t steady_priority) {
-    Terms terms;
+    SharingPolicy terms;
     terms.policy = policy;
     terms.slice = kSlice;
     terms.frames_in_flight = kInFlight;
     terms.tenants.resize(2);
     terms.tenants[1].terms.priority = steady_priority;
-    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
     open(kSteady, {.tenant = TenantId{1}, .width = 160, .height = 96, .lights = 3});
     for (uint32_t i = 0; i < kFlood; ++i) open(SessionId{i}, {.width = 640, .height = 360, .lights = 3});
   }

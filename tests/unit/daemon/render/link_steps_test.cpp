@@ -12,9 +12,9 @@ class NarrowLink : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    Terms terms = terms_of({});
+    SharingPolicy terms = sharing_policy_of({});
     terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
-    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
     open(kFar, {.width = 160,
                 .height = 96,
                 .codec = protocol::CodecId::raw32_lz4,
@@ -62,8 +62,8 @@ TEST_F(NarrowLink, TheCodecGetsDenserThenThePictureSmallerAndBothComeBack) {
   EXPECT_GE(last_.width, 80u);
   EXPECT_TRUE(tells_size_);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.back().news.width, last_.width);
-  EXPECT_EQ(degraded_.back().news.reason, "the link cannot carry more");
+  EXPECT_EQ(degraded_.back().message.width, last_.width);
+  EXPECT_EQ(degraded_.back().message.reason, "the link cannot carry more");
   for (int i = 0; i < 200; ++i) second(40);
   EXPECT_EQ(last_.width, 160u);
   EXPECT_FALSE(tells_size_);

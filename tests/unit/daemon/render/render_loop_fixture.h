@@ -29,8 +29,8 @@ class RenderLoopTest : public testing::Test {
         },
         [] {}));
     loop_ = std::make_unique<RenderLoop>(
-        Terms{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_, inbox_,
-        metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
+        SharingPolicy{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_,
+        inbox_, metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
         [this](const SessionDegraded& d) { degraded_.push_back(d); });
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
                                [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},

@@ -16,11 +16,11 @@ class SessionTest : public testing::Test {
   static constexpr TimePoint kStart = TimePoint(1h);
 
   Session& add(uint64_t id, TimePoint now, uint64_t features = 0) {
-    auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    auto permit = limits_.take(TenantId{0}, asio::ip::address_v4::loopback());
     return table_.add(std::make_unique<Session>(SessionParts{.id = SessionId{id},
                                                              .grant = {.features = features},
                                                              .seal = this->seal(id, protocol::Side::server),
-                                                             .seat = std::get<Seat>(std::move(seat))},
+                                                             .permit = std::get<SessionPermit>(std::move(permit))},
                                                 now));
   }
 
@@ -43,7 +43,7 @@ class SessionTest : public testing::Test {
 
   udp::endpoint here_{asio::ip::address_v4::loopback(), 1000};
   udp::endpoint there_{asio::ip::address_v4::loopback(), 2000};
-  Seats seats_{Config{}};
+  SessionLimits limits_{Config{}};
   SessionTable table_;
   std::map<uint64_t, std::unique_ptr<protocol::Seal>> client_seals_;
 };
@@ -172,26 +172,26 @@ TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
   EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
 }
 
-TEST_F(SessionTest, ClosingASessionGivesItsSeatBack) {
+TEST_F(SessionTest, ClosingASessionGivesItsPermitBack) {
   add(1, kStart);
   add(2, kStart);
-  EXPECT_EQ(seats_.taken(), 2u);
+  EXPECT_EQ(limits_.taken(), 2u);
   table_.remove(SessionId{1});
-  EXPECT_EQ(seats_.taken(), 1u);
+  EXPECT_EQ(limits_.taken(), 1u);
 }
 
-TEST(Seats, LimitPerAddress) {
+TEST(SessionLimits, LimitPerAddress) {
   Config config;
   config.server.max_sessions_per_address = 1;
-  Seats seats(config);
+  SessionLimits limits(config);
   const auto near = asio::ip::make_address("127.0.0.1"), far = asio::ip::make_address("192.0.2.1");
   {
-    const auto first = seats.take(TenantId{0}, near);
-    EXPECT_TRUE(std::holds_alternative<Seat>(first));
-    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(seats.take(TenantId{0}, near)));
-    EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, far)));
+    const auto first = limits.take(TenantId{0}, near);
+    EXPECT_TRUE(std::holds_alternative<SessionPermit>(first));
+    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(limits.take(TenantId{0}, near)));
+    EXPECT_TRUE(std::holds_alternative<SessionPermit>(limits.take(TenantId{0}, far)));
   }
-  EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, near)));
+  EXPECT_TRUE(std::holds_alternative<SessionPermit>(limits.take(TenantId{0}, near)));
 }
 
 protocol::MaskReferencePtr sent_frame(uint32_t frame, uint32_t width = 8) {
