@@ -74,7 +74,7 @@ void SessionControl::leave(SessionId id, const std::string& why) {
 std::shared_ptr<ControlStream> SessionControl::drop(SessionId id, const std::string& why) {
   Session& session = *sessions_.find(id);
   const TenantId tenant = session.grant().tenant;
-  const protocol::Stats totals = session.take_stats();
+  const protocol::Stats totals = session.totals().take_stats();
   log::info("session closed", {{"session", id.value},
                                {"tenant", shared_.tenants.get()->name(tenant)},
                                {"why", why},

@@ -55,7 +55,7 @@ void SessionLinks::send(EncodedFrame& frame) {
                       (sessions_.stream_of(route.session) || session->expects(frame.meta.spec.grid));
   if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
-  session->sending(frame.meta, bytes);
+  session->under_way().add(frame.meta, bytes);
   serve(*session);
 }
 
@@ -66,19 +66,19 @@ void SessionLinks::serve(Session& session) {
   if (!sessions_.is_reachable(session)) return pause(session.id());
   const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
   if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
-  while (const auto ended = session.take_ended()) finish(session, *ended, now);
-  if (const auto view = session.take_kept(now)) request(session, *view);
-  timers_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));
+  while (const auto ended = session.under_way().take_ended()) finish(session, *ended, now);
+  if (const auto view = session.views().take(now)) request(session, *view);
+  timers_.set(session.id(), std::min(session.link().wake_at(now), session.views().take_at(now)));
   arm_timer();
 }
 
-void SessionLinks::finish(Session& session, const Session::Ended& ended, TimePoint now) {
+void SessionLinks::finish(Session& session, const FramesUnderWay::Ended& ended, TimePoint now) {
   const TenantId tenant = session.grant().tenant;
   const FrameMeta& meta = ended.meta;
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
   shared_.devices.sent(meta.route.device, {tenant, meta.route.scene, meta.spec.traced_bits(), bytes});
   if (!ended.whole) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
-  session.frame_sent(meta, now);
+  session.totals().add(meta, now);
   shared_.metrics.frame_sent(tenant, session.grant().scene_name, meta, now, bytes);
 }
 

@@ -37,7 +37,7 @@ class SessionLinks {
   void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
   void request(const Session& session, const ViewRequest& view);
   void serve(Session& session);
-  void finish(Session& session, const Session::Ended& ended, TimePoint now);
+  void finish(Session& session, const FramesUnderWay::Ended& ended, TimePoint now);
   void arm_timer();
   void serve_due();
 

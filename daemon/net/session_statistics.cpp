@@ -24,9 +24,9 @@ void SessionStatistics::tick(TimePoint now) {
 void SessionStatistics::report() {
   std::vector<SessionStatus> all;
   for (const auto& [id, session] : sessions_.table()) {
-    const protocol::Stats stats = session->take_stats();
+    const protocol::Stats stats = session->totals().take_stats();
     shared_.metrics.link(session->take_link_report());
-    const LinkWindow window = session->take_link_window();
+    const LinkWindow window = session->views().take_window();
     if (window.offered > 0) shared_.devices.review({id, window});
     if (ControlStream* const stream = sessions_.stream_of(id)) stream->send(stats);
     const SessionGrant& grant = session->grant();

@@ -25,10 +25,6 @@ Fault fault_of(protocol::Rejection why) {
   return Fault::datagram_forged;
 }
 
-uint32_t mean_us(Nanoseconds sum, uint32_t count) {
-  return count == 0 ? 0 : static_cast<uint32_t>(to_microseconds(sum) / count);
-}
-
 }  // namespace
 
 Session::Session(SessionParts parts, TimePoint now)
@@ -105,57 +101,12 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
   ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
   view.tenant = grant_.tenant;
-  ++window_.offered;
-  if (kept_) view.coalesced = kept_->coalesced + 1;
-  if (link_.takes_view(now)) return {released(view, now), std::nullopt};
-  kept_ = view;
-  return {};
-}
-
-ViewRequest Session::released(ViewRequest view, TimePoint now) {
-  kept_.reset();
-  ++window_.taken;
-  link_.view_taken(view.frame, now);
-  view.slice_body_bytes = link_.slice_body_bytes();
-  return view;
-}
-
-std::optional<ViewRequest> Session::take_kept(TimePoint now) {
-  if (!kept_ || !link_.takes_view(now)) return std::nullopt;
-  return released(*kept_, now);
-}
-
-TimePoint Session::kept_until(TimePoint now) const { return kept_ ? link_.takes_view_at(now) : TimePoint::max(); }
-
-std::optional<Session::Ended> Session::take_ended() {
-  while (const auto end = link_.take_end()) {
-    while (!under_way_.empty()) {
-      const UnderWay frame = under_way_.front();
-      under_way_.pop_front();
-      if (frame.meta.route.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
-    }
-  }
-  return std::nullopt;
-}
-
-void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
-  ++frames_;
-  coalesced_ += meta.coalesced;
-  ++recent_.frames;
-  recent_.queue += meta.times.submitted - meta.times.arrival;
-  recent_.gpu += meta.times.gpu;
-  recent_.total += sent - meta.times.arrival;
+  return {views_.offer(view, now), std::nullopt};
 }
 
 LinkReport Session::take_link_report() {
   const LinkCounters before = std::exchange(reported_, link_.counters());
   return {link_.counters() - before, link_.rate(), link_.rtt(), link_.queue_delay()};
-}
-
-protocol::Stats Session::take_stats() {
-  const Sums sums = std::exchange(recent_, {});
-  return {frames_, coalesced_, mean_us(sums.queue, sums.frames), mean_us(sums.gpu, sums.frames),
-          mean_us(sums.total, sums.frames)};
 }
 
 }  // namespace gnomon::daemon

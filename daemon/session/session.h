@@ -3,7 +3,6 @@
 
 #include <asio/ip/udp.hpp>
 
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,12 +11,14 @@
 #include "daemon/frame/frame.h"
 #include "daemon/frame/grant.h"
 #include "daemon/frame/session_references.h"
-#include "daemon/link/link_window.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
+#include "daemon/session/frames_under_way.h"
 #include "daemon/session/handshake.h"
 #include "daemon/session/session_limits.h"
 #include "daemon/session/session_store.h"
+#include "daemon/session/session_totals.h"
+#include "daemon/session/view_buffer.h"
 #include "protocol/seal.h"
 
 namespace gnomon::daemon {
@@ -44,37 +45,27 @@ struct SessionParts {
 class Session {
  public:
   Session(SessionParts parts, TimePoint now);
+  Session(Session&&) = delete;
 
   SessionId id() const { return id_; }
   const SessionGrant& grant() const { return grant_; }
   protocol::Seal& seal() { return *seal_; }
   LinkSender& link() { return link_; }
 
-  // The client's last words came over its control connection: what is for it goes there.
+  // Whether the client last spoke over its control connection; frames are sent to it there then.
   bool by_control() const { return by_control_; }
 
   // Where the last valid datagram came from; nothing is sent anywhere else.
   const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
 
-  // What would have come in a datagram.
+  // A message that takes the place of a datagram.
   Received receive(const protocol::Data& data, TimePoint now);
 
   Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
-  // The newest view, nullopt if none was kept or the link has no room for it yet; and when to ask again, max() if none
-  // was kept.
-  std::optional<ViewRequest> take_kept(TimePoint now);
-  TimePoint kept_until(TimePoint now) const;
-  LinkWindow take_link_window() { return std::exchange(window_, {}); }  // views since the last call
-
-  // A frame on its way through the link; the frames whose sending is over come back, in their order.
-  void sending(const FrameMeta& meta, size_t bytes) { under_way_.push_back({meta, bytes}); }
-  struct Ended {
-    FrameMeta meta;
-    size_t bytes = 0;
-    bool whole = false;
-  };
-  std::optional<Ended> take_ended();
+  ViewBuffer& views() { return views_; }
+  SessionTotals& totals() { return totals_; }
+  FramesUnderWay& under_way() { return under_way_; }
 
   // What the client keeps of earlier frames; nullptr if it keeps none.
   const SessionReferencesPtr& references() const { return references_; }
@@ -93,27 +84,11 @@ class Session {
   bool expects(const TileGrid& grid) const { return grid.width == told_width_ && grid.height == told_height_; }
   void forget();  // the session cannot be resumed any more, and nothing is sealed any more
 
-  void frame_sent(const FrameMeta& meta, TimePoint sent);
-
   LinkReport take_link_report();
 
-  // Totals of the session, means since the last call (those of an interval without frames are 0).
-  protocol::Stats take_stats();
-
  private:
-  struct Sums {
-    uint32_t frames = 0;
-    Nanoseconds queue{}, gpu{}, total{};
-  };
-
-  struct UnderWay {
-    FrameMeta meta;
-    size_t bytes = 0;
-  };
-
   Received hear(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now);
   Received hear(const protocol::CameraUpdate& update, TimePoint now);
-  ViewRequest released(ViewRequest view, TimePoint now);
 
   SessionId id_;
   SessionGrant grant_;
@@ -129,13 +104,10 @@ class Session {
   SessionReferencesPtr references_;
   TimePoint last_heard_;
   LinkSender link_;
-  std::optional<ViewRequest> kept_;
-  std::deque<UnderWay> under_way_;
-  uint64_t frames_ = 0;
-  uint64_t coalesced_ = 0;
-  Sums recent_;
+  ViewBuffer views_{link_};
+  SessionTotals totals_;
+  FramesUnderWay under_way_{link_};
   LinkCounters reported_;
-  LinkWindow window_;
 };
 
 }  // namespace gnomon::daemon

@@ -127,7 +127,7 @@ class SealedFlow {
     for (const TimePoint next_frame = now_ + kFrameInterval; now_ < next_frame;) {
       watch_.measure([&] {
         sender_.send(*session_, socket_, now_);
-        while (session_->take_ended()) {
+        while (session_->under_way().take_ended()) {
         }
       });
       receive();

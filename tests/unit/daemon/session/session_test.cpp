@@ -122,26 +122,26 @@ TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
   ASSERT_TRUE(session.receive(view(1, 1), here_, kStart).view);
   FrameMeta meta;
   meta.route.frame = FrameId{1};
-  session.sending(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
+  session.under_way().add(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
   EXPECT_FALSE(session.receive(view(1, 2), here_, kStart + 1ms).view);
   EXPECT_FALSE(session.receive(view(1, 3), here_, kStart + 2ms).view);
-  EXPECT_FALSE(session.take_kept(kStart + 2ms));
-  const TimePoint later = session.kept_until(kStart + 2ms);
+  EXPECT_FALSE(session.views().take(kStart + 2ms));
+  const TimePoint later = session.views().take_at(kStart + 2ms);
   ASSERT_GT(later, kStart + 100ms);
 
   TimePoint now = kStart;
   for (uint64_t sent = 0; session.link().wake_at(now) < kStart + 10s && sent < 200; now += 1ms) {
     while (session.link().next(now)) session.link().sent(++sent, 1168, now);
   }
-  const auto ended = session.take_ended();
+  const auto ended = session.under_way().take_ended();
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->meta.route.frame, FrameId{1});
   EXPECT_TRUE(ended->whole);
-  const auto kept = session.take_kept(now);
+  const auto kept = session.views().take(now);
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->frame, FrameId{3});
   EXPECT_EQ(kept->coalesced, 1u);
-  EXPECT_FALSE(session.take_kept(now)) << "once";
+  EXPECT_FALSE(session.views().take(now)) << "once";
 }
 
 TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
@@ -149,10 +149,10 @@ TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
   session.receive(view(1, 1), here_, kStart);
   FrameMeta meta;
   meta.route.frame = FrameId{1};
-  session.sending(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
-  EXPECT_FALSE(session.take_ended());
+  session.under_way().add(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
+  EXPECT_FALSE(session.under_way().take_ended());
   EXPECT_FALSE(session.link().next(kStart + 20ms));
-  const auto ended = session.take_ended();
+  const auto ended = session.under_way().take_ended();
   ASSERT_TRUE(ended);
   EXPECT_FALSE(ended->whole);
 }
@@ -164,12 +164,12 @@ TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
   meta.times.submitted = kStart + 2ms;
   meta.times.gpu = 3ms;
   meta.coalesced = 4;
-  session.frame_sent(meta, kStart + 10ms);
+  session.totals().add(meta, kStart + 10ms);
   meta.times.submitted = kStart + 4ms;
   meta.coalesced = 0;
-  session.frame_sent(meta, kStart + 20ms);
-  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));
-  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
+  session.totals().add(meta, kStart + 20ms);
+  EXPECT_EQ(session.totals().take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));
+  EXPECT_EQ(session.totals().take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
 }
 
 TEST_F(SessionTest, ClosingASessionGivesItsPermitBack) {
