@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr size_t kRecordsPerSeat = 2;           // those that rest have no seat
+constexpr size_t kRecordsPerPermit = 2;         // those that rest have no permit
 constexpr const char* kStoreName = "sessions";  // for the service manager
 
 template <class T>
@@ -27,7 +27,7 @@ Daemon::Daemon(Options options, SceneCatalog catalog)
       catalog_(std::move(catalog)),
       metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version,
                options_.make_renderers.size()),
-      seats_(options_.config, options_.make_renderers.size()),
+      session_limits_(options_.config, options_.make_renderers.size()),
       devices_(options_.make_renderers.size(), metrics_, health_) {}
 
 Daemon::~Daemon() { stop(); }
@@ -43,16 +43,25 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
 // Ports first: they fail at once, a scene may take seconds. Clients are taken when the devices are there, and wait for
 // the scene that they ask for.
 Result<void> Daemon::bring_up() {
-  terms_.publish(terms_of(options_.config));
-  roster_.publish(Roster().with(options_.config.tenants));
+  sharing_policy_.publish(sharing_policy_of(options_.config));
+  tenant_directory_.publish(TenantDirectory().with(options_.config.tenants));
   auto tls = open_tls(options_.config.server);
   if (!tls) return tls.error();
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   tls_.publish(*tls);
   scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_);
   if (auto opened = open_store(); !opened) return opened;
-  auto server = Server::open(
-      {options_.config, roster_, tracer_, catalog_, health_, tls_, *scenes_, seats_, *store_, devices_, metrics_});
+  auto server = Server::open({.config = options_.config,
+                              .tenants = tenant_directory_,
+                              .tracer = tracer_,
+                              .catalog = catalog_,
+                              .health = health_,
+                              .tls = tls_,
+                              .scenes = *scenes_,
+                              .limits = session_limits_,
+                              .store = *store_,
+                              .devices = devices_,
+                              .metrics = metrics_});
   if (!server) return server.error();
   server_ = std::move(*server);
   if (auto opened = open_admin(); !opened) return opened;
@@ -66,7 +75,7 @@ Result<void> Daemon::bring_up() {
 
 Result<void> Daemon::open_store() {
   const ServerConfig& server = options_.config.server;
-  auto store = SessionStore::open(kRecordsPerSeat * server.max_sessions, server.silence_timeout,
+  auto store = SessionStore::open(kRecordsPerPermit * server.max_sessions, server.silence_timeout,
                                   supervisor::take_memory(kStoreName));
   if (!store) return store.error();
   store_ = std::move(*store);
@@ -80,8 +89,8 @@ Result<void> Daemon::open_admin() {
                                                            .catalog = catalog_,
                                                            .health = health_,
                                                            .metrics = metrics_,
-                                                           .tenants = roster_,
-                                                           .terms = terms_,
+                                                           .tenants = tenant_directory_,
+                                                           .sharing = sharing_policy_,
                                                            .devices = devices_,
                                                            .scenes = *scenes_,
                                                            .server = *server_,
@@ -96,16 +105,16 @@ Result<void> Daemon::open_admin() {
 Result<void> Daemon::open_devices() {
   const ScenesConfig& scenes = options_.config.scenes;
   const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now(),
-                                     [this](const LightsNews& news) {
-                                       scenes_->keep_lights(news);
-                                       server_->announce_lights(news);
+                                     [this](const LightsUpdate& update) {
+                                       scenes_->keep_lights(update);
+                                       server_->announce_lights(update);
                                      }};
   const auto failed = [this](const Error& why) {
     if (options_.on_failure) options_.on_failure(why);
   };
-  auto started = devices_.start(options_.make_renderers, terms_of(options_.config), motion,
+  auto started = devices_.start(options_.make_renderers, sharing_policy_of(options_.config), motion,
                                 {[this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
-                                 [this](const SessionDegraded& session) { server_->tell(session); }, failed});
+                                 [this](const SessionDegraded& session) { server_->notify(session); }, failed});
   if (!started) return started;
   tracer_ = devices_.report().front().tracer;
   open_encoders();
@@ -142,8 +151,8 @@ Result<void> Daemon::wait_for_scenes(SceneHost::Fetches& fetches) const {
 }
 
 std::string Daemon::summary() const {
-  return "serving " + std::to_string(scenes_->resident().size()) + " scenes to " + std::to_string(seats_.taken()) +
-         " sessions";
+  return "serving " + std::to_string(scenes_->resident().size()) + " scenes to " +
+         std::to_string(session_limits_.taken()) + " sessions";
 }
 
 Result<void> Daemon::reload(const Result<Config>& next) {
@@ -162,34 +171,34 @@ Result<void> Daemon::apply(const Config& next) {
   admin.token_file = next.admin.token_file;
   const auto token = read_operator_token(admin);
   if (!token) return token.error();
-  const Roster roster = roster_.get()->with(next.tenants);
-  if (roster.size() > kMostTenants) {
+  const TenantDirectory directory = tenant_directory_.get()->with(next.tenants);
+  if (directory.size() > kMostTenants) {
     return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};
   }
   if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
   Config by_id = next;
-  by_id.tenants = roster.configs();
-  const Terms terms = terms_of(by_id);
-  terms_.publish(terms);
-  seats_.set_limits(by_id);
+  by_id.tenants = directory.configs();
+  const SharingPolicy sharing = sharing_policy_of(by_id);
+  sharing_policy_.publish(sharing);
+  session_limits_.set_limits(by_id);
   metrics_.know_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
-  devices_.set_terms(terms);
+  devices_.set_terms(sharing);
   tls_.publish(*tls);
   admin_->set_token(*token);
-  roster_.publish(roster);  // last: whoever learns of a tenant finds all that it needs
+  tenant_directory_.publish(directory);  // last: whoever learns of a tenant finds all that it needs
   server_->close_closed_tenants();
-  log::info("configuration reloaded", {{"policy", terms.policy}, {"pin", protocol::to_string((*tls)->pin)}});
+  log::info("configuration reloaded", {{"policy", sharing.policy}, {"pin", protocol::to_string((*tls)->pin)}});
   return {};
 }
 
 void Daemon::drain() {
   health_.draining = true;
   const auto timeout = options_.config.server.drain_timeout;
-  log::info("draining", {{"sessions", seats_.taken()}, {"deadline_ms", timeout.count()}});
+  log::info("draining", {{"sessions", session_limits_.taken()}, {"deadline_ms", timeout.count()}});
   server_->announce_drain(timeout);
   const TimePoint deadline = Clock::now() + timeout;
-  while (seats_.taken() > 0 && Clock::now() < deadline) std::this_thread::sleep_for(5ms);
+  while (session_limits_.taken() > 0 && Clock::now() < deadline) std::this_thread::sleep_for(5ms);
   stop();
   store_->forget_resting();
 }

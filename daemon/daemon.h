@@ -78,11 +78,11 @@ class Daemon {
   const SceneCatalog catalog_;
   Health health_;
   Metrics metrics_;
-  Seats seats_;
+  SessionLimits session_limits_;
   std::unique_ptr<SessionStore> store_;
   DevicePool devices_;
-  Published<Terms> terms_;
-  Published<Roster> roster_;
+  Published<SharingPolicy> sharing_policy_;
+  Published<TenantDirectory> tenant_directory_;
   std::string tracer_;
   PublishedTls tls_;
   std::unique_ptr<Server> server_;

@@ -6,8 +6,8 @@
 
 #include "common/published.h"
 #include "common/result.h"
-#include "daemon/config/roster.h"
-#include "daemon/config/terms.h"
+#include "daemon/config/tenant_directory.h"
+#include "daemon/config/sharing_policy.h"
 #include "daemon/metrics/health.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/net/server.h"
@@ -23,8 +23,8 @@ struct OperatedParts {
   const SceneCatalog& catalog;
   Health& health;
   Metrics& metrics;
-  const Published<Roster>& tenants;
-  const Published<Terms>& terms;
+  const Published<TenantDirectory>& tenants;
+  const Published<SharingPolicy>& sharing;
   DevicePool& devices;
   SceneHost& scenes;
   Server& server;

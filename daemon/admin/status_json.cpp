@@ -79,16 +79,16 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
 }  // namespace
 
 std::string status_json(const OperatedParts& parts) {
-  const auto roster = parts.tenants.get();
+  const auto directory = parts.tenants.get();
   const std::vector<SessionStatus> sessions = parts.server.sessions();
   const ShareReport shares = parts.devices.shares();
-  const auto terms = parts.terms.get();
+  const auto sharing = parts.sharing.get();
   json status{{"version", parts.version},
               {"ready", parts.health.ready()},
               {"draining", parts.health.draining.load()},
               {"devices", json::array()},
               {"scenes", json::array()},
-              {"policy", terms->policy},
+              {"policy", sharing->policy},
               {"jain", shares.jain},
               {"worst_lag_ms", to_milliseconds(shares.worst_lag)},
               {"tenants", json::array()},
@@ -100,17 +100,18 @@ std::string status_json(const OperatedParts& parts) {
     const SceneReport just_arrived{name, scene.on_device, {.unbuilt = 1}, {}};
     status["scenes"].push_back(to_json(name, scene, report == reports.end() ? just_arrived : report->second));
   }
-  for (uint32_t i = 0; i < std::min(roster->size(), terms->tenants.size()); ++i) {
+  for (uint32_t i = 0; i < std::min(directory->size(), sharing->tenants.size()); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
-    if (!roster->open(TenantId{i}) && open == 0) continue;
-    json row{{"name", roster->name(TenantId{i})}, {"weight", terms->tenants[i].terms.weight}, {"sessions", open}};
+    if (!directory->open(TenantId{i}) && open == 0) continue;
+    json row{
+        {"name", directory->name(TenantId{i})}, {"weight", sharing->tenants[i].terms.weight}, {"sessions", open}};
     row.update(to_json(parts.metrics.totals(TenantId{i})));
     if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
     status["tenants"].push_back(std::move(row));
   }
   for (const SessionStatus& session : sessions) {
-    status["sessions"].push_back(to_json(session, roster->name(session.tenant)));
+    status["sessions"].push_back(to_json(session, directory->name(session.tenant)));
   }
   // A scene file's name may be no UTF-8: shown with replacement characters, never an exception.
   return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";

@@ -110,7 +110,7 @@ std::optional<Outgoing> LinkSender::offer(const Item& item, TimePoint now) {
 
 std::optional<Outgoing> LinkSender::next(TimePoint now) {
   offered_.reset();
-  if (const auto tail = log_.take_tail(now)) handle_tail(*tail, now);
+  if (const auto tail = loss_detection_.take_tail(now)) handle_tail(*tail, now);
   if (feedback() && !pacer_.may_send(now)) {
     limited_ = limited_ || (backlog_ > 0 && rate() <= spread_rate_);
     return std::nullopt;
@@ -152,7 +152,8 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
   }
   if (!feedback()) return;
   pacer_.sent(datagram_bytes, pace(), now);
-  log_.sent(sequence, {now, static_cast<uint32_t>(datagram_bytes), item.cargo, item.answer, item.number});
+  loss_detection_.sent(sequence,
+                       {now, static_cast<uint32_t>(datagram_bytes), item.cargo, item.answer, item.number});
 }
 
 void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
@@ -164,15 +165,15 @@ void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
       static_cast<uint32_t>(said.recovered - recovered_before_ - static_cast<uint32_t>(counters_.recovered));
   counters_.incomplete +=
       static_cast<uint32_t>(said.incomplete - incomplete_before_ - static_cast<uint32_t>(counters_.incomplete));
-  const PathNews news = log_.take(said, now);
-  handle_arrivals(news.arrived, now);
-  handle_losses(news.lost, now);
+  const PathUpdate update = loss_detection_.take(said, now);
+  handle_arrivals(update.arrived, now);
+  handle_losses(update.lost, now);
   PathReport report;
-  report.rtt = log_.rtt();
+  report.rtt = loss_detection_.rtt();
   report.queue = queue_.now();
   report.delivered = delivered();
-  report.arrived = static_cast<uint32_t>(news.arrived.size());
-  for (const SentDatagram& datagram : news.lost) report.lost += datagram.cargo != Cargo::probe;
+  report.arrived = static_cast<uint32_t>(update.arrived.size());
+  for (const SentDatagram& datagram : update.lost) report.lost += datagram.cargo != Cargo::probe;
   report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
   rate_.observe(report, now);
@@ -241,7 +242,7 @@ TimePoint LinkSender::wake_at(TimePoint now) const {
   if (!feedback()) return backlog_ > 0 ? now : TimePoint::max();
   // Not at once: a batch may gather.
   const TimePoint paced = backlog_ > 0 ? std::max(now + Pacer::kBatch, pacer_.next()) : TimePoint::max();
-  return std::min(paced, log_.tail_due());
+  return std::min(paced, loss_detection_.tail_due());
 }
 
 bool LinkSender::take_lost(FrameId frame, TimePoint now) {
@@ -257,7 +258,7 @@ bool LinkSender::take_lost(FrameId frame, TimePoint now) {
 
 // The frame will be cut for datagrams as long as they may be now.
 bool LinkSender::takes_view(TimePoint now) {
-  if (feedback() && log_.silence(now) > 4 * rtt() + kSilence) mtu_.silent(now);
+  if (feedback() && loss_detection_.silence(now) > 4 * rtt() + kSilence) mtu_.silent(now);
   if (!feedback() || gate_.open(backlog_, rate(), now)) return true;
   limited_ = true;
   return false;

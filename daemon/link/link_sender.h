@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/link/loss_detection.h"
+#include "daemon/link/mtu_discovery.h"
 #include "daemon/link/pacer.h"
-#include "daemon/link/path_mtu.h"
 #include "daemon/link/queue_delay.h"
 #include "daemon/link/rate_controller.h"
-#include "daemon/link/sent_log.h"
+#include "daemon/link/request_gate.h"
 #include "daemon/link/stored_frame.h"
-#include "daemon/link/view_gate.h"
 #include "protocol/datagram.h"
 
 namespace gnomon::daemon {
@@ -86,7 +86,7 @@ class LinkSender {
 
   double rate() const { return rate_.rate(); }
   double loss() const { return rate_.loss(); }
-  Nanoseconds rtt() const { return log_.rtt(); }
+  Nanoseconds rtt() const { return loss_detection_.rtt(); }
   Nanoseconds queue_delay() const { return queue_.now(); }
   bool competing(TimePoint now) const { return rate_.competing(now); }
   const LinkCounters& counters() const { return counters_; }
@@ -139,11 +139,11 @@ class LinkSender {
   TimePoint last_frame_{};
 
   Pacer pacer_;
-  SentLog log_;
+  LossDetection loss_detection_;
   QueueDelay queue_;
   RateController rate_;
-  PathMtu mtu_;
-  ViewGate gate_;
+  MtuDiscovery mtu_;
+  RequestGate gate_;
   struct Bytes {
     Nanoseconds arrived;  // the client's clock
     size_t bytes;

@@ -69,7 +69,7 @@ Result<std::unique_ptr<DataSocket>> DataSocket::open(asio::io_context& io, const
   asio::error_code ignored;
   made->socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
   made->socket_.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
-  // No datagram is cut into fragments: which lengths pass is for the sessions to find out (daemon/link/path_mtu.h).
+  // No datagram is cut into fragments: which lengths pass is for the sessions to find out (daemon/link/mtu_discovery.h).
   const int probe = local.protocol() == asio::ip::udp::v6() ? IPV6_PMTUDISC_PROBE : IP_PMTUDISC_PROBE;
   if (local.protocol() == asio::ip::udp::v6()) {
     setsockopt(made->socket_.native_handle(), IPPROTO_IPV6, IPV6_MTU_DISCOVER, &probe, sizeof probe);

@@ -85,7 +85,7 @@ void Server::accept() {
   });
 }
 
-void Server::tell(const SessionDegraded& session) { threads_[session.net_thread]->tell(session); }
+void Server::notify(const SessionDegraded& session) { threads_[session.net_thread]->notify(session); }
 
 bool Server::kick(SessionId id, const std::string& why) {
   return std::any_of(threads_.begin(), threads_.end(), [&](const auto& thread) { return thread->kick(id, why); });
@@ -95,8 +95,8 @@ void Server::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& thread : threads_) thread->announce_drain(deadline);
 }
 
-void Server::announce_lights(const LightsNews& news) {
-  for (const auto& thread : threads_) thread->announce_lights(news);
+void Server::announce_lights(const LightsUpdate& update) {
+  for (const auto& thread : threads_) thread->announce_lights(update);
 }
 
 void Server::close_closed_tenants() {

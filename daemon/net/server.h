@@ -22,11 +22,11 @@ class Server {
   void run();
 
   // Any thread.
-  void deliver(EncodedFrame frame) { threads_[frame.meta.net_thread]->deliver(std::move(frame)); }
-  void tell(const SessionDegraded& session);
+  void deliver(EncodedFrame frame) { threads_[frame.meta.route.net_thread]->deliver(std::move(frame)); }
+  void notify(const SessionDegraded& session);
   bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
   void announce_drain(std::chrono::milliseconds deadline);
-  void announce_lights(const LightsNews& news);
+  void announce_lights(const LightsUpdate& update);
   void close_closed_tenants();
   std::vector<SessionStatus> sessions() const;
 

@@ -33,7 +33,7 @@ class DevicePool {
   DevicePool(size_t count, Metrics& metrics, Health& health);
 
   // The main thread, before all others. `factories`: as many as there are devices. Error: one cannot be opened.
-  Result<void> start(const std::vector<RendererFactory>& factories, const Terms& terms,
+  Result<void> start(const std::vector<RendererFactory>& factories, const SharingPolicy& terms,
                      SceneMotion::Settings motion, Calls calls);
   void stop();  // all threads end when their last leases have come back
 
@@ -57,7 +57,7 @@ class DevicePool {
   void review(const LinkReviewed& reviewed);
   void sent(uint32_t device, const BytesSent& sent);
 
-  void set_terms(const Terms& terms);
+  void set_terms(const SharingPolicy& terms);
   void change_light(const LightChanged& change);
   // To every device. `arrived.resident` is called once, when all have answered: with what it takes on one of them, or
   // the error where none could take it. False: nobody will call it.
@@ -84,7 +84,11 @@ class DevicePool {
 
   mutable std::mutex mutex_;  // guards what follows
   Placement placement_;
-  std::unordered_map<SessionId, SessionOpened> sessions_;
+  struct PooledSession {
+    SessionOpened opened;
+    protocol::CodecId codec;  // in force
+  };
+  std::unordered_map<SessionId, PooledSession> sessions_;
   std::vector<bool> drained_, down_;
 };
 

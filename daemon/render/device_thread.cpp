@@ -19,7 +19,7 @@ bool scenes_may_differ(const std::vector<RenderEvent>& batch) {
 
 }  // namespace
 
-Result<void> DeviceThread::start(RendererFactory factory, const Terms& terms, SceneMotion::Settings motion,
+Result<void> DeviceThread::start(RendererFactory factory, const SharingPolicy& terms, SceneMotion::Settings motion,
                                  Calls calls) {
   auto device = RenderDevice::open(std::move(factory), [this] { inbox_.push(BackgroundDone{}); });
   if (!device) return device.error();

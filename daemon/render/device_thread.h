@@ -30,7 +30,8 @@ class DeviceThread {
   ~DeviceThread() { stop(); }
 
   // Opens the device and starts the thread. Error: it cannot be opened.
-  Result<void> start(RendererFactory factory, const Terms& terms, SceneMotion::Settings motion, Calls calls);
+  Result<void> start(RendererFactory factory, const SharingPolicy& terms, SceneMotion::Settings motion,
+                     Calls calls);
   // Ends when the last lease has come back.
   void stop();
 

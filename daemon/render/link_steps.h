@@ -1,5 +1,5 @@
 // What a session gives up, beside frames, when its link cannot carry them: first the codec gets denser, then the
-// picture smaller, as far as its tenant allows. Frames have become fewer before (daemon/link/view_gate.h), down to the
+// picture smaller, as far as its tenant allows. Frames have become fewer before (daemon/link/request_gate.h), down to the
 // tenant's least rate. Pure.
 #pragma once
 

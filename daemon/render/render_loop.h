@@ -10,7 +10,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "daemon/config/terms.h"
+#include "daemon/config/sharing_policy.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/metrics/status.h"
 #include "daemon/render/render_device.h"
@@ -26,7 +26,7 @@ class RenderLoop {
   // `device_number`: among the daemon's. `rendered` is called from the renderer's completion threads. All references
   // outlive the loop and its leases.
   RenderLoop(
-      const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+      const SharingPolicy& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
       std::function<void(RenderedFrame)> rendered,
       std::function<void(const SessionDegraded&)> degraded = [](const SessionDegraded&) {},
       uint32_t device_number = 0);
@@ -58,14 +58,14 @@ class RenderLoop {
   void on(const JobFinished& finished, TimePoint now);
   void on(const LeaseDropped&, TimePoint now);
   void on(const BytesSent& sent, TimePoint now);
-  void on(const TermsChanged& changed, TimePoint now);
+  void on(const SharingPolicyChanged& changed, TimePoint now);
   void on(const TenantPart& part, TimePoint now);
   void on(const LightChanged& changed, TimePoint now);
   void on(const LinkReviewed& reviewed, TimePoint now);
   void on(const BackgroundDone&, TimePoint) {}  // start() looks after it
   void on(const StopRendering&, TimePoint now);
 
-  void apply(const Terms& terms, TimePoint now);
+  void apply(const SharingPolicy& terms, TimePoint now);
   Nanoseconds slice() const;
   bool has_room(TimePoint now);
   void ask(RenderSession& session, TimePoint now);
@@ -105,7 +105,7 @@ class RenderLoop {
   const uint32_t number_;
   SceneMotion motion_;
 
-  Terms terms_;
+  SharingPolicy terms_;
   std::unique_ptr<scheduler::Scheduler> scheduler_;
   uint64_t policy_ = 0;  // counts the schedulers that there were
   ShareAccount account_;

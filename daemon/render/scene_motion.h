@@ -21,7 +21,7 @@
 namespace gnomon::daemon {
 
 // The lights of a scene from a version on.
-struct LightsNews {
+struct LightsUpdate {
   std::string scene;
   uint32_t version = 0;
   std::vector<scenes::Light> lights;
@@ -32,8 +32,8 @@ class SceneMotion {
   struct Settings {
     uint32_t clock_hz = 60;
     Nanoseconds light_rest = std::chrono::seconds(2);
-    TimePoint clock_start{};                               // of all scenes
-    std::function<void(const LightsNews&)> announce = {};  // after the switch
+    TimePoint clock_start{};                                 // of all scenes
+    std::function<void(const LightsUpdate&)> announce = {};  // after the switch
   };
 
   // `wake` is called from the renderer's threads when step() has something to do. References outlive this.

@@ -13,7 +13,7 @@ constexpr Nanoseconds kBurst = 100ms;  // of a tenant's rates: its clients need 
 
 }  // namespace
 
-void ShareAccount::set_terms(const Terms& terms) {
+void ShareAccount::set_terms(const SharingPolicy& terms) {
   tenants_.resize(std::max(tenants_.size(), terms.tenants.size()));
   for (size_t i = 0; i < terms.tenants.size(); ++i) {
     Tenant& tenant = tenants_[i];

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "daemon/config/terms.h"
+#include "daemon/config/sharing_policy.h"
 #include "daemon/metrics/share_report.h"
 #include "scheduler/rate_limit.h"
 
@@ -13,7 +13,7 @@ namespace gnomon::daemon {
 // The render loop's.
 class ShareAccount {
  public:
-  void set_terms(const Terms& terms);
+  void set_terms(const SharingPolicy& terms);
   // Of the tenant's rates this device allows so much: 0 to 1. At first all.
   void set_part(TenantId tenant, double part);
 

@@ -99,17 +99,17 @@ std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
   return answered->get_future();
 }
 
-void SceneHost::keep_lights(const LightsNews& news) {
+void SceneHost::keep_lights(const LightsUpdate& update) {
   std::lock_guard lock(mutex_);
-  const auto found = resident_.find(news.scene);
+  const auto found = resident_.find(update.scene);
   // Of several devices the slower ones announce older versions.
-  if (found != resident_.end() && news.version >= found->second.lights.version) found->second.lights = news;
+  if (found != resident_.end() && update.version >= found->second.lights.version) found->second.lights = update;
 }
 
-LightsNews SceneHost::lights_of(const std::string& name) const {
+LightsUpdate SceneHost::lights_of(const std::string& name) const {
   std::lock_guard lock(mutex_);
   const auto found = resident_.find(name);
-  return found == resident_.end() ? LightsNews{} : found->second.lights;
+  return found == resident_.end() ? LightsUpdate{} : found->second.lights;
 }
 
 std::map<std::string, HostedScene> SceneHost::resident() const {

@@ -26,7 +26,7 @@ struct SceneForUse : scenes::LoadedScene {
 struct HostedScene {
   scenes::LoadedScene loaded;
   gpu::SceneFootprint on_device;
-  LightsNews lights;
+  LightsUpdate lights;
   std::shared_ptr<const void> use = std::make_shared<char>();  // copies of it are the users
   long users = 0;                                              // at the time of asking
 };
@@ -53,8 +53,8 @@ class SceneHost {
   std::map<std::string, HostedScene> resident() const;
 
   // Any thread. The lights of a resident scene from now on, for those who are still to come.
-  void keep_lights(const LightsNews& news);
-  LightsNews lights_of(const std::string& name) const;
+  void keep_lights(const LightsUpdate& update);
+  LightsUpdate lights_of(const std::string& name) const;
 
  private:
   struct Request {

@@ -19,17 +19,18 @@ bool lets_anybody_in(const TenantConfig& tenant, ServerMode mode) {
   return tenant.open || (mode == ServerMode::demo && tenant.token_sha256.empty());
 }
 
-std::string wanted_tenant(const protocol::Hello& hello, const Names& certificate, const Roster& roster) {
+std::string wanted_tenant(const protocol::Hello& hello, const Names& certificate,
+                          const TenantDirectory& directory) {
   if (!hello.tenant.empty()) return hello.tenant;
   const auto own = std::find_if(certificate.begin(), certificate.end(),
-                                [&](const std::string& name) { return roster.find(name).has_value(); });
+                                [&](const std::string& name) { return directory.find(name).has_value(); });
   return own == certificate.end() ? kDefaultTenant : *own;
 }
 
 // Those who may know that there is no such tenant: who has a certificate, or where names are no secret.
-bool may_know(const Names& certificate, const Roster& roster, ServerMode mode) {
+bool may_know(const Names& certificate, const TenantDirectory& directory, ServerMode mode) {
   if (!certificate.empty()) return true;
-  const auto all = roster.configs();
+  const auto all = directory.configs();
   return std::all_of(all.begin(), all.end(), [&](const auto& tenant) { return lets_anybody_in(tenant, mode); });
 }
 
@@ -42,17 +43,17 @@ Rejected reject(RefusalCode code, Fault fault) {
 }  // namespace
 
 std::variant<TenantId, Rejected> identify(const protocol::Hello& hello, const Names& certificate_names,
-                                          const Roster& roster, ServerMode mode) {
-  const std::string name = wanted_tenant(hello, certificate_names, roster);
-  const auto id = roster.find(name);
+                                          const TenantDirectory& directory, ServerMode mode) {
+  const std::string name = wanted_tenant(hello, certificate_names, directory);
+  const auto id = directory.find(name);
   // One that does not exist has one token, which no text has.
   TenantConfig tenant;
   tenant.token_sha256 = {TokenHash{}};
-  if (id) tenant = roster.config(*id);
+  if (id) tenant = directory.config(*id);
   const bool token_is_good = is_among(hash_of(hello.token), tenant.token_sha256);
   if (!id) {
     const auto code =
-        may_know(certificate_names, roster, mode) ? RefusalCode::unknown_tenant : RefusalCode::bad_token;
+        may_know(certificate_names, directory, mode) ? RefusalCode::unknown_tenant : RefusalCode::bad_token;
     return reject(code, Fault::refused_unknown_tenant);
   }
   if (token_is_good || contains(certificate_names, name) || lets_anybody_in(tenant, mode)) return *id;

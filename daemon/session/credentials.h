@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/config/roster.h"
+#include "daemon/config/tenant_directory.h"
 #include "daemon/metrics/faults.h"
 #include "protocol/messages.h"
 
@@ -21,13 +21,13 @@ struct Rejected {
   Fault fault;
 };
 
-// `certificate_names`: of a client certificate that one of our authorities has signed; empty: it showed none. A client
-// that names no tenant is that of its certificate, else of the tenant `default`.
+// `certificate_names`: the names in a client certificate that one of our authorities has signed, empty if the client
+// showed none. A client that names no tenant belongs to that of its certificate, or else to the tenant `default`.
 std::variant<TenantId, Rejected> identify(const protocol::Hello& hello,
-                                          const std::vector<std::string>& certificate_names, const Roster& roster,
-                                          ServerMode mode);
+                                          const std::vector<std::string>& certificate_names,
+                                          const TenantDirectory& directory, ServerMode mode);
 
-// Error: a tenant that nobody could connect as, and what to do about it.
+// Error if nobody could connect as one of the tenants; its text tells what to do about it.
 Result<void> check_tenants(const Config& config);
 
 }  // namespace gnomon::daemon

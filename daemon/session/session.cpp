@@ -10,7 +10,7 @@ namespace {
 // Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
 bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
 
-// Old news is as good a sign of where the client is.
+// A datagram with an old view tells where the client is as well as a new one.
 bool is_sound(const Received& received) {
   return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
 }
@@ -25,32 +25,27 @@ Fault fault_of(protocol::Rejection why) {
   return Fault::datagram_forged;
 }
 
-uint32_t mean_us(Nanoseconds sum, uint32_t count) {
-  return count == 0 ? 0 : static_cast<uint32_t>(to_microseconds(sum) / count);
-}
-
 }  // namespace
 
-Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now,
-                 KeptSession kept)
-    : id_(id),
-      accepted_(std::move(accepted)),
-      for_resuming_(std::move(kept)),
-      seat_(std::move(seat)),
-      told_width_(accepted_.width),
-      told_height_(accepted_.height),
-      seal_(std::move(seal)),
+Session::Session(SessionParts parts, TimePoint now)
+    : id_(parts.id),
+      grant_(std::move(parts.grant)),
+      scene_use_(std::move(parts.scene_use)),
+      stored_(std::move(parts.stored)),
+      permit_(std::move(parts.permit)),
+      told_width_(grant_.width),
+      told_height_(grant_.height),
+      seal_(std::move(parts.seal)),
       last_heard_(now),
-      link_(accepted_.features, life() > 0) {
-  if (accepted_.features & protocol::kFeatureReferences) references_ = std::make_shared<SessionReferences>();
+      link_(grant_.features, generation() > 0) {
+  if (grant_.has(protocol::kFeatureReferences)) references_ = std::make_shared<SessionReferences>();
   // What was asked for before is not answered again: slices of two answers to one camera must not be mixed.
-  if (for_resuming_ && for_resuming_.record().newest_frame != 0)
-    newest_ = FrameId{for_resuming_.record().newest_frame};
+  if (stored_ && stored_.record().newest_frame != 0) newest_ = FrameId{stored_.record().newest_frame};
 }
 
 void Session::forget() {
   seal_.reset();
-  for_resuming_.forget();
+  stored_.forget();
 }
 
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
@@ -100,63 +95,18 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   if (references_) references_->client_has(update.have);
   if (again && !link_.take_lost(update.frame, now)) return {};
   newest_ = update.frame;
-  if (for_resuming_) for_resuming_.record().newest_frame = update.frame.value;
+  if (stored_) stored_.record().newest_frame = update.frame.value;
   // The client's clock is not ours: its deadline counts from the arrival.
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
   ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
-  view.tenant = accepted_.tenant;
-  ++window_.offered;
-  if (kept_) view.coalesced = kept_->coalesced + 1;
-  if (link_.takes_view(now)) return {released(view, now), std::nullopt};
-  kept_ = view;
-  return {};
-}
-
-ViewRequest Session::released(ViewRequest view, TimePoint now) {
-  kept_.reset();
-  ++window_.taken;
-  link_.view_taken(view.frame, now);
-  view.slice_body_bytes = link_.slice_body_bytes();
-  return view;
-}
-
-std::optional<ViewRequest> Session::take_kept(TimePoint now) {
-  if (!kept_ || !link_.takes_view(now)) return std::nullopt;
-  return released(*kept_, now);
-}
-
-TimePoint Session::kept_until(TimePoint now) const { return kept_ ? link_.takes_view_at(now) : TimePoint::max(); }
-
-std::optional<Session::Ended> Session::take_ended() {
-  while (const auto end = link_.take_end()) {
-    while (!under_way_.empty()) {
-      const UnderWay frame = under_way_.front();
-      under_way_.pop_front();
-      if (frame.meta.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
-    }
-  }
-  return std::nullopt;
-}
-
-void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
-  ++frames_;
-  coalesced_ += meta.coalesced;
-  ++recent_.frames;
-  recent_.queue += meta.submitted - meta.arrival;
-  recent_.gpu += meta.gpu;
-  recent_.total += sent - meta.arrival;
+  view.tenant = grant_.tenant;
+  return {views_.offer(view, now), std::nullopt};
 }
 
 LinkReport Session::take_link_report() {
   const LinkCounters before = std::exchange(reported_, link_.counters());
   return {link_.counters() - before, link_.rate(), link_.rtt(), link_.queue_delay()};
-}
-
-protocol::Stats Session::take_stats() {
-  const Sums sums = std::exchange(recent_, {});
-  return {frames_, coalesced_, mean_us(sums.queue, sums.frames), mean_us(sums.gpu, sums.frames),
-          mean_us(sums.total, sums.frames)};
 }
 
 }  // namespace gnomon::daemon

@@ -39,15 +39,15 @@ void in_this_order() { std::atomic_signal_fence(std::memory_order_seq_cst); }
 
 }  // namespace
 
-KeptSession::~KeptSession() {
+StoredSession::~StoredSession() {
   if (store_) store_->rest(place_);
 }
 
-SessionRecord& KeptSession::record() const { return store_->records_[place_]; }
+SessionRecord& StoredSession::record() const { return store_->records_[place_]; }
 
-void KeptSession::when_wanted(std::function<void()> wanted) { store_->when_wanted(place_, std::move(wanted)); }
+void StoredSession::when_wanted(std::function<void()> wanted) { store_->when_wanted(place_, std::move(wanted)); }
 
-void KeptSession::forget() {
+void StoredSession::forget() {
   if (SessionStore* const store = std::exchange(store_, nullptr)) store->forget(place_);
 }
 
@@ -118,7 +118,7 @@ size_t SessionStore::resting() const {
   return count;
 }
 
-KeptSession SessionStore::add(const SessionRecord& record) {
+StoredSession SessionStore::add(const SessionRecord& record) {
   std::lock_guard lock(mutex_);
   if (free_.empty() || !by_id_.emplace(SessionId{record.id}, free_.back()).second) return {};
   const size_t place = free_.back();

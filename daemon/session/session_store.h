@@ -1,10 +1,11 @@
-// What of a session outlives its control connection, and this process: enough to go on with the same keys. It lies in
-// shared memory that a service manager may keep for us (systemd's file descriptor store), so that it is there after a
-// crash, whatever instruction was the last one.
+// What of a session outlives its control connection and this process: enough to go on with the same keys. It lies in
+// shared memory that a service manager may keep for the next process (systemd's file descriptor store), so that it is
+// there after a crash at any instruction.
 //
-//   session opened: add()    its client is back on another connection: claim()    session closed: KeptSession::forget()
+//   session opened: add()   its client is back on another connection: claim()   session closed: StoredSession::forget()
 //
-// A record whose user is gone without a word rests, for so long as a silent session may, until it is claimed.
+// A record whose StoredSession is dropped without forget() rests: for as long as a session may be silent it can be
+// claimed.
 #pragma once
 
 #include <array>
@@ -23,12 +24,12 @@
 
 namespace gnomon::daemon {
 
-// Plain: what another process with the same program finds as we left it. Texts end with a zero.
+// Plain memory, read by another process that runs the same program. Texts end with a zero.
 struct SessionRecord {
   uint64_t id = 0;  // 0: free
   uint64_t features = 0;
-  uint32_t newest_frame = 0;  // that the client asked for; 0: none yet
-  uint32_t life = 0;          // how often it was resumed
+  uint32_t newest_frame = 0;  // the newest that the client asked for; 0 if it asked for none
+  uint32_t generation = 0;    // counts how often it was resumed
   float rate_hz = 0;
   uint16_t width = 0, height = 0;
   protocol::CodecId codec{}, dense_codec{};
@@ -37,22 +38,23 @@ struct SessionRecord {
   std::array<char, 1025> scene{};
   protocol::Bytes16 scene_hash{};
   protocol::Secret resumption{};
-  protocol::SealState seal;
+  protocol::SealState seal = {};
 };
 
 class SessionStore;
 
 // The use of a record, by one thread at a time. Dropped, the record rests. Move-only; outlived by its store.
-class KeptSession {
+class StoredSession {
  public:
-  KeptSession() = default;
-  KeptSession(KeptSession&& other) noexcept : store_(std::exchange(other.store_, nullptr)), place_(other.place_) {}
-  KeptSession& operator=(KeptSession&& other) noexcept {
+  StoredSession() = default;
+  StoredSession(StoredSession&& other) noexcept
+      : store_(std::exchange(other.store_, nullptr)), place_(other.place_) {}
+  StoredSession& operator=(StoredSession&& other) noexcept {
     std::swap(store_, other.store_);
     std::swap(place_, other.place_);
     return *this;
   }
-  ~KeptSession();
+  ~StoredSession();
 
   explicit operator bool() const { return store_ != nullptr; }
   SessionRecord& record() const;
@@ -64,7 +66,7 @@ class KeptSession {
 
  private:
   friend class SessionStore;
-  KeptSession(SessionStore* store, size_t place) : store_(store), place_(place) {}
+  StoredSession(SessionStore* store, size_t place) : store_(store), place_(place) {}
 
   SessionStore* store_ = nullptr;
   size_t place_ = 0;
@@ -73,7 +75,8 @@ class KeptSession {
 // Any thread.
 class SessionStore {
  public:
-  // `left`: memory that an earlier life left, taken over, and used if it is of this shape. Error: no memory.
+  // `left`: memory of a previous process, nullopt if there is none. Its ownership is taken; it is used if it has this
+  // shape. Error if no memory can be had.
   static Result<std::unique_ptr<SessionStore>> open(size_t most, Nanoseconds patience, std::optional<int> left);
   ~SessionStore();
 
@@ -81,25 +84,25 @@ class SessionStore {
   bool taken_over() const { return taken_over_; }  // `left` was used
   size_t resting() const;
 
-  // Empty: there is no room for it.
-  KeptSession add(const SessionRecord& record);
+  // Returns an empty StoredSession if there is no room for the record.
+  StoredSession add(const SessionRecord& record);
 
-  // What the client of that session proves that it knows.
+  // The secret that the client of that session proves to know; nullopt if there is no such session.
   std::optional<protocol::Secret> resumption_secret(SessionId id) const;
 
   // `done` is called once, on any thread, as soon as nobody else uses the record; with nothing if there is none (any
   // more), or if it is claimed again meanwhile.
-  using Claimed = std::function<void(KeptSession)>;
+  using Claimed = std::function<void(StoredSession)>;
   void claim(SessionId id, Claimed done);
 
-  // Wipes what has rested for too long, counted from the first call for what an earlier life left.
+  // Wipes what has rested for too long, counted from the first call for what a previous process left.
   void expire(TimePoint now);
   void forget_resting();
 
   void close();  // nobody is called any more
 
  private:
-  friend class KeptSession;
+  friend class StoredSession;
 
   struct Place {
     bool used = false;

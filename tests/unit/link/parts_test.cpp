@@ -82,8 +82,8 @@ TEST(ParityPlan, KeepsItsWordAndWithOneShardLessWouldNot) {
   }
 }
 
-TEST(PathMtu, FindsWhatThePathTakes) {
-  PathMtu mtu;
+TEST(MtuDiscovery, FindsWhatThePathTakes) {
+  MtuDiscovery mtu;
   TimePoint now = kStart;
   for (int i = 0; i < 100; ++i, now += 60ms) {
     const auto size = mtu.probe_due(now);
@@ -97,51 +97,51 @@ TEST(PathMtu, FindsWhatThePathTakes) {
   }
   EXPECT_EQ(mtu.bytes(), 1452u);
   EXPECT_FALSE(mtu.probe_due(now)) << "the search is over for a while";
-  EXPECT_TRUE(mtu.probe_due(now + PathMtu::kSearchAgain));
+  EXPECT_TRUE(mtu.probe_due(now + MtuDiscovery::kSearchAgain));
 }
 
-TEST(PathMtu, FallsBackWhenLongDatagramsVanish) {
-  PathMtu mtu;
+TEST(MtuDiscovery, FallsBackWhenLongDatagramsVanish) {
+  MtuDiscovery mtu;
   mtu.probe_sent();
   mtu.probe_arrived(1280, kStart);
-  for (uint32_t i = 1; i < PathMtu::kBlackHole; ++i) mtu.lost(1280, kStart);
+  for (uint32_t i = 1; i < MtuDiscovery::kBlackHole; ++i) mtu.lost(1280, kStart);
   mtu.arrived(1280);
-  for (uint32_t i = 1; i < PathMtu::kBlackHole; ++i) mtu.lost(1280, kStart);
+  for (uint32_t i = 1; i < MtuDiscovery::kBlackHole; ++i) mtu.lost(1280, kStart);
   for (int i = 0; i < 100; ++i) mtu.lost(1000, kStart);
   EXPECT_EQ(mtu.bytes(), 1280u);
   mtu.lost(1280, kStart);
   EXPECT_EQ(mtu.bytes(), protocol::kMaxDatagramBytes);
 }
 
-TEST(PathMtu, FallsBackInSilenceAndSearchesAnew) {
-  PathMtu mtu;
+TEST(MtuDiscovery, FallsBackInSilenceAndSearchesAnew) {
+  MtuDiscovery mtu;
   mtu.probe_sent();
   mtu.probe_arrived(1280, kStart);
   mtu.silent(kStart);
   EXPECT_EQ(mtu.bytes(), protocol::kMaxDatagramBytes);
   EXPECT_FALSE(mtu.probe_due(kStart));
-  EXPECT_TRUE(mtu.probe_due(kStart + PathMtu::kAfterBlackHole));
+  EXPECT_TRUE(mtu.probe_due(kStart + MtuDiscovery::kAfterBlackHole));
 }
 
-TEST(PathMtu, EverySearchTriesASizeThreeTimes) {
-  PathMtu mtu;
+TEST(MtuDiscovery, EverySearchTriesASizeThreeTimes) {
+  MtuDiscovery mtu;
   TimePoint now = kStart;
   mtu.probe_sent();
   mtu.probe_arrived(1280, now);
   mtu.silent(now);
   for (int search = 0; search < 3; ++search) {
-    now += PathMtu::kSearchAgain;
+    now += MtuDiscovery::kSearchAgain;
     uint32_t tries = 0;
-    for (; mtu.probe_due(now); now += PathMtu::kBetweenProbes, ++tries) {
+    for (; mtu.probe_due(now); now += MtuDiscovery::kBetweenProbes, ++tries) {
       mtu.probe_sent();
       mtu.probe_lost(now);
     }
-    EXPECT_EQ(tries, PathMtu::kTries) << search;
+    EXPECT_EQ(tries, MtuDiscovery::kTries) << search;
   }
 }
 
-TEST(ViewGate, HoldsViewsBackWhileTheLinkIsBusy) {
-  ViewGate gate;
+TEST(RequestGate, HoldsViewsBackWhileTheLinkIsBusy) {
+  RequestGate gate;
   gate.asked(FrameId{1}, kStart);
   gate.answered(FrameId{1}, 100000, kStart + 10ms);
   EXPECT_TRUE(gate.open(0, 1e6, kStart + 10ms));
@@ -150,8 +150,8 @@ TEST(ViewGate, HoldsViewsBackWhileTheLinkIsBusy) {
   EXPECT_TRUE(gate.open(1000, 1e6, kStart + 10ms));
 }
 
-TEST(ViewGate, ViewsThatAreNeverAnsweredAreForgotten) {
-  ViewGate gate;
+TEST(RequestGate, ViewsThatAreNeverAnsweredAreForgotten) {
+  RequestGate gate;
   gate.asked(FrameId{1}, kStart);
   gate.answered(FrameId{1}, 100000, kStart);
   for (uint32_t i = 2; i < 10; ++i) gate.asked(FrameId{i}, kStart);

@@ -236,7 +236,7 @@ TEST_F(Served, WhoseFramesFindNoMemoryAtTheLeastSizeIsRefused) {
   ASSERT_TRUE(small.join(TestClient::hello(kScene, 64, 48)));
   small.send_view(1, 1);
   EXPECT_TRUE(is_frame_of(small, small.receive_frame(1), 1));
-  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1")) << "who is refused has no seat";
+  EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1")) << "who is refused has no permit";
 }
 
 TEST_F(Served, ARefusalForATenantsLimitSaysWhatWouldFit) {

@@ -12,19 +12,18 @@ class NarrowLink : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    Terms terms = terms_of({});
+    SharingPolicy terms = sharing_policy_of({});
     terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
-    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
     open_far();
   }
 
   void open_far() {
-    SessionOpened opened{
-        .session = kFar, .tenant = kTenant, .scene = kScene, .width = 160, .height = 96, .lights = 2};
-    opened.codec = protocol::CodecId::raw32_lz4;
-    opened.dense_codec = protocol::CodecId::tiles_lz4;
-    opened.features = protocol::kFeatureSizes;
-    loop_->handle(opened, now_);
+    open(kFar, {.width = 160,
+                .height = 96,
+                .codec = protocol::CodecId::raw32_lz4,
+                .dense_codec = protocol::CodecId::tiles_lz4,
+                .features = protocol::kFeatureSizes});
   }
 
   // A second of which the link had room for so many of 40 views; then one frame.
@@ -37,8 +36,8 @@ class NarrowLink : public RenderLoopTest {
       fake_->complete();
     }
     settle();
-    codec_ = rendered_.back().meta.codec;
-    tells_size_ = rendered_.back().meta.tells_size;
+    codec_ = rendered_.back().meta.spec.codec;
+    tells_size_ = rendered_.back().meta.spec.tells_size;
     rendered_.clear();
     now_ += 1s;
   }
@@ -67,8 +66,8 @@ TEST_F(NarrowLink, TheCodecGetsDenserThenThePictureSmallerAndBothComeBack) {
   EXPECT_GE(last_.width, 80u);
   EXPECT_TRUE(tells_size_);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.back().news.width, last_.width);
-  EXPECT_EQ(degraded_.back().news.reason, "the link cannot carry more");
+  EXPECT_EQ(degraded_.back().message.width, last_.width);
+  EXPECT_EQ(degraded_.back().message.reason, "the link cannot carry more");
   for (int i = 0; i < 200; ++i) second(40);
   EXPECT_EQ(last_.width, 160u);
   EXPECT_FALSE(tells_size_);

@@ -29,8 +29,8 @@ class RenderLoopTest : public testing::Test {
         },
         [] {}));
     loop_ = std::make_unique<RenderLoop>(
-        Terms{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_, inbox_,
-        metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
+        SharingPolicy{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_,
+        inbox_, metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
         [this](const SessionDegraded& d) { degraded_.push_back(d); });
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
                                [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
@@ -43,8 +43,10 @@ class RenderLoopTest : public testing::Test {
     device_.reset();
   }
 
-  void open(SessionId session) {
-    loop_->handle(SessionOpened{session, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  // A session of kTenant in kScene, of that size, with two lights, unless `grant` says otherwise.
+  void open(SessionId session, SessionGrant grant = {.width = 16, .height = 16}) {
+    if (grant.lights == 0) grant.lights = 2;
+    loop_->handle(SessionOpened{.session = session, .grant = grant}, now_);
   }
 
   void view(SessionId session, uint32_t frame) {
@@ -67,7 +69,7 @@ class RenderLoopTest : public testing::Test {
   std::vector<uint32_t> rendered_frames_of(SessionId session) {
     std::vector<uint32_t> frames;
     for (const RenderedFrame& frame : rendered_) {
-      if (frame.meta.session == session) frames.push_back(frame.meta.frame.value);
+      if (frame.meta.route.session == session) frames.push_back(frame.meta.route.frame.value);
     }
     return frames;
   }

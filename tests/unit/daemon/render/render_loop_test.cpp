@@ -64,10 +64,10 @@ TEST_F(RenderLoopTest, FramesCarryWhatLaterStagesNeed) {
   fake_->complete(4ms);
   ASSERT_EQ(rendered_.size(), 1u);
   const FrameMeta& meta = rendered_[0].meta;
-  EXPECT_EQ(meta.arrival, arrival);
-  EXPECT_EQ(meta.submitted, arrival + 3ms);
-  EXPECT_EQ(meta.gpu, Nanoseconds(4ms));
-  EXPECT_EQ(meta.grid, rendered_[0].mask.mask().grid);
+  EXPECT_EQ(meta.times.arrival, arrival);
+  EXPECT_EQ(meta.times.submitted, arrival + 3ms);
+  EXPECT_EQ(meta.times.gpu, Nanoseconds(4ms));
+  EXPECT_EQ(meta.spec.grid, rendered_[0].mask.mask().grid);
   gpu::CameraView camera;
   camera.position.x = 7;
   EXPECT_EQ(unpacked(rendered_[0].mask.mask())[0], fake_word(camera, 0));
@@ -178,7 +178,7 @@ TEST_F(RenderLoopTest, AFailedRebuildIsAFailure) {
 
 TEST_F(RenderLoopTest, NoMemoryForAFrameMakesItSmallerAndNothingIsLost) {
   const SessionId large{44};
-  loop_->handle(SessionOpened{large, kTenant, kScene, 1600, 800, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  open(large, {.width = 1600, .height = 800});
   fake_->most_pixels = 200 * 100;
   view(large, 1);
   view(kB, 1);
@@ -189,8 +189,8 @@ TEST_F(RenderLoopTest, NoMemoryForAFrameMakesItSmallerAndNothingIsLost) {
   EXPECT_EQ(fake_->job(at).width, 200u);
   EXPECT_EQ(fake_->job(at).height, 96u);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.back().news.width, 200);
-  EXPECT_EQ(degraded_.back().news.reason, "the device has no memory for more");
+  EXPECT_EQ(degraded_.back().message.width, 200);
+  EXPECT_EQ(degraded_.back().message.reason, "the device has no memory for more");
   fake_->most_pixels = UINT32_MAX;
   for (uint32_t frame = 2; frame < 20; ++frame) {
     while (fake_->waiting() > 0) fake_->complete();
@@ -243,9 +243,9 @@ TEST_F(RenderLoopTest, APolicyChangesWithViewsWaitingAndOnTheDevice) {
     view(kA, 1);
     settle();
     view(kB, 1);
-    Terms terms = terms_of({});
+    SharingPolicy terms = sharing_policy_of({});
     terms.policy = policy;
-    loop_->handle(TermsChanged{terms}, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
     settle();
     while (fake_->waiting() > 0) {
       fake_->complete();
@@ -259,9 +259,9 @@ TEST_F(RenderLoopTest, APolicyChangesWithViewsWaitingAndOnTheDevice) {
 }
 
 TEST_F(RenderLoopTest, ATenantsRateIsKept) {
-  Terms terms = terms_of({});
+  SharingPolicy terms = sharing_policy_of({});
   terms.tenants[0].rates.buffers_per_second = 50;
-  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SharingPolicyChanged{terms}, now_);
   const TimePoint begin = now_;
   size_t frames = 0;
   for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
@@ -276,9 +276,9 @@ TEST_F(RenderLoopTest, ATenantsRateIsKept) {
 }
 
 TEST_F(RenderLoopTest, ATenantsShareOfTheDeviceHasACeiling) {
-  Terms terms = terms_of({});
+  SharingPolicy terms = sharing_policy_of({});
   terms.tenants[0].rates.gpu_share = 0.2;
-  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SharingPolicyChanged{terms}, now_);
   const TimePoint begin = now_;
   size_t frames = 0;
   for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
@@ -292,9 +292,9 @@ TEST_F(RenderLoopTest, ATenantsShareOfTheDeviceHasACeiling) {
 }
 
 TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
-  Terms terms = terms_of({});
+  SharingPolicy terms = sharing_policy_of({});
   terms.tenants[0].rates.bytes_per_second = 1000;
-  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SharingPolicyChanged{terms}, now_);
   loop_->handle(BytesSent{kTenant, kScene, 1000, 2000}, now_);
   view(kA, 1);
   settle();
@@ -306,7 +306,7 @@ TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
 
 TEST_F(RenderLoopTest, AGrantedRateIsKept) {
   const SessionId slow{77};
-  loop_->handle(SessionOpened{slow, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0, 20.0}, now_);
+  open(slow, {.width = 16, .height = 16, .rate_hz = 20});
   const TimePoint begin = now_;
   size_t frames = 0;
   for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
@@ -320,9 +320,9 @@ TEST_F(RenderLoopTest, AGrantedRateIsKept) {
 }
 
 TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
-  Terms terms = terms_of({});
+  SharingPolicy terms = sharing_policy_of({});
   terms.policy = "deadline";
-  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SharingPolicyChanged{terms}, now_);
   loop_->handle(ViewRequest{kA, FrameId{1}, {}, now_, now_ - 1ms}, now_);
   loop_->handle(ViewRequest{kB, FrameId{1}, {}, now_, now_ + 1s}, now_);
   settle();
@@ -339,12 +339,10 @@ class OverloadTest : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    Terms terms = terms_of({});
+    SharingPolicy terms = sharing_policy_of({});
     terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
-    loop_->handle(TermsChanged{terms}, now_);
-    SessionOpened opened{kBusy, kTenant, kScene, 160, 96, 2, protocol::CodecId::tiles_lz4, 0};
-    opened.rate_hz = 40;
-    loop_->handle(opened, now_);
+    loop_->handle(SharingPolicyChanged{terms}, now_);
+    open(kBusy, {.width = 160, .height = 96, .rate_hz = 40});
   }
 
   // A second in which a view comes every 25 ms and every n-th is answered.
@@ -372,15 +370,15 @@ class OverloadTest : public RenderLoopTest {
 TEST_F(OverloadTest, LessIsToldAndMoreAgain) {
   for (int i = 0; i < 20; ++i) second(8);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.front().news.width, 160) << "the rate first";
-  EXPECT_EQ(degraded_.front().news.rate_hz, 30);
-  EXPECT_LT(degraded_.back().news.width, 160);
-  EXPECT_GE(degraded_.back().news.width, 80);
-  EXPECT_GE(degraded_.back().news.rate_hz, 20);
-  EXPECT_EQ(last_.width, degraded_.back().news.width) << "told what is in force";
+  EXPECT_EQ(degraded_.front().message.width, 160) << "the rate first";
+  EXPECT_EQ(degraded_.front().message.rate_hz, 30);
+  EXPECT_LT(degraded_.back().message.width, 160);
+  EXPECT_GE(degraded_.back().message.width, 80);
+  EXPECT_GE(degraded_.back().message.rate_hz, 20);
+  EXPECT_EQ(last_.width, degraded_.back().message.width) << "told what is in force";
   for (int i = 0; i < 200; ++i) second(1);
-  EXPECT_EQ(degraded_.back().news.width, 160);
-  EXPECT_EQ(degraded_.back().news.rate_hz, 40);
+  EXPECT_EQ(degraded_.back().message.width, 160);
+  EXPECT_EQ(degraded_.back().message.rate_hz, 40);
   EXPECT_EQ(last_.width, 160u);
 }
 
@@ -389,22 +387,20 @@ TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
   auto scene = std::make_shared<scenes::Scene>();
   for (const float x : {100.0f, 0.0f, 50.0f}) scene->lights.emplace_back().position = {x, 0, 0};
   loop_->handle(SceneArrived{{kLit, scene, 0, 0}, [](Result<gpu::SceneFootprint>) {}}, now_);
-  Terms terms = terms_of({});
+  SharingPolicy terms = sharing_policy_of({});
   terms.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1, .least_lights = 0.3};
-  loop_->handle(TermsChanged{terms}, now_);
+  loop_->handle(SharingPolicyChanged{terms}, now_);
   loop_->handle(SessionClosed{kBusy}, now_);
-  SessionOpened opened{kBusy, kTenant, kLit, 160, 96, 3, protocol::CodecId::tiles_lz4, 0};
-  opened.rate_hz = 40;
-  loop_->handle(opened, now_);
+  open(kBusy, {.width = 160, .height = 96, .rate_hz = 40, .scene = kLit, .lights = 3});
   for (int i = 0; i < 30; ++i) second(8);  // the camera stands at x = the frame's number, 1,000 and more
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.front().news.rate_hz, 30) << "the rate first";
-  EXPECT_TRUE(degraded_.front().news.untraced_lights.empty());
-  EXPECT_EQ(degraded_.back().news.untraced_lights, (std::vector<uint16_t>{1, 2}))
+  EXPECT_EQ(degraded_.front().message.rate_hz, 30) << "the rate first";
+  EXPECT_TRUE(degraded_.front().message.untraced_lights.empty());
+  EXPECT_EQ(degraded_.back().message.untraced_lights, (std::vector<uint16_t>{1, 2}))
       << "the first light is the nearest";
   EXPECT_EQ(last_.untraced, gpu::LightSet(0b110)) << "told what is in force";
   for (int i = 0; i < 200; ++i) second(1);
-  EXPECT_TRUE(degraded_.back().news.untraced_lights.empty());
+  EXPECT_TRUE(degraded_.back().message.untraced_lights.empty());
   EXPECT_TRUE(last_.untraced.none());
 }
 

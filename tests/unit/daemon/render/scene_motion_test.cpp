@@ -54,7 +54,7 @@ class SceneMotionTest : public testing::Test {
         },
         [] {}));
     motion_ = std::make_unique<SceneMotion>(*device_, metrics_, [] {});
-    motion_->configure({10, 2s, start_, [this](const LightsNews& news) { announced_.push_back(news); }});
+    motion_->configure({10, 2s, start_, [this](const LightsUpdate& update) { announced_.push_back(update); }});
     scene_->lights.resize(2);
   }
 
@@ -71,7 +71,7 @@ class SceneMotionTest : public testing::Test {
   LightsFake* fake_ = nullptr;
   std::unique_ptr<RenderDevice> device_;
   std::shared_ptr<scenes::Scene> scene_ = std::make_shared<scenes::Scene>();
-  std::vector<LightsNews> announced_;
+  std::vector<LightsUpdate> announced_;
   std::unique_ptr<SceneMotion> motion_;
 };
 

@@ -65,17 +65,18 @@ struct Identified {
 };
 
 struct Credentials : testing::Test {
-  Roster roster = Roster().with({{.name = "studio", .token_sha256 = {hash_of("s1"), hash_of("s2")}},
-                                 {.name = "arcade", .token_sha256 = {hash_of("a")}},
-                                 {.name = "lobby", .open = true},
-                                 {.name = "vault"}});
+  TenantDirectory directory =
+      TenantDirectory().with({{.name = "studio", .token_sha256 = {hash_of("s1"), hash_of("s2")}},
+                              {.name = "arcade", .token_sha256 = {hash_of("a")}},
+                              {.name = "lobby", .open = true},
+                              {.name = "vault"}});
 
   Identified ask(const std::string& tenant, const std::string& token,
                  const std::vector<std::string>& certificate = {}, ServerMode mode = ServerMode::production) {
     protocol::Hello hello;
     hello.tenant = tenant;
     hello.token = token;
-    const auto who = identify(hello, certificate, roster, mode);
+    const auto who = identify(hello, certificate, directory, mode);
     if (const auto* id = std::get_if<TenantId>(&who)) return {*id, {}, {}, {}};
     const Rejected& rejected = std::get<Rejected>(who);
     return {std::nullopt, rejected.refused.code, rejected.fault, rejected.refused.text};
@@ -117,12 +118,12 @@ TEST_F(Credentials, ACertificateIsGoodForTheTenantsItNames) {
 TEST_F(Credentials, InDemoModeTenantsWithoutTokensAreOpen) {
   EXPECT_EQ(ask("vault", "", {}, ServerMode::demo).tenant, TenantId{3});
   EXPECT_EQ(ask("studio", "", {}, ServerMode::demo).code, RefusalCode::bad_token);
-  roster = Roster().with({{.name = "studio"}});
+  directory = TenantDirectory().with({{.name = "studio"}});
   EXPECT_EQ(ask("nobody", "", {}, ServerMode::demo).code, RefusalCode::unknown_tenant) << "nothing is secret there";
 }
 
 TEST_F(Credentials, AClosedTenantIsAsGoodAsNone) {
-  roster = roster.with({{.name = "arcade", .token_sha256 = {hash_of("a")}}});
+  directory = directory.with({{.name = "arcade", .token_sha256 = {hash_of("a")}}});
   EXPECT_EQ(ask("studio", "s1").code, RefusalCode::bad_token);
   EXPECT_EQ(ask("studio", "s1").fault, Fault::refused_unknown_tenant);
 }

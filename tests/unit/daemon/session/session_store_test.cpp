@@ -32,18 +32,18 @@ SessionRecord record(uint64_t id) {
 // Whoever gets it, or nobody yet.
 struct Claim {
   bool answered = false;
-  KeptSession kept;
+  StoredSession stored;
   SessionStore::Claimed done() {
-    return [this](KeptSession claimed) {
+    return [this](StoredSession claimed) {
       answered = true;
-      kept = std::move(claimed);
+      stored = std::move(claimed);
     };
   }
 };
 
 TEST(SessionStore, RecordsAreUsedByOneAtATime) {
   const auto store = open();
-  KeptSession first = store->add(record(7));
+  StoredSession first = store->add(record(7));
   ASSERT_TRUE(first);
   EXPECT_EQ(store->resting(), 0u);
   int wanted = 0;
@@ -54,34 +54,34 @@ TEST(SessionStore, RecordsAreUsedByOneAtATime) {
   EXPECT_FALSE(second.answered);
   store->claim(SessionId{7}, third.done());
   EXPECT_TRUE(second.answered) << "the newest claim wins";
-  EXPECT_FALSE(second.kept);
+  EXPECT_FALSE(second.stored);
   first = {};
-  ASSERT_TRUE(third.kept);
-  EXPECT_EQ(third.kept.record().id, 7u);
-  third.kept = {};
+  ASSERT_TRUE(third.stored);
+  EXPECT_EQ(third.stored.record().id, 7u);
+  third.stored = {};
   EXPECT_EQ(store->resting(), 1u);
 }
 
 TEST(SessionStore, WhoUsesItLaterHearsOfAClaimThatWaits) {
   const auto store = open();
-  KeptSession kept = store->add(record(7));
+  StoredSession stored = store->add(record(7));
   Claim claim;
   store->claim(SessionId{7}, claim.done());
   int wanted = 0;
-  kept.when_wanted([&] { ++wanted; });
+  stored.when_wanted([&] { ++wanted; });
   EXPECT_EQ(wanted, 1);
-  kept.forget();
+  stored.forget();
   EXPECT_TRUE(claim.answered);
-  EXPECT_FALSE(claim.kept);
+  EXPECT_FALSE(claim.stored);
 }
 
 TEST(SessionStore, HasRoomForSoMany) {
   const auto store = open();
-  std::vector<KeptSession> all;
+  std::vector<StoredSession> all;
   for (uint64_t id = 1; id <= kMost; ++id) ASSERT_TRUE(all.emplace_back(store->add(record(id))));
   EXPECT_FALSE(store->add(record(9)));
   all.back().forget();
-  KeptSession another = store->add(record(9));
+  StoredSession another = store->add(record(9));
   EXPECT_TRUE(another);
   EXPECT_FALSE(store->add(record(1))) << "twice the same";
 }
@@ -108,14 +108,14 @@ TEST(SessionStore, TheNextLifeFindsWholeRecordsWheneverTheLastOneWasKilled) {
     ASSERT_GE(child, 0);
     if (child == 0) {
       for (uint64_t id = 1;; ++id) {
-        KeptSession kept = before->add(record(id));
-        protocol::EpochSecret& epoch = kept.record().seal.sending;
+        StoredSession stored = before->add(record(id));
+        protocol::EpochSecret& epoch = stored.record().seal.sending;
         for (uint8_t i = 1; i < 5; ++i) {
           protocol::Secret next;
           next.fill(static_cast<uint8_t>(epoch.epoch + 1));
           epoch.go_on(next);
         }
-        if (id % 2) kept.forget();
+        if (id % 2) stored.forget();
         if (!before->add(record(id + (1ull << 32)))) before->forget_resting();
       }
     }
@@ -131,12 +131,12 @@ TEST(SessionStore, TheNextLifeFindsWholeRecordsWheneverTheLastOneWasKilled) {
         Claim claim;
         if (!after->resumption_secret(SessionId{candidate})) continue;
         after->claim(SessionId{candidate}, claim.done());
-        ASSERT_TRUE(claim.kept);
-        const SessionRecord& kept = claim.kept.record();
-        EXPECT_EQ(kept.resumption[0], static_cast<uint8_t>(candidate));
-        const protocol::Secret& secret = kept.seal.sending.secret();
-        for (const uint8_t byte : secret) ASSERT_EQ(byte, kept.seal.sending.epoch) << "half a secret";
-        claim.kept.forget();
+        ASSERT_TRUE(claim.stored);
+        const SessionRecord& stored = claim.stored.record();
+        EXPECT_EQ(stored.resumption[0], static_cast<uint8_t>(candidate));
+        const protocol::Secret& secret = stored.seal.sending.secret();
+        for (const uint8_t byte : secret) ASSERT_EQ(byte, stored.seal.sending.epoch) << "half a secret";
+        claim.stored.forget();
       }
       ASSERT_LT(id, 1ull << 31);
     }
@@ -159,29 +159,29 @@ TEST(SessionStore, WhatMakesNoSenseIsRefused) {
   Config config;
   config.tenants = {TenantConfig{}};
   config.tenants[0].name = "studio";
-  const Roster roster = Roster().with(config.tenants);
+  const TenantDirectory directory = TenantDirectory().with(config.tenants);
   const FindScene find = [](const std::string& asked) { return asked == "room" ? asked : std::string(); };
-  Accepted accepted;
-  accepted.scene = "room";
-  accepted.width = accepted.height = 64;
-  accepted.codec = protocol::CodecId::raw32_lz4;
-  accepted.dense_codec = protocol::CodecId::tiles_context;
-  accepted.cipher = protocol::CipherId::chacha20_poly1305;
-  accepted.features = protocol::kFeatureResume | protocol::kFeatureFeedback;
-  const SessionRecord good = record_of(SessionId{7}, accepted, "studio", {}, {}, {});
-  const auto again = accepted_of(good, roster, config, find);
-  const auto* same = std::get_if<Accepted>(&again);
+  const SessionGrant grant{.scene_name = "room",
+                           .width = 64,
+                           .height = 64,
+                           .codec = protocol::CodecId::raw32_lz4,
+                           .dense_codec = protocol::CodecId::tiles_context,
+                           .cipher = protocol::CipherId::chacha20_poly1305,
+                           .features = protocol::kFeatureResume | protocol::kFeatureFeedback};
+  const SessionRecord good = record_of(SessionId{7}, grant, "studio", {});
+  const auto again = grant_of(good, directory, config, find);
+  const auto* same = std::get_if<SessionGrant>(&again);
   ASSERT_TRUE(same);
-  EXPECT_EQ(same->scene, accepted.scene);
-  EXPECT_EQ(same->width, accepted.width);
-  EXPECT_EQ(same->codec, accepted.codec);
-  EXPECT_EQ(same->dense_codec, accepted.dense_codec);
-  EXPECT_EQ(same->cipher, accepted.cipher);
-  EXPECT_EQ(same->features, accepted.features);
+  EXPECT_EQ(same->scene_name, grant.scene_name);
+  EXPECT_EQ(same->width, grant.width);
+  EXPECT_EQ(same->codec, grant.codec);
+  EXPECT_EQ(same->dense_codec, grant.dense_codec);
+  EXPECT_EQ(same->cipher, grant.cipher);
+  EXPECT_EQ(same->features, grant.features);
   const auto refuses = [&](auto change) {
     SessionRecord bad = good;
     change(bad);
-    return std::holds_alternative<protocol::Refused>(accepted_of(bad, roster, config, find));
+    return std::holds_alternative<protocol::Refused>(grant_of(bad, directory, config, find));
   };
   EXPECT_TRUE(refuses([](SessionRecord& r) { r.tenant[0] = 'x'; }));
   EXPECT_TRUE(refuses([](SessionRecord& r) { r.scene[0] = 'x'; }));

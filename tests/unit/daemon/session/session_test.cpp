@@ -16,11 +16,12 @@ class SessionTest : public testing::Test {
   static constexpr TimePoint kStart = TimePoint(1h);
 
   Session& add(uint64_t id, TimePoint now, uint64_t features = 0) {
-    Accepted accepted;
-    accepted.features = features;
-    auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
-    return table_.add(std::make_unique<Session>(SessionId{id}, seal(id, protocol::Side::server), accepted,
-                                                std::get<Seat>(std::move(seat)), now));
+    auto permit = limits_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    return table_.add(std::make_unique<Session>(SessionParts{.id = SessionId{id},
+                                                             .grant = {.features = features},
+                                                             .seal = this->seal(id, protocol::Side::server),
+                                                             .permit = std::get<SessionPermit>(std::move(permit))},
+                                                now));
   }
 
   static std::unique_ptr<protocol::Seal> seal(uint64_t id, protocol::Side side) {
@@ -42,7 +43,7 @@ class SessionTest : public testing::Test {
 
   udp::endpoint here_{asio::ip::address_v4::loopback(), 1000};
   udp::endpoint there_{asio::ip::address_v4::loopback(), 2000};
-  Seats seats_{Config{}};
+  SessionLimits limits_{Config{}};
   SessionTable table_;
   std::map<uint64_t, std::unique_ptr<protocol::Seal>> client_seals_;
 };
@@ -120,38 +121,38 @@ TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
   Session& session = add(1, kStart, protocol::kFeatureFeedback);
   ASSERT_TRUE(session.receive(view(1, 1), here_, kStart).view);
   FrameMeta meta;
-  meta.frame = FrameId{1};
-  session.sending(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
+  meta.route.frame = FrameId{1};
+  session.under_way().add(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
   EXPECT_FALSE(session.receive(view(1, 2), here_, kStart + 1ms).view);
   EXPECT_FALSE(session.receive(view(1, 3), here_, kStart + 2ms).view);
-  EXPECT_FALSE(session.take_kept(kStart + 2ms));
-  const TimePoint later = session.kept_until(kStart + 2ms);
+  EXPECT_FALSE(session.views().take(kStart + 2ms));
+  const TimePoint later = session.views().take_at(kStart + 2ms);
   ASSERT_GT(later, kStart + 100ms);
 
   TimePoint now = kStart;
   for (uint64_t sent = 0; session.link().wake_at(now) < kStart + 10s && sent < 200; now += 1ms) {
     while (session.link().next(now)) session.link().sent(++sent, 1168, now);
   }
-  const auto ended = session.take_ended();
+  const auto ended = session.under_way().take_ended();
   ASSERT_TRUE(ended);
-  EXPECT_EQ(ended->meta.frame, FrameId{1});
+  EXPECT_EQ(ended->meta.route.frame, FrameId{1});
   EXPECT_TRUE(ended->whole);
-  const auto kept = session.take_kept(now);
+  const auto kept = session.views().take(now);
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->frame, FrameId{3});
   EXPECT_EQ(kept->coalesced, 1u);
-  EXPECT_FALSE(session.take_kept(now)) << "once";
+  EXPECT_FALSE(session.views().take(now)) << "once";
 }
 
 TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
   Session& session = add(1, kStart, protocol::kFeatureFeedback);
   session.receive(view(1, 1), here_, kStart);
   FrameMeta meta;
-  meta.frame = FrameId{1};
-  session.sending(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
-  EXPECT_FALSE(session.take_ended());
+  meta.route.frame = FrameId{1};
+  session.under_way().add(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
+  EXPECT_FALSE(session.under_way().take_ended());
   EXPECT_FALSE(session.link().next(kStart + 20ms));
-  const auto ended = session.take_ended();
+  const auto ended = session.under_way().take_ended();
   ASSERT_TRUE(ended);
   EXPECT_FALSE(ended->whole);
 }
@@ -159,38 +160,38 @@ TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
 TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
   Session& session = add(1, kStart);
   FrameMeta meta;
-  meta.arrival = kStart;
-  meta.submitted = kStart + 2ms;
-  meta.gpu = 3ms;
+  meta.times.arrival = kStart;
+  meta.times.submitted = kStart + 2ms;
+  meta.times.gpu = 3ms;
   meta.coalesced = 4;
-  session.frame_sent(meta, kStart + 10ms);
-  meta.submitted = kStart + 4ms;
+  session.totals().add(meta, kStart + 10ms);
+  meta.times.submitted = kStart + 4ms;
   meta.coalesced = 0;
-  session.frame_sent(meta, kStart + 20ms);
-  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));
-  EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
+  session.totals().add(meta, kStart + 20ms);
+  EXPECT_EQ(session.totals().take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));
+  EXPECT_EQ(session.totals().take_stats(), (protocol::Stats{2, 4, 0, 0, 0}));
 }
 
-TEST_F(SessionTest, ClosingASessionGivesItsSeatBack) {
+TEST_F(SessionTest, ClosingASessionGivesItsPermitBack) {
   add(1, kStart);
   add(2, kStart);
-  EXPECT_EQ(seats_.taken(), 2u);
+  EXPECT_EQ(limits_.taken(), 2u);
   table_.remove(SessionId{1});
-  EXPECT_EQ(seats_.taken(), 1u);
+  EXPECT_EQ(limits_.taken(), 1u);
 }
 
-TEST(Seats, LimitPerAddress) {
+TEST(SessionLimits, LimitPerAddress) {
   Config config;
   config.server.max_sessions_per_address = 1;
-  Seats seats(config);
+  SessionLimits limits(config);
   const auto near = asio::ip::make_address("127.0.0.1"), far = asio::ip::make_address("192.0.2.1");
   {
-    const auto first = seats.take(TenantId{0}, near);
-    EXPECT_TRUE(std::holds_alternative<Seat>(first));
-    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(seats.take(TenantId{0}, near)));
-    EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, far)));
+    const auto first = limits.take(TenantId{0}, near);
+    EXPECT_TRUE(std::holds_alternative<SessionPermit>(first));
+    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(limits.take(TenantId{0}, near)));
+    EXPECT_TRUE(std::holds_alternative<SessionPermit>(limits.take(TenantId{0}, far)));
   }
-  EXPECT_TRUE(std::holds_alternative<Seat>(seats.take(TenantId{0}, near)));
+  EXPECT_TRUE(std::holds_alternative<SessionPermit>(limits.take(TenantId{0}, near)));
 }
 
 protocol::MaskReferencePtr sent_frame(uint32_t frame, uint32_t width = 8) {

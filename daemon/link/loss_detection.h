@@ -32,25 +32,25 @@ struct Arrival {
 };
 
 // What one Feedback told that was not known before.
-struct PathNews {
+struct PathUpdate {
   std::vector<Arrival> arrived;  // in the order of sending
   std::vector<SentDatagram> lost;
   Nanoseconds rtt{};  // of the newest that arrived, without the client's waiting; 0: none arrived
 };
 
-class SentLog {
+class LossDetection {
  public:
   // Sequences count up by one.
   void sent(uint64_t sequence, const SentDatagram& datagram);
 
-  PathNews take(const protocol::Feedback& feedback, TimePoint now);
-  // The last one sent, when nothing was heard of it for too long.
+  PathUpdate take(const protocol::Feedback& feedback, TimePoint now);
+  // The newest datagram, if nothing was heard of it for too long; nullopt otherwise.
   std::optional<SentDatagram> take_tail(TimePoint now);
   TimePoint tail_due() const;
 
-  Nanoseconds rtt() const { return smoothed_; }  // 0: not known
+  Nanoseconds rtt() const { return smoothed_; }  // 0 if it is not known
 
-  // How long nothing has arrived although several were sent; 0: too few were to say.
+  // How long nothing has arrived although several datagrams were sent; 0 if too few were sent to tell.
   Nanoseconds silence(TimePoint now) const;
 
  private:

@@ -1,4 +1,4 @@
-// When which session wants to be looked after next. The net thread's.
+// The time at which each session has to be served next. The net thread's.
 #pragma once
 
 #include <set>
@@ -10,9 +10,9 @@
 
 namespace gnomon::daemon {
 
-class WakeList {
+class TimerQueue {
  public:
-  // In the place of what was set before; max: not at all.
+  // Replaces the session's earlier time; TimePoint::max() removes it.
   void set(SessionId id, TimePoint when) {
     const auto found = times_.find(id);
     if (found != times_.end() && found->second == when) return;
@@ -31,7 +31,7 @@ class WakeList {
 
   TimePoint next() const { return order_.empty() ? TimePoint::max() : order_.begin()->first; }
 
-  // One whose time has come; its entry is gone then.
+  // Takes out a session whose time has come; returns false if there is none.
   bool take(TimePoint now, SessionId& id) {
     if (next() > now) return false;
     id = order_.begin()->second;

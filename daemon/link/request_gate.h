@@ -1,4 +1,4 @@
-// Whether a session's next view may be rendered, or its link would only make the answer wait. Pure.
+// Whether a session's next view may be requested from the renderer, or its answer would only wait for the link. Pure.
 //
 // Where bytes are short, vbps falls first: the newest camera is held back until the link will be free when its frame
 // is ready, so that frames are fewer, not older.
@@ -11,7 +11,7 @@
 
 namespace gnomon::daemon {
 
-class ViewGate {
+class RequestGate {
  public:
   // `backlog`: bytes that wait to be sent; `rate`: bytes a second.
   bool open(size_t backlog, double rate, TimePoint now) {
@@ -19,7 +19,7 @@ class ViewGate {
     return load(backlog) / rate <= to_seconds(ready_in_ + kSlack);
   }
 
-  // When to look again: when the link will have caught up, at the earliest.
+  // The earliest time at which the link will have caught up, to call open() again.
   TimePoint opens_at(size_t backlog, double rate, TimePoint now) const {
     const double excess = load(backlog) / rate - to_seconds(ready_in_ + kSlack);
     return now + Nanoseconds(static_cast<int64_t>(std::max(kLeastWait, excess) * 1e9));
@@ -27,7 +27,7 @@ class ViewGate {
 
   void asked(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
 
-  // Views before it will not be answered any more.
+  // Earlier views will not be answered any more.
   void answered(FrameId frame, size_t bytes, TimePoint now) {
     frame_bytes_ += (static_cast<double>(bytes) - frame_bytes_) / (frame_bytes_ == 0 ? 1 : 8);
     while (!asked_.empty() && static_cast<int32_t>(frame.value - asked_.front().frame.value) >= 0) {

@@ -1,4 +1,4 @@
-#include "daemon/session/seats.h"
+#include "daemon/session/session_limits.h"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ protocol::Refused full(const std::string& whose, uint32_t limit) {
   return refused;
 }
 
-// The number of a tenant's sessions is counted where seats are taken, before its scene is brought.
+// The number of a tenant's sessions is counted where limits are taken, before its scene is brought.
 scheduler::TenantLimits limits_of(const TenantConfig& tenant) {
   return {.sessions = 0,
           .width = tenant.max_width,
@@ -26,13 +26,15 @@ scheduler::TenantLimits limits_of(const TenantConfig& tenant) {
 
 }  // namespace
 
-Seat::~Seat() {
-  if (seats_) seats_->give_back(*this);
+SessionPermit::~SessionPermit() {
+  if (limits_) limits_->give_back(*this);
 }
 
-Seats::Seats(const Config& config, size_t devices) : devices_(static_cast<double>(devices)) { set_limits(config); }
+SessionLimits::SessionLimits(const Config& config, size_t devices) : devices_(static_cast<double>(devices)) {
+  set_limits(config);
+}
 
-void Seats::set_limits(const Config& config) {
+void SessionLimits::set_limits(const Config& config) {
   std::vector<scheduler::TenantLimits> limits;
   for (const TenantConfig& tenant : config.tenants) limits.push_back(limits_of(tenant));
   std::lock_guard lock(mutex_);
@@ -44,7 +46,8 @@ void Seats::set_limits(const Config& config) {
   admission_.set_limits(devices_ * config.scheduler.admit_percent / 100.0, std::move(limits));
 }
 
-std::variant<Seat, protocol::Refused> Seats::take(TenantId tenant, const asio::ip::address& address) {
+std::variant<SessionPermit, protocol::Refused> SessionLimits::take(TenantId tenant,
+                                                                   const asio::ip::address& address) {
   std::lock_guard lock(mutex_);
   const uint32_t tenant_limit = max_of_tenant_[tenant.value];
   if (all_ >= max_all_) return full("the server", max_all_);
@@ -54,28 +57,28 @@ std::variant<Seat, protocol::Refused> Seats::take(TenantId tenant, const asio::i
   ++all_;
   ++of_tenant_[tenant.value];
   ++of_address_[address];
-  return Seat(*this, tenant, address);
+  return SessionPermit(*this, tenant, address);
 }
 
-std::optional<scheduler::Misfit> Seats::book(Seat& seat, const scheduler::Demand& demand,
-                                             const scheduler::CostModel& model) {
+std::optional<scheduler::Misfit> SessionLimits::book(SessionPermit& permit, const scheduler::Demand& demand,
+                                                     const scheduler::CostModel& model) {
   std::lock_guard lock(mutex_);
-  const auto verdict = admission_.book(seat.tenant_, demand, model);
+  const auto verdict = admission_.book(permit.tenant_, demand, model);
   if (const auto* misfit = std::get_if<scheduler::Misfit>(&verdict)) return *misfit;
-  seat.booking_ = std::get<scheduler::Booking>(verdict);
+  permit.booking_ = std::get<scheduler::Booking>(verdict);
   return std::nullopt;
 }
 
-void Seats::give_back(const Seat& seat) {
+void SessionLimits::give_back(const SessionPermit& permit) {
   std::lock_guard lock(mutex_);
   --all_;
-  --of_tenant_[seat.tenant_.value];
-  if (seat.booking_) admission_.release(seat.tenant_, *seat.booking_);
-  const auto here = of_address_.find(seat.address_);
+  --of_tenant_[permit.tenant_.value];
+  if (permit.booking_) admission_.release(permit.tenant_, *permit.booking_);
+  const auto here = of_address_.find(permit.address_);
   if (--here->second == 0) of_address_.erase(here);
 }
 
-uint32_t Seats::taken() const {
+uint32_t SessionLimits::taken() const {
   std::lock_guard lock(mutex_);
   return all_;
 }

@@ -1,4 +1,4 @@
-// How long a datagram the path takes. Pure.
+// The length of the longest datagram that the path takes. Pure.
 //
 // Packetization layer path MTU discovery for datagrams (RFC 8899): padded probes of growing size, each tried three
 // times; the largest that was acknowledged counts. Their loss is no sign of congestion. Should long datagrams stop to
@@ -14,7 +14,7 @@
 
 namespace gnomon::daemon {
 
-class PathMtu {
+class MtuDiscovery {
  public:
   // UDP payloads that common paths take: tunnels, Ethernet with IPv6 and IPv4, jumbo frames.
   static constexpr std::array<size_t, 7> kSizes{protocol::kMaxDatagramBytes, 1280, 1352, 1400, 1452, 1472,
@@ -27,7 +27,7 @@ class PathMtu {
 
   size_t bytes() const { return kSizes[level_]; }
 
-  // The size of a probe that should be sent now.
+  // The size of the probe that is due; nullopt if none is.
   std::optional<size_t> probe_due(TimePoint now) const {
     if (probing_ || now < next_probe_ || level_ + 1 >= kSizes.size()) return std::nullopt;
     return kSizes[level_ + 1];
@@ -48,7 +48,7 @@ class PathMtu {
     if (tries_ >= kTries) tries_ = 0;
   }
 
-  // Any other datagram.
+  // For every other datagram.
   void arrived(size_t size) {
     if (size > kSizes[0]) lost_in_row_ = 0;
   }

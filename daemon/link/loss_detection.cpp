@@ -1,4 +1,4 @@
-#include "daemon/link/sent_log.h"
+#include "daemon/link/loss_detection.h"
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ Nanoseconds arrival_time(const protocol::Feedback& feedback, uint16_t age) {
 
 }  // namespace
 
-void SentLog::sent(uint64_t sequence, const SentDatagram& datagram) {
+void LossDetection::sent(uint64_t sequence, const SentDatagram& datagram) {
   if (sequence != first_ + entries_.size()) {  // the sequence began elsewhere: nothing before it is ours
     entries_.clear();
     first_ = unsettled_ = sequence;
@@ -35,8 +35,8 @@ void SentLog::sent(uint64_t sequence, const SentDatagram& datagram) {
   unsettled_ = std::max(unsettled_, first_);
 }
 
-PathNews SentLog::take(const protocol::Feedback& feedback, TimePoint now) {
-  PathNews news;
+PathUpdate LossDetection::take(const protocol::Feedback& feedback, TimePoint now) {
+  PathUpdate update;
   const uint64_t count = std::min<uint64_t>(feedback.count, ~feedback.first);  // no number is beyond the last
   for (uint64_t i = 0; i < count; ++i) {
     const uint16_t age = feedback.ages[i];
@@ -44,31 +44,31 @@ PathNews SentLog::take(const protocol::Feedback& feedback, TimePoint now) {
     if (!entry || entry->state == State::arrived) continue;
     entry->state = State::arrived;
     const SentDatagram& datagram = entry->datagram;
-    news.arrived.push_back({datagram, arrival_time(feedback, age) - datagram.at.time_since_epoch()});
+    update.arrived.push_back({datagram, arrival_time(feedback, age) - datagram.at.time_since_epoch()});
     if (feedback.first + i < newest_) continue;
     newest_ = feedback.first + i;
     newest_sent_ = datagram.at;
     if (age == protocol::kOldest) continue;
     const Nanoseconds waited = std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
-    news.rtt = std::max<Nanoseconds>(1us, now - datagram.at - waited);
+    update.rtt = std::max<Nanoseconds>(1us, now - datagram.at - waited);
   }
-  if (!news.arrived.empty()) {
+  if (!update.arrived.empty()) {
     tails_ = 0;
     unheard_ = first_ + entries_.size() - 1 - newest_;
     silent_since_ = now;
   }
-  if (news.rtt.count() > 0) measure(news.rtt);
-  find_losses(now, news.lost);
+  if (update.rtt.count() > 0) measure(update.rtt);
+  find_losses(now, update.lost);
   settle();
-  return news;
+  return update;
 }
 
-SentLog::Entry* SentLog::find(uint64_t sequence) {
+LossDetection::Entry* LossDetection::find(uint64_t sequence) {
   if (sequence < first_ || sequence - first_ >= entries_.size()) return nullptr;
   return &entries_[static_cast<size_t>(sequence - first_)];
 }
 
-bool SentLog::is_lost(const Entry& entry, uint64_t sequence, TimePoint now) const {
+bool LossDetection::is_lost(const Entry& entry, uint64_t sequence, TimePoint now) const {
   const Nanoseconds rtt = rtt_or_guess(), age = now - entry.datagram.at;
   if (age >= kGivenUp) return true;
   const bool overtaken = sequence + kLaterOnes <= newest_ ||
@@ -76,7 +76,7 @@ bool SentLog::is_lost(const Entry& entry, uint64_t sequence, TimePoint now) cons
   return overtaken && age >= rtt + std::max(rtt / 8, kLeastReordering);
 }
 
-void SentLog::find_losses(TimePoint now, std::vector<SentDatagram>& lost) {
+void LossDetection::find_losses(TimePoint now, std::vector<SentDatagram>& lost) {
   for (uint64_t s = std::max(unsettled_, first_); s < newest_; ++s) {
     Entry* entry = find(s);
     if (!entry || entry->state != State::flying || !is_lost(*entry, s, now)) continue;
@@ -85,7 +85,7 @@ void SentLog::find_losses(TimePoint now, std::vector<SentDatagram>& lost) {
   }
 }
 
-std::optional<SentDatagram> SentLog::take_tail(TimePoint now) {
+std::optional<SentDatagram> LossDetection::take_tail(TimePoint now) {
   if (now < tail_due()) return std::nullopt;
   last_tail_ = now;
   ++tails_;
@@ -100,25 +100,25 @@ std::optional<SentDatagram> SentLog::take_tail(TimePoint now) {
 }
 
 // Counts from the last one sent: while others follow, they will tell.
-TimePoint SentLog::tail_due() const {
+TimePoint LossDetection::tail_due() const {
   if (unsettled_ >= first_ + entries_.size()) return TimePoint::max();
   return std::max(entries_.back().datagram.at, last_tail_) + tail_patience();
 }
 
-Nanoseconds SentLog::silence(TimePoint now) const {
+Nanoseconds LossDetection::silence(TimePoint now) const {
   return unheard_ < kLaterOnes ? Nanoseconds{} : now - silent_since_;
 }
 
-Nanoseconds SentLog::rtt_or_guess() const { return smoothed_.count() > 0 ? smoothed_ : kFirstRtt; }
+Nanoseconds LossDetection::rtt_or_guess() const { return smoothed_.count() > 0 ? smoothed_ : kFirstRtt; }
 
-Nanoseconds SentLog::tail_patience() const {
+Nanoseconds LossDetection::tail_patience() const {
   // Twice as long each time: a client that is busy elsewhere is no reason to send to it.
   return (rtt_or_guess() + std::max(4 * variance_, rtt_or_guess() / 8) + kFeedbackInterval) *
          (1 << std::min(tails_, 6u));
 }
 
 // RFC 6298.
-void SentLog::measure(Nanoseconds rtt) {
+void LossDetection::measure(Nanoseconds rtt) {
   if (smoothed_.count() == 0) {
     smoothed_ = rtt;
     variance_ = rtt / 2;
@@ -130,7 +130,7 @@ void SentLog::measure(Nanoseconds rtt) {
 }
 
 // The settled ones stay for a while: late arrivals take back a loss.
-void SentLog::settle() {
+void LossDetection::settle() {
   while (unsettled_ < first_ + entries_.size() && find(unsettled_)->state != State::flying) ++unsettled_;
   while (entries_.size() > 2 * protocol::kMaxReported && first_ < unsettled_) {
     entries_.pop_front();

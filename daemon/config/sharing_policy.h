@@ -1,4 +1,4 @@
-// On what terms the device is shared: what the render loop needs of the configuration. May change while it runs.
+// How tenants share a device: what the render loop needs of the configuration. A reload replaces it.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct TenantShare {
 inline constexpr Nanoseconds kSliceOfGpu = std::chrono::milliseconds(4);
 inline constexpr Nanoseconds kSliceOfCpu = std::chrono::milliseconds(100);
 
-struct Terms {
+struct SharingPolicy {
   std::string policy = "fair";
   double priority_floor = 0;
   std::optional<Nanoseconds> slice = {};  // 0: frames are never cut; none: as long as is good for the device
@@ -40,6 +40,6 @@ struct Terms {
   std::vector<TenantShare> tenants;       // by TenantId
 };
 
-Terms terms_of(const Config& config);
+SharingPolicy sharing_policy_of(const Config& config);
 
 }  // namespace gnomon::daemon

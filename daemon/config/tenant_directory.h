@@ -1,7 +1,7 @@
-// The tenants by id, through all reloads: a tenant is its name. One that the configuration names no more keeps its id,
-// so that nobody else gets it, and is closed; one that is named again is open again.
+// The tenants by id, through all reloads: a tenant is its name. A tenant that the configuration no longer names keeps
+// its id, so that no other tenant gets it, and is closed; a tenant that is named again is open again.
 //
-// A value: the main thread makes the next one and publishes it, the others look at it.
+// An immutable value: the main thread makes the next one and publishes it, other threads read it.
 #pragma once
 
 #include <optional>
@@ -13,13 +13,13 @@
 
 namespace gnomon::daemon {
 
-// Open and closed ones, in the life of one process: what counts them is made for so many.
+// Open and closed ones, while one process runs: the metrics have room for so many.
 inline constexpr size_t kMostTenants = 4096;
 
-class Roster {
+class TenantDirectory {
  public:
   // `tenants` are the open ones from now on.
-  Roster with(const std::vector<TenantConfig>& tenants) const;
+  TenantDirectory with(const std::vector<TenantConfig>& tenants) const;
 
   // An open one.
   std::optional<TenantId> find(std::string_view name) const;

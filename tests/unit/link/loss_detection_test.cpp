@@ -1,4 +1,4 @@
-#include "daemon/link/sent_log.h"
+#include "daemon/link/loss_detection.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@ constexpr Nanoseconds kOneWay = 20ms;
 constexpr Nanoseconds kOtherClock = 5h;  // the client's is ahead by that
 
 // Sends `count` datagrams of 1,000 bytes, one each millisecond.
-SentLog log_of(uint64_t count) {
-  SentLog log;
+LossDetection log_of(uint64_t count) {
+  LossDetection log;
   for (uint64_t s = 1; s <= count; ++s) {
     log.sent(s, {kStart + s * 1ms, 1000, Cargo::slice, 1, static_cast<uint16_t>(s)});
   }
@@ -40,41 +40,41 @@ std::vector<uint16_t> numbers(const std::vector<SentDatagram>& datagrams) {
   return all;
 }
 
-TEST(SentLog, ArrivalsAreToldOnceWithTheirDelayAndTheRoundTrip) {
-  SentLog log = log_of(4);
+TEST(LossDetection, ArrivalsAreToldOnceWithTheirDelayAndTheRoundTrip) {
+  LossDetection log = log_of(4);
   const TimePoint said = kStart + 24ms, heard = said + 15ms;
-  const PathNews news = log.take(feedback(1, 4, said), heard);
-  ASSERT_EQ(news.arrived.size(), 4u);
-  for (const Arrival& arrival : news.arrived) {
+  const PathUpdate update = log.take(feedback(1, 4, said), heard);
+  ASSERT_EQ(update.arrived.size(), 4u);
+  for (const Arrival& arrival : update.arrived) {
     EXPECT_NEAR(to_milliseconds(arrival.one_way - kOtherClock), 20, 0.05);
   }
-  EXPECT_NEAR(to_milliseconds(news.rtt), 35, 0.05) << "without the time that the client waited";
+  EXPECT_NEAR(to_milliseconds(update.rtt), 35, 0.05) << "without the time that the client waited";
   EXPECT_TRUE(log.take(feedback(1, 4, said), heard).arrived.empty());
 }
 
-TEST(SentLog, WhatOthersOvertookIsLostAfterARoundTrip) {
-  SentLog log = log_of(40);
+TEST(LossDetection, WhatOthersOvertookIsLostAfterARoundTrip) {
+  LossDetection log = log_of(40);
   EXPECT_TRUE(log.take(feedback(1, 12, kStart + 32ms, {9}), kStart + 52ms).lost.empty()) << "it may be late";
   EXPECT_EQ(numbers(log.take(feedback(1, 30, kStart + 50ms, {9}), kStart + 70ms).lost), std::vector<uint16_t>{9});
   EXPECT_TRUE(log.take(feedback(1, 35, kStart + 60ms, {9}), kStart + 80ms).lost.empty()) << "once";
 }
 
-TEST(SentLog, TheNewestIsNotLostYet) {
-  SentLog log = log_of(10);
+TEST(LossDetection, TheNewestIsNotLostYet) {
+  LossDetection log = log_of(10);
   EXPECT_TRUE(log.take(feedback(1, 8, kStart + 29ms, {7}), kStart + 300ms).lost.empty())
       << "only one was sent after it, and at once";
 }
 
-TEST(SentLog, OneThatArrivesAfterAllIsToldToo) {
-  SentLog log = log_of(40);
+TEST(LossDetection, OneThatArrivesAfterAllIsToldToo) {
+  LossDetection log = log_of(40);
   ASSERT_EQ(log.take(feedback(1, 30, kStart + 60ms, {6}), kStart + 80ms).lost.size(), 1u);
   const auto late = log.take(feedback(1, 30, kStart + 90ms), kStart + 100ms);
   ASSERT_EQ(late.arrived.size(), 1u);
   EXPECT_EQ(late.arrived[0].sent.number, 6u);
 }
 
-TEST(SentLog, ATailIsTriedAgainOneByOne) {
-  SentLog log = log_of(10);
+TEST(LossDetection, ATailIsTriedAgainOneByOne) {
+  LossDetection log = log_of(10);
   log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
   EXPECT_FALSE(log.take_tail(kStart + 20ms));
   ASSERT_LT(log.tail_due(), kStart + 1s);
@@ -85,15 +85,15 @@ TEST(SentLog, ATailIsTriedAgainOneByOne) {
 }
 
 // RFC 6298: after the first measurement the variation is half of it, and four of them are waited for.
-TEST(SentLog, TheFirstTailWaitsThreeRoundTripsAndAReport) {
-  SentLog log = log_of(10);
-  const PathNews news = log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
+TEST(LossDetection, TheFirstTailWaitsThreeRoundTripsAndAReport) {
+  LossDetection log = log_of(10);
+  const PathUpdate news = log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
   EXPECT_NEAR(to_milliseconds(log.tail_due() - (kStart + 10ms)), 3 * to_milliseconds(news.rtt) + 15, 0.1);
 }
 
-TEST(SentLog, SilenceCountsFromTheLastArrivalWhileSomethingIsUnderWay) {
-  EXPECT_EQ(SentLog().silence(kStart), 0ms);
-  SentLog log = log_of(10);
+TEST(LossDetection, SilenceCountsFromTheLastArrivalWhileSomethingIsUnderWay) {
+  EXPECT_EQ(LossDetection().silence(kStart), 0ms);
+  LossDetection log = log_of(10);
   EXPECT_EQ(log.silence(kStart + 101ms), 100ms) << "since the first was sent";
   log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
   EXPECT_EQ(log.silence(kStart + 146ms), 100ms);
@@ -101,8 +101,8 @@ TEST(SentLog, SilenceCountsFromTheLastArrivalWhileSomethingIsUnderWay) {
   EXPECT_EQ(log.silence(kStart + 10s), 0ms);
 }
 
-TEST(SentLog, WhatIsTriedAgainInVainIsSilenceToo) {
-  SentLog log = log_of(10);
+TEST(LossDetection, WhatIsTriedAgainInVainIsSilenceToo) {
+  LossDetection log = log_of(10);
   log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);
   while (log.take_tail(log.tail_due())) {
   }
@@ -111,8 +111,8 @@ TEST(SentLog, WhatIsTriedAgainInVainIsSilenceToo) {
   EXPECT_EQ(log.silence(kStart + 10s), 0ms) << "two that did not come may have been lost by chance";
 }
 
-TEST(SentLog, NonsenseIsSurvived) {
-  SentLog log = log_of(10);
+TEST(LossDetection, NonsenseIsSurvived) {
+  LossDetection log = log_of(10);
   protocol::Feedback said;
   said.first = ~uint64_t{0} - 3;
   said.count = protocol::kMaxReported;
@@ -124,11 +124,11 @@ TEST(SentLog, NonsenseIsSurvived) {
   EXPECT_GE(log.rtt(), 0ns);
 }
 
-TEST(SentLog, MemoryIsBounded) {
-  SentLog log = log_of(100000);
-  const auto news = log.take(feedback(99000, 99400, kStart + 99421ms), kStart + 99430ms);
-  EXPECT_EQ(news.arrived.size(), 401u);
-  EXPECT_LE(news.lost.size(), 1u << 14);
+TEST(LossDetection, MemoryIsBounded) {
+  LossDetection log = log_of(100000);
+  const auto update = log.take(feedback(99000, 99400, kStart + 99421ms), kStart + 99430ms);
+  EXPECT_EQ(update.arrived.size(), 401u);
+  EXPECT_LE(update.lost.size(), 1u << 14);
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-#include "daemon/config/roster.h"
+#include "daemon/config/tenant_directory.h"
 
 #include <algorithm>
 
 namespace gnomon::daemon {
 
-Roster Roster::with(const std::vector<TenantConfig>& tenants) const {
-  Roster next = *this;
+TenantDirectory TenantDirectory::with(const std::vector<TenantConfig>& tenants) const {
+  TenantDirectory next = *this;
   for (Entry& entry : next.entries_) entry.open = false;
   for (const TenantConfig& tenant : tenants) {
     const auto known = std::find_if(next.entries_.begin(), next.entries_.end(),
@@ -19,14 +19,14 @@ Roster Roster::with(const std::vector<TenantConfig>& tenants) const {
   return next;
 }
 
-std::optional<TenantId> Roster::find(std::string_view name) const {
+std::optional<TenantId> TenantDirectory::find(std::string_view name) const {
   for (uint32_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].open && entries_[i].config.name == name) return TenantId{i};
   }
   return std::nullopt;
 }
 
-std::vector<TenantConfig> Roster::configs() const {
+std::vector<TenantConfig> TenantDirectory::configs() const {
   std::vector<TenantConfig> configs;
   for (const Entry& entry : entries_) configs.push_back(entry.config);
   return configs;

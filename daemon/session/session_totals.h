@@ -1,0 +1,28 @@
+// How many frames a session was sent, and how long they took.
+#pragma once
+
+#include "daemon/frame/frame.h"
+#include "protocol/messages.h"
+
+namespace gnomon::daemon {
+
+// The net thread's.
+class SessionTotals {
+ public:
+  void add(const FrameMeta& meta, TimePoint sent);  // a frame that was sent as a whole
+
+  // Totals of the session, and means since the last call (0 for an interval without frames).
+  protocol::Stats take_stats();
+
+ private:
+  struct Sums {
+    uint32_t frames = 0;
+    Nanoseconds queue{}, gpu{}, total{};
+  };
+
+  uint64_t frames_ = 0;
+  uint64_t coalesced_ = 0;
+  Sums recent_;
+};
+
+}  // namespace gnomon::daemon
