@@ -79,21 +79,24 @@ Result<void> Daemon::open_store() {
 
 Result<void> Daemon::open_devices() {
   const ScenesConfig& scenes = options_.config.scenes;
-  const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now(),
-                                     [this](const LightsNews& news) {
-                                       scenes_->keep_lights(news);
-                                       server_->announce_lights(news);
-                                     }};
+  const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now()};
   const auto failed = [this](const Error& why) {
     if (options_.on_failure) options_.on_failure(why);
   };
-  auto started = devices_.start(options_.make_renderers, terms_of(options_.config), motion,
-                                {[this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
-                                 [this](const SessionDegraded& session) { server_->tell(session); }, failed});
+  auto started = devices_.start(options_.make_renderers, terms_of(options_.config), motion, *this, failed);
   if (!started) return started;
   tracer_ = devices_.report().front().tracer;
   open_encoders();
   return {};
+}
+
+void Daemon::on_rendered(RenderedFrame frame) { encode_pool_->push(std::move(frame)); }
+
+void Daemon::on_degraded(const SessionDegraded& session) { server_->tell(session); }
+
+void Daemon::on_lights(const LightsNews& lights) {
+  scenes_->keep_lights(lights);
+  server_->announce_lights(lights);
 }
 
 // After the devices, which say where they are; before the first session, whose frames they encode.

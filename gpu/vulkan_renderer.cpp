@@ -32,6 +32,11 @@ struct SlotPool {
     std::lock_guard lock(mutex);
     free.push_back(slot);
   }
+  // The same at the end of a lease, which is reported.
+  void release(size_t slot) {
+    give_back(slot);
+    if (freed) freed();
+  }
   size_t take() {
     std::lock_guard lock(mutex);
     const size_t slot = free.back();
@@ -42,8 +47,9 @@ struct SlotPool {
   DevicePtr device;
   std::unique_ptr<Tracer> tracer;
   std::string raster;
-  Built built;  // of a scene, before it is resident
-  Lanes lanes;  // the render loop's
+  Built built;                  // of a scene, before it is resident
+  Lanes lanes;                  // the render loop's
+  std::function<void()> freed;  // constant once a frame was submitted
   mutable std::mutex mutex;
   std::vector<size_t> free;
 };
@@ -56,7 +62,7 @@ struct InFlight {
   size_t slot = 0;
   Lane* lane = nullptr;
   VkQueryPool timestamps = VK_NULL_HANDLE;
-  bool last = true;
+  bool first = true, last = true;
   uint64_t timeline = kNeverStarted;
   TileGrid grid;
   std::function<void(FrameDone)> on_done;
@@ -84,7 +90,7 @@ struct Line {
 class VulkanRenderer : public Renderer {
  public:
   explicit VulkanRenderer(std::shared_ptr<SlotPool> pool)
-      : pool_(std::move(pool)), lines_(pool_->device->queue_count()) {
+      : pool_(std::move(pool)), slot_gpu_ns_(pool_->lanes.slots()), lines_(pool_->device->queue_count()) {
     for (Line& line : lines_) line.completion = std::thread([this, &line] { complete(line); });
   }
   ~VulkanRenderer() override {
@@ -93,12 +99,13 @@ class VulkanRenderer : public Renderer {
     for (Line& line : lines_) line.completion.join();
   }
 
-  std::string device_name() const override { return pool_->device->info().name; }
-  std::string driver_name() const override { return pool_->device->info().driver; }
-  std::string pci_address() const override { return pool_->device->info().pci_address; }
-  bool on_cpu() const override { return pool_->device->info().type == VK_PHYSICAL_DEVICE_TYPE_CPU; }
-  std::string tracer_name() const override { return std::string(pool_->tracer->name()); }
-  std::string raster_name() const override { return pool_->raster; }
+  DeviceInfo info() const override {
+    const PhysicalDevice& device = pool_->device->info();
+    return {device.name,   device.driver,      std::string(pool_->tracer->name()),
+            pool_->raster, device.pci_address, device.type == VK_PHYSICAL_DEVICE_TYPE_CPU};
+  }
+
+  void on_slot_freed(std::function<void()> freed) override { pool_->freed = std::move(freed); }
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
     if (scenes_.contains(id)) return {};
@@ -226,7 +233,7 @@ class VulkanRenderer : public Renderer {
     }
     const bool last = rows == grid.tiles_y();
     if (!last) begun_[job.id] = {slot, *lane, job.scene, grid, rows};
-    pend(*band, {job.id, slot, *lane, band->timestamps, last, kNeverStarted, grid, std::move(on_done)});
+    pend(*band, {job.id, slot, *lane, band->timestamps, true, last, kNeverStarted, grid, std::move(on_done)});
     return {};
   }
 
@@ -242,8 +249,8 @@ class VulkanRenderer : public Renderer {
     if (!band) return band.error();
     frame.next_row += rows;
     const bool last = frame.next_row == frame.grid.tiles_y();
-    pend(*band,
-         {id, frame.slot, frame.lane, band->timestamps, last, kNeverStarted, frame.grid, std::move(on_done)});
+    pend(*band, {id, frame.slot, frame.lane, band->timestamps, false, last, kNeverStarted, frame.grid,
+                 std::move(on_done)});
     if (last) begun_.erase(found);
     return {};
   }
@@ -253,7 +260,7 @@ class VulkanRenderer : public Renderer {
     if (found == begun_.end()) return;
     start_pending();  // what is recorded of it refers to its slot
     const size_t slot = found->second.slot;
-    line_of(slot).in_flight.push({id, slot, nullptr, VK_NULL_HANDLE, true, 0, {}, nullptr});
+    line_of(slot).in_flight.push({id, slot, nullptr, VK_NULL_HANDLE, false, true, 0, {}, nullptr});
     begun_.erase(found);
   }
 
@@ -345,28 +352,34 @@ class VulkanRenderer : public Renderer {
       }
   }
 
-  FrameDone finish(const InFlight& frame) const {
+  FrameDone finish(const InFlight& frame) {
     const FramePlan& plan = frame.lane->plan;
     const FrameSlot& slot = frame.lane->slots[frame.slot];
     FrameDone done;
     done.id = frame.id;
     done.complete = frame.last;
-    auto release = [pool = pool_, slot = frame.slot] { pool->give_back(slot); };
+    if (frame.first) slot_gpu_ns_[frame.slot] = 0;
+    const auto lease = [&](const PackedMaskView& mask) {
+      return FrameLease(mask, [pool = pool_, slot = frame.slot] { pool->release(slot); });
+    };
     const auto passed = frame.timeline == kNeverStarted ? Result<void>(Error{"the device took no work"})
                                                         : queue_of(frame.slot).wait(frame.timeline);
     auto timing = passed ? slot.timing(plan, frame.timestamps) : Result<FrameTiming>(passed.error());
+    done.completed_at = Clock::now();
     if (!timing) {
-      if (frame.last) release();
+      if (frame.last) done.mask = lease({});
       done.out_of_memory = frame.out_of_memory;
       done.device_lost = !frame.out_of_memory;
       return done;
     }
     done.gpu_ns = timing->total_ns;
+    done.frame_gpu_ns = slot_gpu_ns_[frame.slot] += done.gpu_ns;
     done.stages = std::move(timing->stages);
-    for (const StageTime& stage : done.stages)
+    for (const StageTime& stage : done.stages) {
       if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;
-    if (!frame.last) return done;
-    done.mask = FrameLease(slot.packed(plan, frame.grid), std::move(release));
+      if (stage.pass == "trace" || stage.pass == "trace_moving") done.trace_ns += stage.gpu_ns;
+    }
+    if (frame.last) done.mask = lease(slot.packed(plan, frame.grid));
     return done;
   }
 
@@ -374,6 +387,7 @@ class VulkanRenderer : public Renderer {
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;  // the render loop's
   std::map<JobId, Begun> begun_;
   bool batching_ = false;
+  std::vector<uint64_t> slot_gpu_ns_;  // of its frame's bands so far; the completion thread's of the slot's queue
   std::vector<Line> lines_;
   Background background_;  // these end first
   LightBuilds light_builds_;

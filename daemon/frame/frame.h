@@ -18,7 +18,7 @@ namespace gnomon::daemon {
 struct ViewRequest {
   SessionId session;
   FrameId frame;
-  gpu::CameraView camera;
+  protocol::CameraView camera;
   TimePoint arrival;                      // of the datagram
   TimePoint deadline = TimePoint::max();  // of use until then; max: not said
   // What its link takes at the moment.

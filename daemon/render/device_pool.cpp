@@ -34,16 +34,16 @@ void add(TenantReport& sum, const TenantReport& more) {
 
 DevicePool::DevicePool(size_t count, Metrics& metrics, Health& health)
     : metrics_(metrics), health_(health), placement_(static_cast<uint32_t>(count)), drained_(count), down_(count) {
-  for (uint32_t i = 0; i < count; ++i) devices_.push_back(std::make_unique<DeviceThread>(i, metrics));
+  for (uint32_t i = 0; i < count; ++i)
+    devices_.push_back(std::make_unique<DeviceThread>(i, metrics, static_cast<Owner&>(*this)));
 }
 
 Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, const Terms& terms,
-                               SceneMotion::Settings motion, Calls calls) {
-  calls_ = std::move(calls);
+                               const SceneMotion::Settings& motion, FrameSink& sink,
+                               std::function<void(const Error&)> failed) {
+  failed_ = std::move(failed);
   for (uint32_t i = 0; i < devices_.size(); ++i) {
-    DeviceThread::Calls its{calls_.rendered, calls_.degraded, [this, i](bool up) { changed(i, up); },
-                            [this, i](const Error& why) { failed(i, why); }, [this] { reported(); }};
-    if (auto started = devices_[i]->start(factories[i], terms, motion, std::move(its)); !started) return started;
+    if (auto started = devices_[i]->start(factories[i], terms, motion, sink); !started) return started;
     metrics_.device_up(i, true);
   }
   health_.device_up = true;
@@ -59,7 +59,7 @@ std::vector<PooledDevice> DevicePool::report() const {
   std::lock_guard lock(mutex_);
   std::vector<PooledDevice> all;
   for (uint32_t i = 0; i < devices_.size(); ++i)
-    all.push_back({devices_[i]->status(), devices_[i]->up(), drained_[i], placement_.sessions(i)});
+    all.push_back({devices_[i]->info(), devices_[i]->up(), drained_[i], placement_.sessions(i)});
   return all;
 }
 
@@ -213,7 +213,7 @@ bool DevicePool::set_drained(size_t device, bool drained) {
   return true;
 }
 
-void DevicePool::changed(uint32_t device, bool up) {
+void DevicePool::device_changed(uint32_t device, bool up) {
   std::lock_guard lock(mutex_);
   down_[device] = !up;
   settle(device);
@@ -221,13 +221,13 @@ void DevicePool::changed(uint32_t device, bool up) {
   health_.device_up = any_up();
 }
 
-void DevicePool::failed(uint32_t device, const Error& why) {
+void DevicePool::device_failed(uint32_t device, const Error& why) {
   std::lock_guard lock(mutex_);
   down_[device] = true;
   settle(device, true);
   health_.device_up = any_up();
   if (any_up()) return log::error("a device is beyond repair", {{"number", device}, {"why", why.message}});
-  calls_.failed(why);
+  failed_(why);
 }
 
 bool DevicePool::any_up() const {
@@ -235,7 +235,7 @@ bool DevicePool::any_up() const {
 }
 
 // Once a second from each device: the figures of all of them together.
-void DevicePool::reported() {
+void DevicePool::device_reported() {
   metrics_.shares(shares());
   for (const auto& [id, scene] : scenes()) metrics_.scene_built(scene);
   if (devices_.size() == 1) return;

@@ -14,27 +14,22 @@
 
 namespace gnomon::daemon {
 
-struct PooledDevice : DeviceStatus {
+struct PooledDevice : gpu::DeviceInfo {
   bool up = false;
   bool drained = false;
   uint32_t sessions = 0;
 };
 
 // Any thread.
-class DevicePool {
+class DevicePool final : private DeviceThread::Owner {
  public:
-  // As DeviceThread::Calls. `failed`: the last device is beyond repair.
-  struct Calls {
-    std::function<void(RenderedFrame)> rendered;
-    std::function<void(const SessionDegraded&)> degraded;
-    std::function<void(const Error&)> failed;
-  };
-
   DevicePool(size_t count, Metrics& metrics, Health& health);
 
-  // The main thread, before all others. `factories`: as many as there are devices. Error: one cannot be opened.
+  // The main thread, before all others. `factories`: as many as there are devices. `sink` outlives the pool's threads.
+  // `failed` is called once, from a render thread: the last device is beyond repair. Error: one cannot be opened.
   Result<void> start(const std::vector<RendererFactory>& factories, const Terms& terms,
-                     SceneMotion::Settings motion, Calls calls);
+                     const SceneMotion::Settings& motion, FrameSink& sink,
+                     std::function<void(const Error&)> failed);
   void stop();  // all threads end when their last leases have come back
 
   size_t size() const { return devices_.size(); }
@@ -69,9 +64,9 @@ class DevicePool {
 
  private:
   RenderInbox& inbox_of(SessionId session) const;
-  void changed(uint32_t device, bool up);
-  void failed(uint32_t device, const Error& why);
-  void reported();
+  void device_changed(uint32_t device, bool up) override;
+  void device_failed(uint32_t device, const Error& why) override;
+  void device_reported() override;
   void settle(uint32_t device, bool gone = false);
   void carry_out(const std::vector<Placement::Move>& moves);
   void tell_parts(TenantId tenant);
@@ -79,7 +74,7 @@ class DevicePool {
 
   Metrics& metrics_;
   Health& health_;
-  Calls calls_;
+  std::function<void(const Error&)> failed_;
   std::vector<std::unique_ptr<DeviceThread>> devices_;
 
   mutable std::mutex mutex_;  // guards what follows

@@ -9,6 +9,7 @@
 
 #include "common/clock.h"
 #include "common/result.h"
+#include "daemon/render/render_inbox.h"
 #include "gpu/renderer.h"
 #include "scenes/registry.h"
 
@@ -23,10 +24,17 @@ inline constexpr std::chrono::seconds kLossWindow{60};
 // The render thread's.
 class RenderDevice {
  public:
-  // `wake` is called from the renderer's threads when finish_background has something to do.
-  static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory, std::function<void()> wake);
+  // `inbox` outlives the device and its leases. It gets BackgroundDone when finish_background has something to do, and
+  // LeaseDropped when a slot is free again. `number`: among the daemon's devices.
+  static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory, RenderInbox& inbox,
+                                                    uint32_t number = 0);
 
   gpu::Renderer& renderer() const { return *renderer_; }
+  uint32_t number() const { return number_; }
+  // What the renderer is to call when finish_background has something to do. Any thread may call it.
+  std::function<void()> wake() const {
+    return [&inbox = *inbox_] { inbox.push(BackgroundDone{}); };
+  }
 
   // Brings the scene to the device, beside the frames; `arrived` is called once, now or from finish_background. Whoever
   // asks for a scene on its way is answered with those before. On its way when the device is lost: brought to the next.
@@ -47,11 +55,13 @@ class RenderDevice {
     std::vector<Arrived> waiting;
   };
 
+  Result<void> make_renderer();
   void bring(SceneId id);
   void answer(SceneId id, const Result<gpu::SceneFootprint>& result);
 
   RendererFactory factory_;
-  std::function<void()> wake_;
+  RenderInbox* inbox_ = nullptr;
+  uint32_t number_ = 0;
   std::map<SceneId, scenes::ScenePtr> scenes_;
   std::map<SceneId, Arriving> arriving_;
   std::deque<TimePoint> losses_;

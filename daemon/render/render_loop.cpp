@@ -14,14 +14,6 @@ constexpr double kSurprise = 1.25;
 // Before the device runs dry: what waking up, recording and submitting take.
 constexpr Nanoseconds kLead = std::chrono::milliseconds(1);
 
-Nanoseconds trace_time(const gpu::FrameDone& done) {
-  uint64_t ns = 0;
-  for (const gpu::StageTime& stage : done.stages) {
-    if (stage.pass == "trace" || stage.pass == "trace_moving") ns += stage.gpu_ns;
-  }
-  return Nanoseconds(done.stages.empty() ? done.gpu_ns : ns);
-}
-
 // A camera that comes a little early is no offence.
 scheduler::RateLimit limit_to(double rate_hz) {
   const std::chrono::duration<double> early(rate_hz > 0 ? 1.5 / rate_hz : 0);
@@ -39,7 +31,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
   meta.codec = session.link.dense() ? session.opened.dense_codec : session.opened.codec;
   meta.slice_body_bytes = view.slice_body_bytes;
   meta.references = session.opened.references;
-  meta.camera = to_wire(view.camera);
+  meta.camera = view.camera;
   meta.grid = session.grid();
   meta.tells_size = (session.opened.features & protocol::kFeatureSizes) != 0 && !session.has_granted_size();
   meta.traced_lights = session.traced_lights();
@@ -53,16 +45,13 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
 }  // namespace
 
 RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
-                       std::function<void(RenderedFrame)> rendered,
-                       std::function<void(const SessionDegraded&)> degraded, uint32_t device_number)
+                       FrameSink& sink)
     : device_(device),
       inbox_(inbox),
       metrics_(metrics),
-      rendered_(std::move(rendered)),
-      degraded_(std::move(degraded)),
-      usual_slice_(device.renderer().on_cpu() ? kSliceOfCpu : kSliceOfGpu),
-      number_(device_number),
-      motion_(device, metrics, [&inbox] { inbox.push(BackgroundDone{}); }) {
+      sink_(sink),
+      usual_slice_(device.renderer().info().on_cpu ? kSliceOfCpu : kSliceOfGpu),
+      motion_(device, metrics, sink) {
   apply(terms, TimePoint{});
 }
 
@@ -205,7 +194,7 @@ void RenderLoop::on(const JobFinished& job, TimePoint now) {
   runs_dry_ = now + predicted_;
   if (job.policy == policy_) scheduler_->charge(job.ticket, job.gpu, now);
   account_.finished(job.ticket.tenant, job.ticket.predicted, job.gpu, now);
-  metrics_.device_busy(number_, job.ticket.tenant, job.gpu);
+  metrics_.device_busy(device_.number(), job.ticket.tenant, job.gpu);
   if (job.device_lost) {
     metrics_.dropped(job.ticket.tenant, job.ticket.session, Fault::device_lost);
     return lose_device();
@@ -346,16 +335,17 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   const ViewRequest view = *std::exchange(session.newest, std::nullopt);
   if (session.memory.recover(now)) metrics_.degraded(false);
   if (session.wanted_grid() != session.grid()) adopt_size(session);
-  choose_lights(session, view.camera);
+  const gpu::CameraView camera = to_gpu(view.camera);
+  choose_lights(session, camera);
   const uint32_t all_rows = session.grid().tiles_y();
   // A frame that is cut holds a slot for long: the last one is for those that are done at once.
   if (session.next.rows.count < all_rows && device_.renderer().free_slots() < 2) {
     session.next = next_job(session, model_of(session.opened.scene), Nanoseconds{});
   }
   const uint32_t rows = session.next.rows.count;
-  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, number_, now), 0, std::make_shared<Nanoseconds>(),
+  BegunFrame frame{JobId{next_job_++}, meta_of(session, view, device_.number(), now), 0,
                    motion_.unbuilt(session.opened.scene)};
-  gpu::RenderJob job{frame.job, session.opened.scene, view.camera, session.opened.width, session.opened.height};
+  gpu::RenderJob job{frame.job, session.opened.scene, camera, session.opened.width, session.opened.height};
   job.untraced = session.untraced;
   if (rows < all_rows) job.tile_rows = rows;
   job.time = motion_.time_of(session.opened.scene, now);
@@ -446,7 +436,7 @@ void RenderLoop::tell(const RenderSession& session) {
   } else {
     news.reason = full ? "the device keeps up again" : "the device cannot keep up";
   }
-  degraded_({session.opened.session, session.opened.net_thread, news, session.opened.life});
+  sink_.on_degraded({session.opened.session, session.opened.net_thread, news, session.opened.life});
 }
 
 // Who has no rate of its own asks again when it is answered: it cannot be overrun.
@@ -493,8 +483,7 @@ void RenderLoop::not_started(RenderSession& session, const scheduler::Ticket& ti
   if (session.newest) ask_when_allowed(session, now);
 }
 
-// Runs on the completion thread: the news comes back here, the mask goes on to be encoded. However the lease ends,
-// encoded or thrown away, its end is an event of ours: it is what makes a slot free.
+// The function runs on the completion thread: the news comes back here, the mask goes on to be encoded.
 std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& session,
                                                            const scheduler::Ticket& ticket,
                                                            const BegunFrame& frame) {
@@ -506,28 +495,18 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
   job.work = session.next.work;
   job.model_cost = session.next.model_cost;
   job.unbuilt = frame.unbuilt;
-  return [job, meta = frame.meta, so_far = frame.gpu, &inbox = inbox_,
-          &rendered = rendered_](gpu::FrameDone done) mutable {
+  return [job, meta = frame.meta, &inbox = inbox_, &sink = sink_](gpu::FrameDone done) mutable {
     job.gpu = Nanoseconds(done.gpu_ns);
-    job.trace = trace_time(done);
+    job.trace = Nanoseconds(done.trace_ns);
     job.device_lost = done.device_lost;
     job.out_of_memory = done.out_of_memory;
     job.last = done.complete;
-    *so_far += job.gpu;
     inbox.push(job);
-    if (!done.complete) return;
-    auto slot = std::make_shared<gpu::FrameLease>(std::move(done.mask));
-    const auto mask = slot->mask();
-    gpu::FrameLease lease(mask, [slot = std::move(slot), &inbox] {
-      slot->drop();
-      inbox.push(LeaseDropped{});
-    });
-    if (done.device_lost || done.out_of_memory) return;
-    RenderedFrame whole{meta, std::move(lease)};
-    whole.meta.rendered = Clock::now();
-    whole.meta.gpu = *so_far;
-    whole.meta.readback = Nanoseconds(done.readback_ns);
-    rendered(std::move(whole));
+    if (!done.complete || done.device_lost || done.out_of_memory) return;
+    meta.rendered = done.completed_at;
+    meta.gpu = Nanoseconds(done.frame_gpu_ns);
+    meta.readback = Nanoseconds(done.readback_ns);
+    sink.on_rendered({std::move(meta), std::move(done.mask)});
   };
 }
 
@@ -549,7 +528,7 @@ void RenderLoop::give_up_begun(RenderSession& session) {
 
 // Frames in bands are lost with it; whoever has a newer view asks again.
 void RenderLoop::lose_device() {
-  if (!lost_) metrics_.device_lost(number_);
+  if (!lost_) metrics_.device_lost(device_.number());
   lost_ = true;
   for (auto& [id, session] : sessions_) {
     if (!session.begun) continue;
@@ -566,7 +545,7 @@ void RenderLoop::refuse_waiting(const Error& why) {
 }
 
 void RenderLoop::recover(TimePoint now) {
-  log::error("device lost: making it anew", {{"number", number_}});
+  log::error("device lost: making it anew", {{"number", device_.number()}});
   if (auto rebuilt = device_.rebuild(now); !rebuilt) {
     failure_ = rebuilt.error();
     refuse_waiting(*failure_);
@@ -574,7 +553,7 @@ void RenderLoop::recover(TimePoint now) {
   }
   lost_ = false;
   motion_.restore();
-  log::info("device is back", {{"number", number_}, {"device", device_.renderer().device_name()}});
+  log::info("device is back", {{"number", device_.number()}, {"device", device_.renderer().info().name}});
   for (RenderEvent& event : std::exchange(waiting_, {})) handle(std::move(event), now);
 }
 

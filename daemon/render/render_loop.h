@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "daemon/config/terms.h"
+#include "daemon/frame/frame_sink.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/metrics/status.h"
 #include "daemon/render/render_device.h"
@@ -23,13 +24,8 @@ namespace gnomon::daemon {
 
 class RenderLoop {
  public:
-  // `device_number`: among the daemon's. `rendered` is called from the renderer's completion threads. All references
-  // outlive the loop and its leases.
-  RenderLoop(
-      const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
-      std::function<void(RenderedFrame)> rendered,
-      std::function<void(const SessionDegraded&)> degraded = [](const SessionDegraded&) {},
-      uint32_t device_number = 0);
+  // All references outlive the loop and its leases.
+  RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics, FrameSink& sink);
 
   void start(TimePoint now);                      // start what capacity allows
   void handle(RenderEvent event, TimePoint now);  // then react to one event
@@ -99,10 +95,8 @@ class RenderLoop {
   RenderDevice& device_;
   RenderInbox& inbox_;
   Metrics& metrics_;
-  std::function<void(RenderedFrame)> rendered_;
-  std::function<void(const SessionDegraded&)> degraded_;
+  FrameSink& sink_;
   const Nanoseconds usual_slice_;  // of the device's kind
-  const uint32_t number_;
   SceneMotion motion_;
 
   Terms terms_;

@@ -2,7 +2,6 @@
 // work is.
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "daemon/render/link_steps.h"
@@ -19,8 +18,7 @@ struct BegunFrame {
   JobId job;
   FrameMeta meta;
   uint32_t next_row = 0;
-  std::shared_ptr<Nanoseconds> gpu;  // of its bands so far; the completion thread's
-  bool unbuilt = false;              // a hierarchy answers for the lights of its scene
+  bool unbuilt = false;  // a hierarchy answers for the lights of its scene
 };
 
 // The next job of a session: a whole frame, or some rows of tiles.

@@ -4,13 +4,13 @@
 // lights is built anew beside the frames. All of it belongs to the render thread and is told the time.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "daemon/frame/frame_sink.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/metrics/status.h"
 #include "daemon/render/light_change.h"
@@ -20,24 +20,17 @@
 
 namespace gnomon::daemon {
 
-// The lights of a scene from a version on.
-struct LightsNews {
-  std::string scene;
-  uint32_t version = 0;
-  std::vector<scenes::Light> lights;
-};
-
 class SceneMotion {
  public:
   struct Settings {
     uint32_t clock_hz = 60;
     Nanoseconds light_rest = std::chrono::seconds(2);
-    TimePoint clock_start{};                               // of all scenes
-    std::function<void(const LightsNews&)> announce = {};  // after the switch
+    TimePoint clock_start{};  // of all scenes
   };
 
-  // `wake` is called from the renderer's threads when step() has something to do. References outlive this.
-  SceneMotion(RenderDevice& device, Metrics& metrics, std::function<void()> wake);
+  // References outlive this. `sink` hears of other lights as soon as frames are of them.
+  SceneMotion(RenderDevice& device, Metrics& metrics, FrameSink& sink)
+      : device_(device), metrics_(metrics), sink_(sink) {}
   void configure(Settings settings) { settings_ = std::move(settings); }
 
   // A scene that was made resident; idempotent. What the tracer builds for it and was not there is built from now on.
@@ -83,7 +76,7 @@ class SceneMotion {
 
   RenderDevice& device_;
   Metrics& metrics_;
-  std::function<void()> wake_;
+  FrameSink& sink_;
   Settings settings_;
   std::map<SceneId, State> scenes_;
   std::vector<SceneId> built_;  // since the last step

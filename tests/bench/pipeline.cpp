@@ -223,8 +223,8 @@ class PipelineSuite : public Suite {
     if (!renderer) return renderer.error();
     BareKernels bare(std::move(*renderer), *scene);
     if (auto ready = bare.prepare(); !ready) return ready;
-    report_.device = bare.renderer().device_name();
-    report_.driver = bare.renderer().driver_name();
+    report_.device = bare.renderer().info().name;
+    report_.driver = bare.renderer().info().driver;
     say("scene " + name + ": the daemon gets ready");
     auto daemon = daemon::Daemon::start({config, factories, "bench", {}, [](const Error& e) { say(e.message); }});
     if (!daemon) return daemon.error();

@@ -53,7 +53,7 @@ class PathRenderer {
     return made;
   }
 
-  const gpu::DeviceInfo& device() const { return frame_->device().info(); }
+  const gpu::PhysicalDevice& device() const { return frame_->device().info(); }
   gpu::Reprojection& reprojection() { return *reprojection_; }
 
   Result<PathFrame> render(uint32_t number) {
