@@ -49,7 +49,7 @@ class TraceMovingPass : public Pass {
     push.moving.nodes = frame.ports[3].buffer->address();
     push.moving.triangles = push.moving.nodes + most_nodes * sizeof(BvhNode);
     push.moving.node_count = static_cast<uint32_t>(frame.posed.bvh.nodes.size());
-    push.moving.first_triangle = frame.scene.first_moving_triangle(frame.slot);
+    push.moving.first_triangle = frame.scene.moving_place(frame.slot).first_triangle;
     dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)));
   }
 
