@@ -48,7 +48,7 @@ bool EncodePool::take(std::optional<uint32_t> home, RenderedFrame& frame, Shared
       continue;
     }
     auto next = std::find_if(queue_.begin(), queue_.end(),
-                             [home](const RenderedFrame& f) { return !home || f.meta.device == *home; });
+                             [home](const RenderedFrame& f) { return !home || f.meta.route.device == *home; });
     if (next == queue_.end()) next = queue_.begin();
     frame = std::move(*next);
     queue_.erase(next);
@@ -64,7 +64,7 @@ void EncodePool::work(std::optional<uint32_t> home) {
   RenderedFrame frame;
   SharedPtr shared;
   while (take(home, frame, shared)) {
-    if (!shared && frame.meta.codec == protocol::CodecId::tiles_context) shared = share(frame);
+    if (!shared && frame.meta.spec.codec == protocol::CodecId::tiles_context) shared = share(frame);
     if (shared) {
       help(*shared);
     } else {
@@ -77,16 +77,17 @@ void EncodePool::work(std::optional<uint32_t> home) {
 namespace {
 
 size_t payload_room(const FrameMeta& meta) {
-  return meta.slice_body_bytes - protocol::kSliceHeaderBytes - (meta.moment ? protocol::kMomentBytes : 0) -
-         (meta.tells_size ? protocol::kSizeBytes : 0);
+  return meta.spec.slice_body_bytes - protocol::kSliceHeaderBytes -
+         (meta.spec.moment ? protocol::kMomentBytes : 0) - (meta.spec.tells_size ? protocol::kSizeBytes : 0);
 }
 
 }  // namespace
 
 void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
   EncodedFrame out{frame.meta, {}};
-  out.meta.encode_began = Clock::now();
-  const auto result = encoder.encode(frame.mask.mask(), frame.meta.codec, payload_room(frame.meta), out.slices);
+  out.meta.times.encode_began = Clock::now();
+  const auto result =
+      encoder.encode(frame.mask.mask(), frame.meta.spec.codec, payload_room(frame.meta), out.slices);
   frame.mask.drop();
   deliver(std::move(out), result);
 }
@@ -94,13 +95,13 @@ void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
 EncodePool::SharedPtr EncodePool::share(RenderedFrame& frame) {
   const FrameMeta& meta = frame.meta;
   const TimePoint began = Clock::now();
-  auto reference = meta.references ? meta.references->newest(meta.grid) : nullptr;
-  const SharedPtr shared(
-      new Shared{{meta, {}},
-                 protocol::SplitFrame(frame.mask.mask(), payload_room(meta), std::move(reference), meta.camera),
-                 {},
-                 {}});
-  shared->out.meta.encode_began = began;
+  auto reference = meta.spec.references ? meta.spec.references->newest(meta.spec.grid) : nullptr;
+  const SharedPtr shared(new Shared{
+      {meta, {}},
+      protocol::SplitFrame(frame.mask.mask(), payload_room(meta), std::move(reference), meta.spec.camera),
+      {},
+      {}});
+  shared->out.meta.times.encode_began = began;
   frame.mask.drop();
   if (shared->frame.unit_count() > 1 && workers_.size() > 1) {
     {
@@ -124,16 +125,17 @@ void EncodePool::help(Shared& shared) {
 void EncodePool::finish(Shared& shared) {
   const auto result = shared.frame.join(shared.out.slices);
   const FrameMeta& meta = shared.out.meta;
-  if (result && meta.references)
-    meta.references->sent(
-        std::make_shared<protocol::MaskReference>(meta.frame, shared.frame.decoded(), meta.camera));
+  if (result && meta.spec.references)
+    meta.spec.references->sent(
+        std::make_shared<protocol::MaskReference>(meta.route.frame, shared.frame.decoded(), meta.spec.camera));
   deliver(std::move(shared.out), result);
 }
 
 void EncodePool::deliver(EncodedFrame out, const Result<void>& result) {
   if (!result)
-    return metrics_.dropped(out.meta.tenant, out.meta.session, Fault::encode_failed, result.error().message);
-  out.meta.encoded = Clock::now();
+    return metrics_.dropped(out.meta.route.tenant, out.meta.route.session, Fault::encode_failed,
+                            result.error().message);
+  out.meta.times.encoded = Clock::now();
   encoded_(std::move(out));
 }
 

@@ -27,33 +27,48 @@ struct ViewRequest {
   TenantId tenant{};
 };
 
-// What later stages need to know of a frame, and when each was done with it.
-struct FrameMeta {
-  SessionId session;
-  TenantId tenant;
-  SceneId scene;
-  uint32_t net_thread = 0;  // which one owns the session
-  uint32_t device = 0;      // which one renders it
-  FrameId frame;
+// Whose frame it is and by whose hands it goes.
+struct FrameRoute {
+  SessionId session{};
+  TenantId tenant{};
+  SceneId scene{};
+  uint32_t net_thread = 0;  // index of the net thread that owns the session
+  uint32_t device = 0;      // number of the device that renders the frame
+  FrameId frame{};
+};
+
+// What is rendered and how it is encoded.
+struct FrameSpec {
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
-  SessionReferencesPtr references;  // null: the client keeps none
-  protocol::CameraView camera;
-  TileGrid grid;
-  bool tells_size = false;                 // the client wants to know that it is not the granted one
-  uint32_t traced_lights = 0;              // of the grid's; the others are lit everywhere
-  std::optional<protocol::Moment> moment;  // that the client is to be told
-  uint32_t coalesced = 0;                  // views of this session replaced since its last frame
-  TimePoint arrival;
-  TimePoint deadline = TimePoint::max();
-  TimePoint submitted;
-  TimePoint rendered;
-  TimePoint encode_began;
-  TimePoint encoded;
-  Nanoseconds gpu{};       // measured by the device
-  Nanoseconds readback{};  // of it, the copy to host memory
+  SessionReferencesPtr references = nullptr;  // shared with the session; null if the client keeps no frames
+  protocol::CameraView camera = {};
+  TileGrid grid = {};
+  bool tells_size = false;                      // the client is told the size, as it is not the granted one
+  uint32_t traced_lights = 0;                   // of the grid's lights; the others are lit everywhere
+  std::optional<protocol::Moment> moment = {};  // of the scene; the client is told it
 
   uint64_t traced_bits() const { return uint64_t{grid.width} * grid.height * traced_lights; }
+};
+
+// When each stage was done with it, and what the device measured.
+struct FrameTimes {
+  TimePoint arrival{};  // of the datagram that asked for it
+  TimePoint deadline = TimePoint::max();
+  TimePoint submitted{};
+  TimePoint rendered{};
+  TimePoint encode_began{};
+  TimePoint encoded{};
+  Nanoseconds gpu{};       // measured by the device
+  Nanoseconds readback{};  // the part of `gpu` that copies to host memory
+};
+
+// What later stages need to know of a frame.
+struct FrameMeta {
+  FrameRoute route = {};
+  FrameSpec spec = {};
+  FrameTimes times = {};
+  uint32_t coalesced = 0;  // views of this session that were replaced since its last frame
 };
 
 struct RenderedFrame {
@@ -66,7 +81,7 @@ struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;
   protocol::Degraded news;
-  uint32_t life = 0;  // of the session's, see SessionOpened
+  uint32_t life = 0;  // of the session, see SessionOpened
 };
 
 struct EncodedFrame {

@@ -53,11 +53,11 @@ struct Stages {
   }
 
   void observe(const FrameMeta& meta, TimePoint sent) {
-    queue->Observe(to_seconds(meta.submitted - meta.arrival));
-    gpu->Observe(to_seconds(meta.gpu - meta.readback));
-    readback->Observe(to_seconds(meta.readback));
-    encode->Observe(to_seconds(meta.encoded - meta.encode_began));
-    send->Observe(to_seconds(sent - meta.encoded));
+    queue->Observe(to_seconds(meta.times.submitted - meta.times.arrival));
+    gpu->Observe(to_seconds(meta.times.gpu - meta.times.readback));
+    readback->Observe(to_seconds(meta.times.readback));
+    encode->Observe(to_seconds(meta.times.encoded - meta.times.encode_began));
+    send->Observe(to_seconds(sent - meta.times.encoded));
   }
 };
 
@@ -282,13 +282,13 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   const auto known = families_->scenes.find(scene);
   (known != families_->scenes.end() ? known->second : families_->scenes.at(kOtherScenes))->Increment();
   series.buffers.Increment();
-  series.bits.Increment(static_cast<double>(meta.traced_bits()));
+  series.bits.Increment(static_cast<double>(meta.spec.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
-  series.queue_seconds.Increment(to_seconds(meta.submitted - meta.arrival));
-  families_->bytes_of(meta.codec).Increment(static_cast<double>(bytes));
-  series.frame.Observe(to_seconds(sent - meta.arrival));
+  series.queue_seconds.Increment(to_seconds(meta.times.submitted - meta.times.arrival));
+  families_->bytes_of(meta.spec.codec).Increment(static_cast<double>(bytes));
+  series.frame.Observe(to_seconds(sent - meta.times.arrival));
   families_->stage.observe(meta, sent);
-  if (sent > meta.deadline) series.late.Increment();
+  if (sent > meta.times.deadline) series.late.Increment();
 }
 
 void Metrics::datagram_received() { families_->datagrams.Increment(); }

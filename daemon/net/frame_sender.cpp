@@ -6,20 +6,20 @@ namespace gnomon::daemon {
 
 size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
   for (protocol::SliceHeader& header : frame.slices.slices) {
-    header.frame = frame.meta.frame;
-    header.server_us = static_cast<uint32_t>(to_microseconds(now - frame.meta.arrival));
-    if (frame.meta.moment) {
+    header.frame = frame.meta.route.frame;
+    header.server_us = static_cast<uint32_t>(to_microseconds(now - frame.meta.times.arrival));
+    if (frame.meta.spec.moment) {
       header.flags |= protocol::kSliceHasMoment;
-      header.moment = *frame.meta.moment;
+      header.moment = *frame.meta.spec.moment;
     }
-    if (frame.meta.tells_size) {
+    if (frame.meta.spec.tells_size) {
       header.flags |= protocol::kSliceHasSize;
-      header.width = static_cast<uint16_t>(frame.meta.grid.width);
-      header.height = static_cast<uint16_t>(frame.meta.grid.height);
+      header.width = static_cast<uint16_t>(frame.meta.spec.grid.width);
+      header.height = static_cast<uint16_t>(frame.meta.spec.grid.height);
     }
-    header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.gpu));
+    header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.times.gpu));
   }
-  return session.link().add(frame.slices, frame.meta.deadline, now);
+  return session.link().add(frame.slices, frame.meta.times.deadline, now);
 }
 
 // Seals what may go into datagrams_; returns how many. A probe of the path comes last: what is after it in a batch

@@ -77,7 +77,7 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
   Session* session = sessions_.find(header->session);
   if (!session) return metrics.report(Fault::datagram_session);
   const Received received = session->receive(datagram, from, Clock::now());
-  if (received.fault) return metrics.report(session->accepted().tenant, session->id(), *received.fault);
+  if (received.fault) return metrics.report(session->grant().tenant, session->id(), *received.fault);
   if (received.ping) return sender_.answer_ping(*session, *data_, from);
   if (received.view) ask(*session, *received.view);
   serve(*session);
@@ -86,7 +86,7 @@ void NetThread::receive(std::span<const uint8_t> datagram, const asio::ip::udp::
 void NetThread::deliver(EncodedFrame frame) {
   if (frames_waiting_.fetch_add(1) >= kMaxFramesWaiting) {
     frames_waiting_.fetch_sub(1);
-    return shared_.metrics.dropped(frame.meta.tenant, frame.meta.session, Fault::send_queue_full);
+    return shared_.metrics.dropped(frame.meta.route.tenant, frame.meta.route.session, Fault::send_queue_full);
   }
   asio::post(io_, [this, frame = std::move(frame)]() mutable {
     frames_waiting_.fetch_sub(1);
@@ -129,7 +129,7 @@ void NetThread::announce_lights(const LightsNews& news) {
   asio::post(io_,
              [this, scene = news.scene, message = protocol::LightsChanged{to_wire(news.lights), news.version}] {
                for (const auto& [id, stream] : streams_) {
-                 if (sessions_.find(id)->accepted().scene == scene) stream->send(message);
+                 if (sessions_.find(id)->grant().scene_name == scene) stream->send(message);
                }
              });
 }
@@ -139,7 +139,7 @@ void NetThread::close_closed_tenants() {
     const auto roster = shared_.roster.get();
     std::vector<SessionId> closed;
     for (const auto& [id, session] : sessions_) {
-      if (!roster->open(session->accepted().tenant)) closed.push_back(id);
+      if (!roster->open(session->grant().tenant)) closed.push_back(id);
     }
     for (const SessionId id : closed) close_session(id, kTenantClosed);
   });
@@ -181,9 +181,14 @@ void NetThread::report_stats() {
       text << *session->address();
       address = text.str();
     }
-    const Accepted& accepted = session->accepted();
-    all.push_back(
-        {id, accepted.tenant, accepted.scene, std::move(address), accepted.width, accepted.height, stats});
+    const SessionGrant& grant = session->grant();
+    all.push_back({.id = id,
+                   .tenant = grant.tenant,
+                   .scene = grant.scene_name,
+                   .address = std::move(address),
+                   .width = grant.width,
+                   .height = grant.height,
+                   .stats = stats});
   }
   published_.publish(std::move(all));
 }

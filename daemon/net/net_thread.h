@@ -89,9 +89,10 @@ class NetThread {
   // Who has been accepted and holds a seat while it waits for the rest. Shared with those whose answer it waits for.
   struct Applicant {
     std::weak_ptr<ControlStream> stream;  // should it end, nobody waits
-    Accepted accepted;
+    SessionGrant grant;
     KeptSession kept;  // of the session that it resumes; empty: it opens one
     Seat seat;
+    std::shared_ptr<const void> scene_use = {};
   };
   using ApplicantPtr = std::shared_ptr<Applicant>;
 
@@ -100,11 +101,11 @@ class NetThread {
   void resume(const std::shared_ptr<ControlStream>& stream, KeptSession kept);
   void hold(const std::shared_ptr<ControlStream>& stream);
   std::shared_ptr<ControlStream> held(const std::weak_ptr<ControlStream>& stream) const;
-  void seat(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, KeptSession kept);
+  void seat(const std::shared_ptr<ControlStream>& stream, const SessionGrant& grant, KeptSession kept);
   void open_with(const ApplicantPtr& applicant, const Result<SceneForUse>& scene);
-  bool book(const std::shared_ptr<ControlStream>& stream, Applicant& applicant, const scenes::LoadedScene& scene);
+  bool book(const std::shared_ptr<ControlStream>& stream, Applicant& applicant);
   void ask_room(const ApplicantPtr& applicant, const scenes::LoadedScene& scene);
-  Result<KeptSession> keep_new(ControlStream& stream, const Accepted& accepted, const scenes::LoadedScene& scene,
+  Result<KeptSession> keep_new(ControlStream& stream, const SessionGrant& grant, const scenes::LoadedScene& scene,
                                SessionId id, std::unique_ptr<protocol::Seal>& seal);
   void open_session(const std::shared_ptr<ControlStream>& stream, Applicant& applicant,
                     const scenes::LoadedScene& scene);

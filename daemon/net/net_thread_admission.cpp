@@ -74,8 +74,7 @@ void NetThread::admit(const std::shared_ptr<ControlStream>& stream, const protoc
   auto verdict = check_hello(hello, std::get<TenantId>(who), shared_.config,
                              [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* refused = std::get_if<protocol::Refused>(&verdict)) return refuse(stream, *refused);
-  const Accepted& accepted = std::get<Accepted>(verdict);
-  seat(stream, accepted, {});
+  seat(stream, std::get<SessionGrant>(std::move(verdict)), {});
 }
 
 // Who shows that it is the client of a session that is kept gets it, wherever the session is at the moment.
@@ -98,10 +97,10 @@ void NetThread::resume(const std::shared_ptr<ControlStream>& stream, const proto
 
 void NetThread::resume(const std::shared_ptr<ControlStream>& stream, KeptSession kept) {
   if (!kept) return refuse(stream, refusal(RefusalCode::unknown_session, kNoSession));
-  const auto verdict = accepted_of(kept.record(), *shared_.roster.get(), shared_.config,
-                                   [&](const auto& asked) { return shared_.catalog.find(asked); });
+  auto verdict = grant_of(kept.record(), *shared_.roster.get(), shared_.config,
+                          [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* refused = std::get_if<protocol::Refused>(&verdict)) return refuse(stream, *refused);
-  seat(stream, std::get<Accepted>(verdict), std::move(kept));
+  seat(stream, std::get<SessionGrant>(std::move(verdict)), std::move(kept));
 }
 
 // The connection waits for an answer of ours.
@@ -119,16 +118,16 @@ std::shared_ptr<ControlStream> NetThread::held(const std::weak_ptr<ControlStream
   return waiting && lobby_.hosts(waiting.get()) ? waiting : nullptr;
 }
 
-void NetThread::seat(const std::shared_ptr<ControlStream>& stream, const Accepted& accepted, KeptSession kept) {
-  auto seat = shared_.seats.take(accepted.tenant, stream->peer());
+void NetThread::seat(const std::shared_ptr<ControlStream>& stream, const SessionGrant& grant, KeptSession kept) {
+  auto seat = shared_.seats.take(grant.tenant, stream->peer());
   if (const auto* refused = std::get_if<protocol::Refused>(&seat)) {
-    shared_.metrics.refused(accepted.tenant, to_string(scheduler::Limit::sessions));
+    shared_.metrics.refused(grant.tenant, to_string(scheduler::Limit::sessions));
     return refuse(stream, *refused);
   }
   hold(stream);
-  const auto applicant =
-      std::make_shared<Applicant>(Applicant{stream, accepted, std::move(kept), std::get<Seat>(std::move(seat))});
-  shared_.scenes.fetch(accepted.scene, [this, applicant](Result<SceneForUse> scene) {
+  const auto applicant = std::make_shared<Applicant>(Applicant{
+      .stream = stream, .grant = grant, .kept = std::move(kept), .seat = std::get<Seat>(std::move(seat))});
+  shared_.scenes.fetch(grant.scene_name, [this, applicant](Result<SceneForUse> scene) {
     asio::post(io_, [this, applicant, scene = std::move(scene)] { open_with(applicant, scene); });
   });
 }
@@ -140,22 +139,21 @@ void NetThread::open_with(const ApplicantPtr& applicant, const Result<SceneForUs
   if (applicant->kept && applicant->kept.record().scene_hash != scene->scene->content_hash) {
     return refuse(stream, refusal(RefusalCode::unknown_session, "the scene is another one now"));
   }
-  applicant->accepted.scene_use = scene->use;
-  if (book(stream, *applicant, *scene)) ask_room(applicant, *scene);
+  applicant->scene_use = scene->use;
+  applicant->grant.scene = scene->id;
+  applicant->grant.lights = static_cast<uint32_t>(scene->scene->lights.size());
+  if (book(stream, *applicant)) ask_room(applicant, *scene);
 }
 
 // False: refused.
-bool NetThread::book(const std::shared_ptr<ControlStream>& stream, Applicant& applicant,
-                     const scenes::LoadedScene& scene) {
-  const Accepted& accepted = applicant.accepted;
+bool NetThread::book(const std::shared_ptr<ControlStream>& stream, Applicant& applicant) {
+  const SessionGrant& grant = applicant.grant;
   const CostModels costs = shared_.devices.costs();
-  const auto known = costs.find(scene.id);
-  const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
-  const auto misfit =
-      shared_.seats.book(applicant.seat, {accepted.width, accepted.height, lights, accepted.rate_hz},
-                         known == costs.end() ? scheduler::CostModel() : known->second);
+  const auto known = costs.find(grant.scene);
+  const auto misfit = shared_.seats.book(applicant.seat, {grant.width, grant.height, grant.lights, grant.rate_hz},
+                                         known == costs.end() ? scheduler::CostModel() : known->second);
   if (!misfit) return true;
-  shared_.metrics.refused(accepted.tenant, to_string(misfit->limit));
+  shared_.metrics.refused(grant.tenant, to_string(misfit->limit));
   refuse(stream, refusal_of(*misfit));
   return false;
 }
@@ -164,7 +162,7 @@ void NetThread::ask_room(const ApplicantPtr& applicant, const scenes::LoadedScen
   const auto decide = [this, applicant, scene](const Result<void>& room) {
     const auto stream = held(applicant->stream);
     if (!stream) return;
-    const TenantId tenant = applicant->accepted.tenant;
+    const TenantId tenant = applicant->grant.tenant;
     if (!shared_.roster.get()->open(tenant)) {
       return refuse(stream, refusal(RefusalCode::unknown_tenant, "the tenant is no longer served"));
     }
@@ -172,90 +170,102 @@ void NetThread::ask_room(const ApplicantPtr& applicant, const scenes::LoadedScen
     shared_.metrics.refused(tenant, to_string(scheduler::Limit::memory));
     refuse(stream, refusal(RefusalCode::over_capacity, "no memory for its frames: " + room.error().message));
   };
-  const Accepted& accepted = applicant->accepted;
-  shared_.devices.ask_room(
-      {scene.id, accepted.tenant, accepted.width, accepted.height,
-       [this, decide](Result<void> room) { asio::post(io_, [decide, room = std::move(room)] { decide(room); }); }});
+  const SessionGrant& grant = applicant->grant;
+  shared_.devices.ask_room({.scene = grant.scene,
+                            .tenant = grant.tenant,
+                            .width = grant.width,
+                            .height = grant.height,
+                            .answer = [this, decide](Result<void> room) {
+                              asio::post(io_, [decide, room = std::move(room)] { decide(room); });
+                            }});
 }
 
 // Makes the seal of a new session, with its state where it is kept, if it may be resumed and there is room.
-Result<KeptSession> NetThread::keep_new(ControlStream& stream, const Accepted& accepted,
+Result<KeptSession> NetThread::keep_new(ControlStream& stream, const SessionGrant& grant,
                                         const scenes::LoadedScene& scene, SessionId id,
                                         std::unique_ptr<protocol::Seal>& seal) {
-  const auto secrets = stream.seal_secrets(id, accepted.cipher);
+  const auto secrets = stream.seal_secrets(id, grant.cipher);
   if (!secrets) return secrets.error();
   KeptSession kept;
-  if (accepted.features & protocol::kFeatureResume) {
+  if (grant.has(protocol::kFeatureResume)) {
     const auto resumption = stream.resumption_secret(id);
     if (!resumption) return resumption.error();
-    kept = shared_.store.add(record_of(id, accepted, shared_.roster.get()->name(accepted.tenant),
-                                       scene.scene->content_hash, *resumption,
-                                       protocol::first_state(*secrets, protocol::Side::server)));
+    kept = shared_.store.add(record_of(id, grant, shared_.roster.get()->name(grant.tenant),
+                                       {.scene_hash = scene.scene->content_hash,
+                                        .resumption = *resumption,
+                                        .seal = protocol::first_state(*secrets, protocol::Side::server)}));
   }
-  if (!kept) seal = std::make_unique<protocol::Seal>(id, accepted.cipher, *secrets, protocol::Side::server);
+  if (!kept) seal = std::make_unique<protocol::Seal>(id, grant.cipher, *secrets, protocol::Side::server);
   return kept;
 }
 
 void NetThread::open_session(const std::shared_ptr<ControlStream>& stream, Applicant& applicant,
                              const scenes::LoadedScene& scene) {
-  Accepted& accepted = applicant.accepted;
+  SessionGrant& grant = applicant.grant;
   KeptSession kept = std::move(applicant.kept);
   const bool resumed = static_cast<bool>(kept);
   const SessionId id = resumed ? SessionId{kept.record().id} : random_session_id();
   std::unique_ptr<protocol::Seal> seal;
   if (!resumed) {
-    auto made = keep_new(*stream, accepted, scene, id, seal);
+    auto made = keep_new(*stream, grant, scene, id, seal);
     if (!made) return refuse(stream, refusal(RefusalCode::internal, made.error().message));
     kept = std::move(*made);
   }
   if (kept) {
     kept.record().life += resumed;
-    seal = std::make_unique<protocol::Seal>(id, accepted.cipher, kept.record().seal, protocol::Side::server);
+    seal = std::make_unique<protocol::Seal>(id, grant.cipher, kept.record().seal, protocol::Side::server);
     kept.when_wanted([this, id] {
       asio::post(io_, [this, id] { leave_session(id, "its client has come back on another connection"); });
     });
   } else {
-    accepted.features &= ~protocol::kFeatureResume;
+    grant.features &= ~protocol::kFeatureResume;
   }
-  const Session& session = sessions_.add(std::make_unique<Session>(
-      id, std::move(seal), accepted, std::move(applicant.seat), Clock::now(), std::move(kept)));
+  const Session& session =
+      sessions_.add(std::make_unique<Session>(SessionParts{.id = id,
+                                                           .grant = grant,
+                                                           .seal = std::move(seal),
+                                                           .seat = std::move(applicant.seat),
+                                                           .kept = std::move(kept),
+                                                           .scene_use = std::move(applicant.scene_use)},
+                                              Clock::now()));
   lobby_.remove(stream.get());
   streams_.emplace(id, stream);
   stream->listen([this, id](Result<protocol::Message> message) { hear_client(id, std::move(message)); },
                  [this, id](Fault, const std::string& why) { lose_control(id, why); });
-  const auto lights = static_cast<uint32_t>(scene.scene->lights.size());
-  shared_.devices.open({id, accepted.tenant, scene.id, accepted.width, accepted.height, lights, accepted.codec,
-                        index_, accepted.rate_hz, accepted.features, accepted.dense_codec, session.references(),
-                        session.life()});
-  shared_.metrics.session_opened(accepted.tenant);
+  shared_.devices.open({.session = id,
+                        .grant = grant,
+                        .net_thread = index_,
+                        .references = session.references(),
+                        .life = session.life()});
+  shared_.metrics.session_opened(grant.tenant);
   greet(*stream, session, scene);
   log::info(resumed ? "session resumed" : "session opened",
             {{"session", id.value},
-             {"tenant", shared_.roster.get()->name(accepted.tenant)},
-             {"scene", accepted.scene},
-             {"size", std::to_string(accepted.width) + "x" + std::to_string(accepted.height)},
+             {"tenant", shared_.roster.get()->name(grant.tenant)},
+             {"scene", grant.scene_name},
+             {"size", std::to_string(grant.width) + "x" + std::to_string(grant.height)},
              {"address", stream->peer().to_string()}});
 }
 
 void NetThread::greet(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene) {
-  const Accepted& accepted = session.accepted();
+  const SessionGrant& grant = session.grant();
   protocol::Welcome welcome;
-  welcome.features = accepted.features;
+  welcome.features = grant.features;
   welcome.session = session.id();
   welcome.data_port = data_->port();
-  welcome.cipher = accepted.cipher;
-  welcome.width = accepted.width;
-  welcome.height = accepted.height;
-  welcome.rate_hz = accepted.rate_hz;
-  welcome.codec = accepted.codec;
+  welcome.cipher = grant.cipher;
+  welcome.width = grant.width;
+  welcome.height = grant.height;
+  welcome.rate_hz = grant.rate_hz;
+  welcome.codec = grant.codec;
   welcome.passes = shared_.config.render.passes;
   welcome.tracer = shared_.tracer;
   welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
-  welcome.scene = manifest_of(*scene.scene, accepted.scene, float(accepted.width) / float(accepted.height));
-  const LightsNews news = shared_.scenes.lights_of(accepted.scene);
+  welcome.scene = manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
+  const LightsNews news = shared_.scenes.lights_of(grant.scene_name);
   welcome.scene.lights = to_wire(news.lights);
   welcome.lights_version = news.version;
-  welcome.motions = to_wire(shared_.catalog.motions(accepted.scene));
+  welcome.motions = to_wire(shared_.catalog.motions(grant.scene_name));
   stream.send(welcome);
 }
 

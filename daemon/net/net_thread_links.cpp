@@ -5,7 +5,7 @@
 namespace gnomon::daemon {
 
 void NetThread::ask(const Session& session, const ViewRequest& view) {
-  const TenantId tenant = session.accepted().tenant;
+  const TenantId tenant = session.grant().tenant;
   for (uint32_t i = 0; i < view.coalesced; ++i) shared_.metrics.coalesced(tenant);
   if (!shared_.devices.push_view(view)) shared_.metrics.dropped(tenant, session.id(), Fault::view_queue_full);
 }
@@ -13,7 +13,7 @@ void NetThread::ask(const Session& session, const ViewRequest& view) {
 void NetThread::hear_data(SessionId id, const protocol::Data& data) {
   Session& session = *sessions_.find(id);
   const Received received = session.receive(data, Clock::now());
-  if (received.fault) shared_.metrics.report(session.accepted().tenant, id, *received.fault);
+  if (received.fault) shared_.metrics.report(session.grant().tenant, id, *received.fault);
   if (received.view) ask(session, *received.view);
   serve(session);
 }
@@ -24,9 +24,9 @@ bool NetThread::has_way(const Session& session) const {
 }
 
 void NetThread::send(EncodedFrame& frame) {
-  Session* session = sessions_.find(frame.meta.session);
-  if (!session || !has_way(*session) || !(stream_of(session->id()) || session->expects(frame.meta.grid)))
-    return shared_.metrics.dropped(frame.meta.tenant, frame.meta.session, Fault::session_gone);
+  Session* session = sessions_.find(frame.meta.route.session);
+  if (!session || !has_way(*session) || !(stream_of(session->id()) || session->expects(frame.meta.spec.grid)))
+    return shared_.metrics.dropped(frame.meta.route.tenant, frame.meta.route.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->sending(frame.meta, bytes);
   serve(*session);
@@ -38,7 +38,7 @@ void NetThread::serve(Session& session) {
   ControlStream* const stream = session.by_control() ? stream_of(session.id()) : nullptr;
   if (!has_way(session)) return wakes_.remove(session.id());  // its next word brings it back
   const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
-  if (fault) shared_.metrics.dropped(session.accepted().tenant, session.id(), *fault);
+  if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
   while (const auto ended = session.take_ended()) finish(session, *ended, now);
   if (const auto view = session.take_kept(now)) ask(session, *view);
   wakes_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));
@@ -46,12 +46,13 @@ void NetThread::serve(Session& session) {
 }
 
 void NetThread::finish(Session& session, const Session::Ended& ended, TimePoint now) {
-  const TenantId tenant = session.accepted().tenant;
+  const TenantId tenant = session.grant().tenant;
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
-  shared_.devices.sent(ended.meta.device, {tenant, ended.meta.scene, ended.meta.traced_bits(), bytes});
+  shared_.devices.sent(ended.meta.route.device,
+                       {tenant, ended.meta.route.scene, ended.meta.spec.traced_bits(), bytes});
   if (!ended.whole) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
   session.frame_sent(ended.meta, now);
-  shared_.metrics.frame_sent(tenant, session.accepted().scene, ended.meta, now, bytes);
+  shared_.metrics.frame_sent(tenant, session.grant().scene_name, ended.meta, now, bytes);
 }
 
 void NetThread::arm_wakes() {

@@ -29,9 +29,8 @@ void NetThread::lose_control(SessionId id, const std::string& why) {
   streams_.erase(id);
   session.control_lost(Clock::now() + shared_.config.server.silence_timeout);
   if (!has_way(session)) wakes_.remove(id);
-  log::info(
-      "control connection lost",
-      {{"session", id.value}, {"tenant", shared_.roster.get()->name(session.accepted().tenant)}, {"why", why}});
+  log::info("control connection lost",
+            {{"session", id.value}, {"tenant", shared_.roster.get()->name(session.grant().tenant)}, {"why", why}});
 }
 
 void NetThread::close_session(SessionId id, const std::string& why) {
@@ -53,7 +52,7 @@ void NetThread::leave_session(SessionId id, const std::string& why) {
 // What it was controlled by, if there is something left to say.
 std::shared_ptr<ControlStream> NetThread::drop_session(SessionId id, const std::string& why) {
   Session& session = *sessions_.find(id);
-  const TenantId tenant = session.accepted().tenant;
+  const TenantId tenant = session.grant().tenant;
   const protocol::Stats totals = session.take_stats();
   log::info("session closed", {{"session", id.value},
                                {"tenant", shared_.roster.get()->name(tenant)},

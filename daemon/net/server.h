@@ -22,7 +22,7 @@ class Server {
   void run();
 
   // Any thread.
-  void deliver(EncodedFrame frame) { threads_[frame.meta.net_thread]->deliver(std::move(frame)); }
+  void deliver(EncodedFrame frame) { threads_[frame.meta.route.net_thread]->deliver(std::move(frame)); }
   void tell(const SessionDegraded& session);
   bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
   void announce_drain(std::chrono::milliseconds deadline);

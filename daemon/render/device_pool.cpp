@@ -9,9 +9,9 @@ namespace {
 // Sessions that ask for no rate take what is left: like those of a fast screen.
 constexpr double kRateOfTheGreedy = 60;
 
-double load_of(const SessionOpened& session) {
-  const double rate = session.rate_hz > 0 ? session.rate_hz : kRateOfTheGreedy;
-  return rate * session.width * session.height * std::max(session.lights, 1u);
+double load_of(const SessionGrant& grant) {
+  const double rate = grant.rate_hz > 0 ? grant.rate_hz : kRateOfTheGreedy;
+  return rate * grant.width * grant.height * std::max(grant.lights, 1u);
 }
 
 // What several devices answer to one question.
@@ -141,10 +141,11 @@ void DevicePool::ask_room(const RoomAsked& asked) {
 
 void DevicePool::open(const SessionOpened& session) {
   std::lock_guard lock(mutex_);
-  if (!placement_.add(session.session, session.tenant, load_of(session))) return;
-  sessions_.emplace(session.session, session);
+  const TenantId tenant = session.grant.tenant;
+  if (!placement_.add(session.session, tenant, load_of(session.grant))) return;
+  sessions_.emplace(session.session, PooledSession{session, session.grant.codec});
   inbox_of(session.session).push(session);
-  tell_parts(session.tenant);
+  tell_parts(tenant);
 }
 
 void DevicePool::close(SessionId session) {
@@ -153,7 +154,7 @@ void DevicePool::close(SessionId session) {
   placement_.remove(session);
   const auto found = sessions_.find(session);
   if (found == sessions_.end()) return;
-  const TenantId tenant = found->second.tenant;
+  const TenantId tenant = found->second.opened.grant.tenant;
   sessions_.erase(found);
   tell_parts(tenant);
 }
@@ -253,11 +254,12 @@ void DevicePool::settle(uint32_t device, bool gone) {
 void DevicePool::carry_out(const std::vector<Placement::Move>& moves) {
   std::vector<TenantId> tenants;
   for (const Placement::Move& move : moves) {
-    const SessionOpened& session = sessions_.at(move.session);
+    const auto& [opened, codec] = sessions_.at(move.session);
     RenderInbox& to = devices_[move.to]->inbox();
-    to.push(session);
+    to.push(opened);
+    if (codec != opened.grant.codec) to.push(CodecChosen{move.session, codec});
     devices_[move.from]->inbox().push(SessionLeaves{move.session, &to});
-    tenants.push_back(session.tenant);
+    tenants.push_back(opened.grant.tenant);
   }
   std::sort(tenants.begin(), tenants.end());
   tenants.erase(std::unique(tenants.begin(), tenants.end()), tenants.end());

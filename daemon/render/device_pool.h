@@ -79,7 +79,11 @@ class DevicePool final : private DeviceThread::Owner {
 
   mutable std::mutex mutex_;  // guards what follows
   Placement placement_;
-  std::unordered_map<SessionId, SessionOpened> sessions_;
+  struct PooledSession {
+    SessionOpened opened;
+    protocol::CodecId codec;  // in force
+  };
+  std::unordered_map<SessionId, PooledSession> sessions_;
   std::vector<bool> drained_, down_;
 };
 

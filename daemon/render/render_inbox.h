@@ -9,6 +9,7 @@
 #include "common/inbox.h"
 #include "daemon/config/terms.h"
 #include "daemon/frame/frame.h"
+#include "daemon/frame/grant.h"
 #include "daemon/link/link_window.h"
 #include "daemon/render/light_change.h"
 #include "daemon/render/link_steps.h"
@@ -18,20 +19,13 @@
 
 namespace gnomon::daemon {
 
+// The grant's scene is resident.
 struct SessionOpened {
-  SessionId session;
-  TenantId tenant;
-  SceneId scene;  // resident
-  uint32_t width = 0;
-  uint32_t height = 0;
-  uint32_t lights = 0;
-  protocol::CodecId codec = protocol::CodecId::tiles_lz4;
-  uint32_t net_thread = 0;
-  double rate_hz = 0;                                            // granted; 0: no limit
-  uint64_t features = 0;                                         // protocol/types.h
-  protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // where its link is short of bytes
-  SessionReferencesPtr references = nullptr;                     // of a client that keeps frames
-  uint32_t life = 0;                                             // how often it was resumed
+  SessionId session{};
+  SessionGrant grant = {};
+  uint32_t net_thread = 0;                    // index of the net thread that owns the session
+  SessionReferencesPtr references = nullptr;  // null if the client keeps no frames
+  uint32_t life = 0;                          // how often it was resumed
 };
 
 // A session of such frames is about to be opened: is there memory for them, at the least size that its tenant allows?

@@ -21,25 +21,21 @@ scheduler::RateLimit limit_to(double rate_hz) {
 }
 
 FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_t device, TimePoint now) {
-  FrameMeta meta;
-  meta.session = view.session;
-  meta.tenant = session.opened.tenant;
-  meta.scene = session.opened.scene;
-  meta.net_thread = session.opened.net_thread;
-  meta.device = device;
-  meta.frame = view.frame;
-  meta.codec = session.link.dense() ? session.opened.dense_codec : session.opened.codec;
-  meta.slice_body_bytes = view.slice_body_bytes;
-  meta.references = session.opened.references;
-  meta.camera = view.camera;
-  meta.grid = session.grid();
-  meta.tells_size = (session.opened.features & protocol::kFeatureSizes) != 0 && !session.has_granted_size();
-  meta.traced_lights = session.traced_lights();
-  meta.coalesced = session.coalesced;
-  meta.arrival = view.arrival;
-  meta.deadline = view.deadline;
-  meta.submitted = now;
-  return meta;
+  return {.route = {.session = view.session,
+                    .tenant = session.grant().tenant,
+                    .scene = session.grant().scene,
+                    .net_thread = session.opened.net_thread,
+                    .device = device,
+                    .frame = view.frame},
+          .spec = {.codec = session.link.dense() ? session.grant().dense_codec : session.codec,
+                   .slice_body_bytes = view.slice_body_bytes,
+                   .references = session.opened.references,
+                   .camera = view.camera,
+                   .grid = session.grid(),
+                   .tells_size = session.grant().has(protocol::kFeatureSizes) && !session.has_granted_size(),
+                   .traced_lights = session.traced_lights()},
+          .times = {.arrival = view.arrival, .deadline = view.deadline, .submitted = now},
+          .coalesced = session.coalesced};
 }
 
 }  // namespace
@@ -106,7 +102,7 @@ void RenderLoop::on(const ViewRequest& view, TimePoint now) {
   session.coalesced += view.coalesced;
   if (session.newest) {
     ++session.coalesced;
-    metrics_.coalesced(session.opened.tenant);
+    metrics_.coalesced(session.grant().tenant);
   }
   // A session that has moved may hear of an older view from the device where it was.
   if (!session.newest || session.newest->frame.value <= view.frame.value) session.newest = view;
@@ -126,21 +122,18 @@ void RenderLoop::on(const RoomAsked& asked, TimePoint now) {
 }
 
 void RenderLoop::on(const SessionOpened& opened, TimePoint) {
-  RenderSession session;
-  session.opened = opened;
-  session.granted_width = opened.width;
-  session.granted_height = opened.height;
-  session.rate = limit_to(opened.rate_hz);
+  RenderSession session(opened);
+  session.rate = limit_to(opened.grant.rate_hz);
   set_terms(session);
   sessions_.emplace(opened.session, std::move(session));
-  scheduler_->add_session(opened.session, opened.tenant);
+  scheduler_->add_session(opened.session, opened.grant.tenant);
 }
 
 void RenderLoop::on(const SessionClosed& closed, TimePoint) {
   const auto found = sessions_.find(closed.session);
   if (found == sessions_.end()) return;
   RenderSession& session = found->second;
-  if (session.has_work()) metrics_.dropped(session.opened.tenant, closed.session, Fault::session_gone);
+  if (session.has_work()) metrics_.dropped(session.grant().tenant, closed.session, Fault::session_gone);
   forget(closed.session);
 }
 
@@ -154,7 +147,7 @@ void RenderLoop::on(const SessionLeaves& leaves, TimePoint) {
 
 void RenderLoop::forget(SessionId id) {
   RenderSession& session = sessions_.at(id);
-  if (session.asked) account_.left_queue(session.opened.tenant);
+  if (session.asked) account_.left_queue(session.grant().tenant);
   if (session.begun) abandon(session);
   scheduler_->remove_session(id);
   sessions_.erase(id);
@@ -162,7 +155,7 @@ void RenderLoop::forget(SessionId id) {
 
 void RenderLoop::on(const CodecChosen& chosen, TimePoint) {
   const auto found = sessions_.find(chosen.session);
-  if (found != sessions_.end()) found->second.opened.codec = chosen.codec;
+  if (found != sessions_.end()) found->second.codec = chosen.codec;
 }
 
 void RenderLoop::on(const SceneArrived& arrived, TimePoint) {
@@ -229,7 +222,7 @@ scheduler::CostModel& RenderLoop::model_of(SceneId scene) {
 
 void RenderLoop::meet_new_costs(SceneId scene, TimePoint now) {
   for (auto& [id, session] : sessions_) {
-    if (session.opened.scene == scene) session.view = {};
+    if (session.grant().scene == scene) session.view = {};
   }
   ask_anew(scene, now);
 }
@@ -237,7 +230,7 @@ void RenderLoop::meet_new_costs(SceneId scene, TimePoint now) {
 // Those who wait stand in the queue with what was believed when they asked.
 void RenderLoop::ask_anew(SceneId scene, TimePoint now) {
   for (auto& [id, session] : sessions_) {
-    if (session.asked && session.opened.scene == scene) ask(session, now);
+    if (session.asked && session.grant().scene == scene) ask(session, now);
   }
 }
 
@@ -256,8 +249,8 @@ void RenderLoop::on(const StopRendering&, TimePoint) {
   stopping_ = true;
   refuse_waiting(Error{"the server is stopping"});
   for (auto& [id, session] : sessions_) {
-    if (session.has_work()) metrics_.dropped(session.opened.tenant, id, Fault::view_draining);
-    if (session.asked) account_.left_queue(session.opened.tenant);
+    if (session.has_work()) metrics_.dropped(session.grant().tenant, id, Fault::view_draining);
+    if (session.asked) account_.left_queue(session.grant().tenant);
     if (session.begun) abandon(session);
     scheduler_->remove_session(id);
   }
@@ -280,13 +273,13 @@ void RenderLoop::apply(const Terms& terms, TimePoint now) {
   for (auto& [id, session] : sessions_) set_terms(session);
   if (!other_policy) return;
   for (auto& [id, session] : sessions_) {
-    scheduler_->add_session(id, session.opened.tenant);
+    scheduler_->add_session(id, session.grant().tenant);
     if (session.asked) ask(session, now);
   }
 }
 
 void RenderLoop::ask_when_allowed(RenderSession& session, TimePoint now) {
-  const TimePoint from = std::max(account_.open_at(session.opened.tenant), session.rate.open_at());
+  const TimePoint from = std::max(account_.open_at(session.grant().tenant), session.rate.open_at());
   if (from <= now) return ask(session, now);
   session.held = true;
   held_.emplace(from, session.opened.session);
@@ -303,10 +296,10 @@ void RenderLoop::release_held(TimePoint now) {
 }
 
 void RenderLoop::ask(RenderSession& session, TimePoint now) {
-  session.next = next_job(session, model_of(session.opened.scene), slice());
-  const TimePoint deadline = session.begun ? session.begun->meta.deadline : session.newest->deadline;
+  session.next = next_job(session, model_of(session.grant().scene), slice());
+  const TimePoint deadline = session.begun ? session.begun->meta.times.deadline : session.newest->deadline;
   scheduler_->make_ready(session.opened.session, {session.next.cost, deadline, session.begun.has_value()}, now);
-  if (!std::exchange(session.asked, true)) account_.asked(session.opened.tenant);
+  if (!std::exchange(session.asked, true)) account_.asked(session.grant().tenant);
 }
 
 void RenderLoop::drop_hopeless(TimePoint now) {
@@ -314,16 +307,16 @@ void RenderLoop::drop_hopeless(TimePoint now) {
     RenderSession& session = sessions_.at(*id);
     session.asked = false;
     session.newest.reset();
-    account_.left_queue(session.opened.tenant);
-    metrics_.dropped(session.opened.tenant, *id, Fault::view_hopeless);
+    account_.left_queue(session.grant().tenant);
+    metrics_.dropped(session.grant().tenant, *id, Fault::view_hopeless);
   }
 }
 
 void RenderLoop::submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   session.asked = false;
-  account_.left_queue(session.opened.tenant);
+  account_.left_queue(session.grant().tenant);
   if (session.begun) return resume(session, ticket, now);
-  if (account_.open_at(session.opened.tenant) > now) {  // others of its tenant were faster
+  if (account_.open_at(session.grant().tenant) > now) {  // others of its tenant were faster
     scheduler_->charge(ticket, Nanoseconds{}, now);
     return ask_when_allowed(session, now);
   }
@@ -340,17 +333,17 @@ void RenderLoop::begin(RenderSession& session, const scheduler::Ticket& ticket, 
   const uint32_t all_rows = session.grid().tiles_y();
   // A frame that is cut holds a slot for long: the last one is for those that are done at once.
   if (session.next.rows.count < all_rows && device_.renderer().free_slots() < 2) {
-    session.next = next_job(session, model_of(session.opened.scene), Nanoseconds{});
+    session.next = next_job(session, model_of(session.grant().scene), Nanoseconds{});
   }
   const uint32_t rows = session.next.rows.count;
   BegunFrame frame{JobId{next_job_++}, meta_of(session, view, device_.number(), now), 0,
-                   motion_.unbuilt(session.opened.scene)};
-  gpu::RenderJob job{frame.job, session.opened.scene, camera, session.opened.width, session.opened.height};
+                   motion_.unbuilt(session.grant().scene)};
+  gpu::RenderJob job{frame.job, session.grant().scene, camera, session.width, session.height};
   job.untraced = session.untraced;
   if (rows < all_rows) job.tile_rows = rows;
-  job.time = motion_.time_of(session.opened.scene, now);
-  if (session.opened.features & protocol::kFeatureMoments)
-    frame.meta.moment = motion_.moment_of(session.opened.scene, now);
+  job.time = motion_.time_of(session.grant().scene, now);
+  if (session.grant().has(protocol::kFeatureMoments))
+    frame.meta.spec.moment = motion_.moment_of(session.grant().scene, now);
   const auto submitted = device_.renderer().submit(job, completion(session, ticket, frame));
   if (!submitted) {
     if (shrink(session, ticket, view, now, submitted.error())) return;
@@ -386,28 +379,28 @@ bool RenderLoop::shrink(RenderSession& session, const scheduler::Ticket& ticket,
 // Frames change their size between two, never within one.
 void RenderLoop::adopt_size(RenderSession& session) {
   const TileGrid wanted = session.wanted_grid();
-  session.opened.width = wanted.width;
-  session.opened.height = wanted.height;
-  session.next = next_job(session, model_of(session.opened.scene), slice());
+  session.width = wanted.width;
+  session.height = wanted.height;
+  session.next = next_job(session, model_of(session.grant().scene), slice());
   tell(session);
 }
 
 // What is left out is chosen for each frame anew, and changes seldom.
 void RenderLoop::choose_lights(RenderSession& session, const gpu::CameraView& camera) {
   const size_t keep = session.wanted_lights();
-  if (keep >= session.opened.lights && session.untraced.none()) return;
+  if (keep >= session.grant().lights && session.untraced.none()) return;
   const gpu::LightSet untraced =
-      least_important(motion_.lights_of(session.opened.scene), camera.position, keep, session.untraced);
+      least_important(motion_.lights_of(session.grant().scene), camera.position, keep, session.untraced);
   if (untraced == session.untraced) return;
   session.untraced = untraced;
-  session.next = next_job(session, model_of(session.opened.scene), slice());
+  session.next = next_job(session, model_of(session.grant().scene), slice());
   tell(session);
 }
 
 void RenderLoop::set_terms(RenderSession& session) {
-  const scheduler::DegradationTerms& terms = terms_.tenants[session.opened.tenant.value].degradation;
+  const scheduler::DegradationTerms& terms = terms_.tenants[session.grant().tenant.value].degradation;
   session.degradation.set_terms(terms);
-  session.link.set_terms(terms, session.opened.dense_codec != session.opened.codec);
+  session.link.set_terms(terms, session.grant().dense_codec != session.codec);
 }
 
 void RenderLoop::on(const LinkReviewed& reviewed, TimePoint) {
@@ -422,10 +415,10 @@ void RenderLoop::on(const LinkReviewed& reviewed, TimePoint) {
 
 void RenderLoop::tell(const RenderSession& session) {
   protocol::Degraded news;
-  news.width = static_cast<uint16_t>(session.opened.width);
-  news.height = static_cast<uint16_t>(session.opened.height);
+  news.width = static_cast<uint16_t>(session.width);
+  news.height = static_cast<uint16_t>(session.height);
   news.rate_hz = static_cast<float>(session.rate_hz());
-  for (uint16_t light = 0; light < session.opened.lights; ++light) {
+  for (uint16_t light = 0; light < session.grant().lights; ++light) {
     if (session.untraced[light]) news.untraced_lights.push_back(light);
   }
   const bool full = session.degradation.point() == scheduler::OperatingPoint{};
@@ -443,7 +436,7 @@ void RenderLoop::tell(const RenderSession& session) {
 void RenderLoop::review_sessions(Nanoseconds since_last) {
   for (auto& [id, session] : sessions_) {
     const uint32_t arrived = std::exchange(session.arrived, 0), answered = std::exchange(session.answered, 0);
-    if (session.opened.rate_hz <= 0) continue;
+    if (session.grant().rate_hz <= 0) continue;
     const auto allowed = static_cast<uint32_t>(session.rate_hz() * to_seconds(since_last));
     const scheduler::OperatingPoint before = session.degradation.point();
     if (!session.degradation.observe({std::min(arrived, allowed), answered})) continue;
@@ -468,7 +461,7 @@ void RenderLoop::started(RenderSession& session, const scheduler::Ticket& ticket
   predicted_ += ticket.predicted;
   runs_dry_ = std::max(runs_dry_, now) + ticket.predicted;
   const scheduler::Work& work = session.next.work;
-  account_.started(session.opened.tenant, work.begins, work.bits, now);
+  account_.started(session.grant().tenant, work.begins, work.bits, now);
   session.begun->next_row += session.next.rows.count;
   if (session.begun->next_row < session.grid().tiles_y()) return ask(session, now);
   session.begun.reset();
@@ -491,7 +484,7 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
   job.job = frame.job;
   job.ticket = ticket;
   job.policy = policy_;
-  job.scene = session.opened.scene;
+  job.scene = session.grant().scene;
   job.work = session.next.work;
   job.model_cost = session.next.model_cost;
   job.unbuilt = frame.unbuilt;
@@ -503,9 +496,9 @@ std::function<void(gpu::FrameDone)> RenderLoop::completion(const RenderSession& 
     job.last = done.complete;
     inbox.push(job);
     if (!done.complete || done.device_lost || done.out_of_memory) return;
-    meta.rendered = done.completed_at;
-    meta.gpu = Nanoseconds(done.frame_gpu_ns);
-    meta.readback = Nanoseconds(done.readback_ns);
+    meta.times.rendered = done.completed_at;
+    meta.times.gpu = Nanoseconds(done.frame_gpu_ns);
+    meta.times.readback = Nanoseconds(done.readback_ns);
     sink.on_rendered({std::move(meta), std::move(done.mask)});
   };
 }
@@ -522,7 +515,7 @@ void RenderLoop::abandon(RenderSession& session) {
 void RenderLoop::give_up_begun(RenderSession& session) {
   abandon(session);
   if (!std::exchange(session.asked, false)) return;
-  account_.left_queue(session.opened.tenant);
+  account_.left_queue(session.grant().tenant);
   scheduler_->withdraw(session.opened.session);
 }
 

@@ -22,11 +22,11 @@ uint32_t shrunk(uint32_t side, double share) {
 
 TileGrid RenderSession::wanted_grid() const {
   const double size = std::min({degradation.point().size, link.size(), memory.size()});
-  return {shrunk(granted_width, size), shrunk(granted_height, size), opened.lights};
+  return {shrunk(grant().width, size), shrunk(grant().height, size), grant().lights};
 }
 
 uint32_t RenderSession::wanted_lights() const {
-  return std::max(1u, static_cast<uint32_t>(std::ceil(degradation.point().lights * opened.lights)));
+  return std::max(1u, static_cast<uint32_t>(std::ceil(degradation.point().lights * grant().lights)));
 }
 
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice) {

@@ -30,7 +30,15 @@ struct NextJob {
 };
 
 struct RenderSession {
-  SessionOpened opened;
+  explicit RenderSession(SessionOpened as_opened)
+      : opened(std::move(as_opened)),
+        width(opened.grant.width),
+        height(opened.grant.height),
+        codec(opened.grant.codec) {}
+
+  const SessionOpened opened;
+  uint32_t width, height;   // of its frames, in force
+  protocol::CodecId codec;  // in force where the link is not short of bytes
   std::optional<ViewRequest> newest;
   uint32_t coalesced = 0;  // views replaced since its last frame
   std::optional<BegunFrame> begun;
@@ -43,16 +51,17 @@ struct RenderSession {
   gpu::LightSet untraced;
   LinkSteps link;
   MemorySteps memory;
-  uint32_t granted_width = 0, granted_height = 0;
   uint32_t arrived = 0, answered = 0;  // views since the last review
 
+  const SessionGrant& grant() const { return opened.grant; }
+
   // In force now, and where the degradation wants it.
-  double rate_hz() const { return opened.rate_hz * degradation.point().rate; }
+  double rate_hz() const { return grant().rate_hz * degradation.point().rate; }
   TileGrid wanted_grid() const;
   uint32_t wanted_lights() const;  // that are traced; at least one
-  uint32_t traced_lights() const { return opened.lights - static_cast<uint32_t>(untraced.count()); }
-  TileGrid grid() const { return {opened.width, opened.height, opened.lights}; }
-  bool has_granted_size() const { return opened.width == granted_width && opened.height == granted_height; }
+  uint32_t traced_lights() const { return grant().lights - static_cast<uint32_t>(untraced.count()); }
+  TileGrid grid() const { return {width, height, grant().lights}; }
+  bool has_granted_size() const { return width == grant().width && height == grant().height; }
   bool has_work() const { return begun || newest; }
 };
 

@@ -84,21 +84,21 @@ std::optional<Refused> check_version(const Hello& hello) {
   return refusal(RefusalCode::version, "this server speaks version " + std::to_string(protocol::kVersion));
 }
 
-std::variant<Accepted, Refused> check_hello(const Hello& hello, TenantId tenant, const Config& config,
-                                            const FindScene& find_scene) {
+std::variant<SessionGrant, Refused> check_hello(const Hello& hello, TenantId tenant, const Config& config,
+                                                const FindScene& find_scene) {
   if (auto refused = check_size(hello, config.render)) return *refused;
   if (auto refused = check_passes(hello, config.render)) return *refused;
   std::string scene = find_scene(hello.scene);
   if (scene.empty()) return refusal(RefusalCode::unknown_scene, "no scene " + shown(hello.scene) + " here");
-  return Accepted{tenant,
-                  std::move(scene),
-                  hello.width,
-                  hello.height,
-                  hello.rate_hz,
-                  choose_codec(hello, config.encode),
-                  densest_codec(hello, config.encode),
-                  choose_cipher(hello.ciphers),
-                  hello.features & kFeatures};
+  return SessionGrant{.tenant = tenant,
+                      .scene_name = std::move(scene),
+                      .width = hello.width,
+                      .height = hello.height,
+                      .rate_hz = hello.rate_hz,
+                      .codec = choose_codec(hello, config.encode),
+                      .dense_codec = densest_codec(hello, config.encode),
+                      .cipher = choose_cipher(hello.ciphers),
+                      .features = hello.features & kFeatures};
 }
 
 }  // namespace gnomon::daemon

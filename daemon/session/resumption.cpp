@@ -25,28 +25,26 @@ bool makes_sense(const SessionRecord& record) {
 
 }  // namespace
 
-SessionRecord record_of(SessionId id, const Accepted& accepted, const std::string& tenant,
-                        const protocol::Bytes16& scene_hash, const protocol::Secret& resumption,
-                        const protocol::SealState& seal) {
-  SessionRecord record;
-  record.id = id.value;
-  record.features = accepted.features;
-  record.rate_hz = accepted.rate_hz;
-  record.width = accepted.width;
-  record.height = accepted.height;
-  record.codec = accepted.codec;
-  record.dense_codec = accepted.dense_codec;
-  record.cipher = accepted.cipher;
+SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::string& tenant,
+                        const SessionKeys& keys) {
+  SessionRecord record{.id = id.value,
+                       .features = grant.features,
+                       .rate_hz = grant.rate_hz,
+                       .width = grant.width,
+                       .height = grant.height,
+                       .codec = grant.codec,
+                       .dense_codec = grant.dense_codec,
+                       .cipher = grant.cipher,
+                       .scene_hash = keys.scene_hash,
+                       .resumption = keys.resumption,
+                       .seal = keys.seal};
   put(record.tenant, tenant);
-  put(record.scene, accepted.scene);
-  record.scene_hash = scene_hash;
-  record.resumption = resumption;
-  record.seal = seal;
+  put(record.scene, grant.scene_name);
   return record;
 }
 
-std::variant<Accepted, protocol::Refused> accepted_of(const SessionRecord& record, const Roster& roster,
-                                                      const Config& config, const FindScene& find_scene) {
+std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& record, const Roster& roster,
+                                                       const Config& config, const FindScene& find_scene) {
   using protocol::RefusalCode;
   const auto tenant = roster.find(record.tenant.data());
   if (!tenant || !makes_sense(record)) return refusal(RefusalCode::unknown_session, "the session is over");
@@ -57,10 +55,10 @@ std::variant<Accepted, protocol::Refused> accepted_of(const SessionRecord& recor
   hello.height = record.height;
   hello.rate_hz = record.rate_hz;
   auto verdict = check_hello(hello, *tenant, config, find_scene);
-  if (auto* accepted = std::get_if<Accepted>(&verdict)) {
-    accepted->codec = record.codec;
-    accepted->dense_codec = record.dense_codec;
-    accepted->cipher = record.cipher;
+  if (auto* grant = std::get_if<SessionGrant>(&verdict)) {
+    grant->codec = record.codec;
+    grant->dense_codec = record.dense_codec;
+    grant->cipher = record.cipher;
   }
   return verdict;
 }

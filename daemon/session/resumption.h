@@ -10,13 +10,20 @@
 
 namespace gnomon::daemon {
 
-// `scene_hash`: of what the scene is now; `resumption`: what its client will prove that it knows.
-SessionRecord record_of(SessionId id, const Accepted& accepted, const std::string& tenant,
-                        const protocol::Bytes16& scene_hash, const protocol::Secret& resumption,
-                        const protocol::SealState& seal);
+// What of a session is in its record beside the grant.
+struct SessionKeys {
+  protocol::Bytes16 scene_hash{};  // of the scene's content when the session was opened
+  protocol::Secret resumption{};   // the client will prove that it knows this
+  protocol::SealState seal;
+};
 
-// What was accepted then, if it would be now: nothing in the record is believed unseen, as another life wrote it.
-std::variant<Accepted, protocol::Refused> accepted_of(const SessionRecord& record, const Roster& roster,
-                                                      const Config& config, const FindScene& find_scene);
+// `tenant`: the name of the grant's tenant; ids do not outlive a process.
+SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::string& tenant,
+                        const SessionKeys& keys);
+
+// What the record's session was granted, if it would be granted now. The record is untrusted: a previous process may
+// have written it. Every field is validated.
+std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& record, const Roster& roster,
+                                                       const Config& config, const FindScene& find_scene);
 
 }  // namespace gnomon::daemon

@@ -29,18 +29,18 @@ uint32_t mean_us(Nanoseconds sum, uint32_t count) {
 
 }  // namespace
 
-Session::Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now,
-                 KeptSession kept)
-    : id_(id),
-      accepted_(std::move(accepted)),
-      for_resuming_(std::move(kept)),
-      seat_(std::move(seat)),
-      told_width_(accepted_.width),
-      told_height_(accepted_.height),
-      seal_(std::move(seal)),
+Session::Session(SessionParts parts, TimePoint now)
+    : id_(parts.id),
+      grant_(std::move(parts.grant)),
+      scene_use_(std::move(parts.scene_use)),
+      for_resuming_(std::move(parts.kept)),
+      seat_(std::move(parts.seat)),
+      told_width_(grant_.width),
+      told_height_(grant_.height),
+      seal_(std::move(parts.seal)),
       last_heard_(now),
-      link_(accepted_.features, life() > 0) {
-  if (accepted_.features & protocol::kFeatureReferences) references_ = std::make_shared<SessionReferences>();
+      link_(grant_.features, life() > 0) {
+  if (grant_.has(protocol::kFeatureReferences)) references_ = std::make_shared<SessionReferences>();
   // What was asked for before is not answered again: slices of two answers to one camera must not be mixed.
   if (for_resuming_ && for_resuming_.record().newest_frame != 0)
     newest_ = FrameId{for_resuming_.record().newest_frame};
@@ -103,7 +103,7 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
   ViewRequest view{id_, update.frame, update.camera, now, deadline};
-  view.tenant = accepted_.tenant;
+  view.tenant = grant_.tenant;
   ++window_.offered;
   if (kept_) view.coalesced = kept_->coalesced + 1;
   if (link_.takes_view(now)) return {released(view, now), std::nullopt};
@@ -131,7 +131,7 @@ std::optional<Session::Ended> Session::take_ended() {
     while (!under_way_.empty()) {
       const UnderWay frame = under_way_.front();
       under_way_.pop_front();
-      if (frame.meta.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
+      if (frame.meta.route.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
     }
   }
   return std::nullopt;
@@ -141,9 +141,9 @@ void Session::frame_sent(const FrameMeta& meta, TimePoint sent) {
   ++frames_;
   coalesced_ += meta.coalesced;
   ++recent_.frames;
-  recent_.queue += meta.submitted - meta.arrival;
-  recent_.gpu += meta.gpu;
-  recent_.total += sent - meta.arrival;
+  recent_.queue += meta.times.submitted - meta.times.arrival;
+  recent_.gpu += meta.times.gpu;
+  recent_.total += sent - meta.times.arrival;
 }
 
 LinkReport Session::take_link_report() {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "daemon/frame/frame.h"
+#include "daemon/frame/grant.h"
 #include "daemon/frame/session_references.h"
 #include "daemon/link/link_window.h"
 #include "daemon/metrics/faults.h"
@@ -29,15 +30,23 @@ struct Received {
   bool ping = false;  // to be answered to where it came from
 };
 
+// What a session is made of.
+struct SessionParts {
+  SessionId id{};
+  SessionGrant grant = {};
+  std::unique_ptr<protocol::Seal> seal;
+  Seat seat;
+  KeptSession kept = {};  // the seal goes on from what lies in there; empty if it cannot be resumed
+  std::shared_ptr<const void> scene_use = {};  // keeps the scene from being unloaded
+};
+
 // The net thread's that owns it.
 class Session {
  public:
-  // `kept`: the session may be resumed; what the seal goes on from lies in there. Empty: it may not.
-  Session(SessionId id, std::unique_ptr<protocol::Seal> seal, Accepted accepted, Seat seat, TimePoint now,
-          KeptSession kept = {});
+  Session(SessionParts parts, TimePoint now);
 
   SessionId id() const { return id_; }
-  const Accepted& accepted() const { return accepted_; }
+  const SessionGrant& grant() const { return grant_; }
   protocol::Seal& seal() { return *seal_; }
   LinkSender& link() { return link_; }
 
@@ -106,7 +115,8 @@ class Session {
   ViewRequest released(ViewRequest view, TimePoint now);
 
   SessionId id_;
-  Accepted accepted_;
+  SessionGrant grant_;
+  std::shared_ptr<const void> scene_use_;
   KeptSession for_resuming_;  // given up after the seat, which whoever resumes it takes
   Seat seat_;
   uint32_t told_width_, told_height_;

@@ -37,7 +37,7 @@ struct SessionRecord {
   std::array<char, 1025> scene{};
   protocol::Bytes16 scene_hash{};
   protocol::Secret resumption{};
-  protocol::SealState seal;
+  protocol::SealState seal = {};
 };
 
 class SessionStore;

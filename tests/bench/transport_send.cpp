@@ -101,11 +101,13 @@ class SealedFlow {
  public:
   SealedFlow(CipherId cipher, daemon::DataSocket& socket)
       : socket_(socket), client_(kBenchSession, cipher, kBenchSecrets, Side::client) {
-    daemon::Accepted accepted;
-    accepted.features = protocol::kFeatureFeedback | protocol::kFeatureParity;
     auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
-    session_.emplace(kBenchSession, std::make_unique<Seal>(kBenchSession, cipher, kBenchSecrets, Side::server),
-                     accepted, std::get<daemon::Seat>(std::move(seat)), now_);
+    session_.emplace(
+        daemon::SessionParts{.id = kBenchSession,
+                             .grant = {.features = protocol::kFeatureFeedback | protocol::kFeatureParity},
+                             .seal = std::make_unique<Seal>(kBenchSession, cipher, kBenchSecrets, Side::server),
+                             .seat = std::get<daemon::Seat>(std::move(seat))},
+        now_);
     report();  // and so the session knows where its client is
   }
 
@@ -120,7 +122,7 @@ class SealedFlow {
 
   void send_frame() {
     datagrams_ = bytes_ = 0;
-    frame_.meta.frame.value += 1;
+    frame_.meta.route.frame.value += 1;
     watch_.measure([&] { sender_.add(frame_, *session_, now_); });
     for (const TimePoint next_frame = now_ + kFrameInterval; now_ < next_frame;) {
       watch_.measure([&] {

@@ -67,16 +67,16 @@ TEST(Metrics, WhatIsLoggedOfASessionSaysWhose) {
 TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   Metrics metrics({"lab", "hall"}, {"room"}, "test");
   FrameMeta meta;
-  meta.grid = {100, 50, 3};
-  meta.traced_lights = 3;
-  meta.arrival = TimePoint(1h);
-  meta.submitted = meta.arrival + 1ms;
-  meta.gpu = 5ms;
-  meta.readback = 2ms;
-  meta.encode_began = meta.arrival + 7ms;
-  meta.encoded = meta.arrival + 9ms;
-  metrics.frame_sent(TenantId{1}, "room", meta, meta.arrival + 10ms, 1234);
-  metrics.frame_sent(TenantId{1}, "some/file.glb", meta, meta.arrival + 10ms, 1);
+  meta.spec.grid = {100, 50, 3};
+  meta.spec.traced_lights = 3;
+  meta.times.arrival = TimePoint(1h);
+  meta.times.submitted = meta.times.arrival + 1ms;
+  meta.times.gpu = 5ms;
+  meta.times.readback = 2ms;
+  meta.times.encode_began = meta.times.arrival + 7ms;
+  meta.times.encoded = meta.times.arrival + 9ms;
+  metrics.frame_sent(TenantId{1}, "room", meta, meta.times.arrival + 10ms, 1234);
+  metrics.frame_sent(TenantId{1}, "some/file.glb", meta, meta.times.arrival + 10ms, 1);
   const std::string text = metrics.text();
   // Of the series with this name and, in whatever order, these labels.
   const auto value_of = [&](const std::string& name, const std::vector<std::string>& labels) {

@@ -19,8 +19,8 @@ class SlicedTest : public RenderLoopTest {
     loop_->handle(TermsChanged{terms}, now_);
     loop_->handle(SessionClosed{kA}, now_);
     loop_->handle(SessionClosed{kB}, now_);
-    loop_->handle(SessionOpened{kA, kTenant, kScene, 16, kHeight, 2, protocol::CodecId::tiles_lz4, 0}, now_);
-    loop_->handle(SessionOpened{kB, kTenant, kScene, 16, kHeight, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+    open(kA, {.width = 16, .height = kHeight});
+    open(kB, {.width = 16, .height = kHeight});
     view(kA, 1);  // teaches what a frame costs
     settle();
     fake_->complete(100us);
@@ -75,7 +75,7 @@ TEST_F(SlicedTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
   view(kA, 2);
   EXPECT_EQ(run_to_the_end(), 5u) << "100 us in pieces of at most a third of a slice";
   ASSERT_EQ(rendered_.size(), 1u);
-  EXPECT_EQ(rendered_[0].meta.gpu, Nanoseconds(100us));
+  EXPECT_EQ(rendered_[0].meta.times.gpu, Nanoseconds(100us));
   EXPECT_EQ(rendered_[0].mask.mask().grid.height, kHeight);
 }
 
@@ -142,19 +142,19 @@ TEST_F(SlicedTest, RasterisingThatCostsMoreThanAPieceStandsAlone) {
 TEST_F(SlicedTest, OthersPassBetweenBands) {
   view(kA, 2);
   settle();
-  loop_->handle(SessionOpened{SessionId{44}, kTenant, kScene, 8, 8, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  open(SessionId{44}, {.width = 8, .height = 8});
   Terms two = terms_of({});
   two.slice = 75us;
   two.tenants.push_back({});
   loop_->handle(TermsChanged{two}, now_);
-  loop_->handle(SessionOpened{SessionId{55}, TenantId{1}, kScene, 8, 8, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  open(SessionId{55}, {.tenant = TenantId{1}, .width = 8, .height = 8});
   view(SessionId{55}, 1);
   while (rendered_.empty() && fake_->waiting() > 0) {
     complete_one();
     settle();
   }
   ASSERT_EQ(rendered_.size(), 1u);
-  EXPECT_EQ(rendered_[0].meta.session, SessionId{55});
+  EXPECT_EQ(rendered_[0].meta.route.session, SessionId{55});
 }
 
 TEST_F(SlicedTest, ANewerViewWaitsForTheFrameThatWasBegun) {
@@ -230,11 +230,8 @@ class NeighbourTest : public RenderLoopTest {
     terms.tenants.resize(2);
     terms.tenants[1].terms.priority = steady_priority;
     loop_->handle(TermsChanged{terms}, now_);
-    constexpr auto kCodec = protocol::CodecId::tiles_lz4;
-    loop_->handle(SessionOpened{kSteady, TenantId{1}, kScene, 160, 96, 3, kCodec, 0}, now_);
-    for (uint32_t i = 0; i < kFlood; ++i) {
-      loop_->handle(SessionOpened{SessionId{i}, kTenant, kScene, 640, 360, 3, kCodec, 0}, now_);
-    }
+    open(kSteady, {.tenant = TenantId{1}, .width = 160, .height = 96, .lights = 3});
+    for (uint32_t i = 0; i < kFlood; ++i) open(SessionId{i}, {.width = 640, .height = 360, .lights = 3});
   }
 
   // 5 ms and 30 ns a pixel to rasterise, 25 ns a bit to trace, give or take a tenth.
@@ -270,8 +267,8 @@ class NeighbourTest : public RenderLoopTest {
         next_steady = now_ + 60ms + Nanoseconds(random_() % 20'000'000);
       }
       for (RenderedFrame& frame : rendered_) {
-        if (frame.meta.session == kSteady) waits_.push_back(now_ - asked - own);
-        if (frame.meta.session != kSteady) view(frame.meta.session, ++frame_);
+        if (frame.meta.route.session == kSteady) waits_.push_back(now_ - asked - own);
+        if (frame.meta.route.session != kSteady) view(frame.meta.route.session, ++frame_);
       }
       rendered_.clear();
     }

@@ -15,12 +15,11 @@ class NarrowLink : public RenderLoopTest {
     Terms terms = terms_of({});
     terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
     loop_->handle(TermsChanged{terms}, now_);
-    SessionOpened opened{
-        .session = kFar, .tenant = kTenant, .scene = kScene, .width = 160, .height = 96, .lights = 2};
-    opened.codec = protocol::CodecId::raw32_lz4;
-    opened.dense_codec = protocol::CodecId::tiles_lz4;
-    opened.features = protocol::kFeatureSizes;
-    loop_->handle(opened, now_);
+    open(kFar, {.width = 160,
+                .height = 96,
+                .codec = protocol::CodecId::raw32_lz4,
+                .dense_codec = protocol::CodecId::tiles_lz4,
+                .features = protocol::kFeatureSizes});
   }
 
   // A second of which the link had room for so many of 40 views; then one frame.
@@ -33,8 +32,8 @@ class NarrowLink : public RenderLoopTest {
       fake_->complete();
     }
     settle();
-    codec_ = rendered_.back().meta.codec;
-    tells_size_ = rendered_.back().meta.tells_size;
+    codec_ = rendered_.back().meta.spec.codec;
+    tells_size_ = rendered_.back().meta.spec.tells_size;
     rendered_.clear();
     now_ += 1s;
   }

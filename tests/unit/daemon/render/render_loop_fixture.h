@@ -46,8 +46,10 @@ class RenderLoopTest : public testing::Test, private FrameSink {
   void on_degraded(const SessionDegraded& session) override { degraded_.push_back(session); }
   void on_lights(const LightsNews&) override {}
 
-  void open(SessionId session) {
-    loop_->handle(SessionOpened{session, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  // A session of kTenant in kScene, of that size, with two lights, unless `grant` says otherwise.
+  void open(SessionId session, SessionGrant grant = {.width = 16, .height = 16}) {
+    if (grant.lights == 0) grant.lights = 2;
+    loop_->handle(SessionOpened{.session = session, .grant = grant}, now_);
   }
 
   void view(SessionId session, uint32_t frame) {
@@ -70,7 +72,7 @@ class RenderLoopTest : public testing::Test, private FrameSink {
   std::vector<uint32_t> rendered_frames_of(SessionId session) {
     std::vector<uint32_t> frames;
     for (const RenderedFrame& frame : rendered_) {
-      if (frame.meta.session == session) frames.push_back(frame.meta.frame.value);
+      if (frame.meta.route.session == session) frames.push_back(frame.meta.route.frame.value);
     }
     return frames;
   }

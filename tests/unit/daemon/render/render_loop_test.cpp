@@ -64,10 +64,10 @@ TEST_F(RenderLoopTest, FramesCarryWhatLaterStagesNeed) {
   fake_->complete(4ms);
   ASSERT_EQ(rendered_.size(), 1u);
   const FrameMeta& meta = rendered_[0].meta;
-  EXPECT_EQ(meta.arrival, arrival);
-  EXPECT_EQ(meta.submitted, arrival + 3ms);
-  EXPECT_EQ(meta.gpu, Nanoseconds(4ms));
-  EXPECT_EQ(meta.grid, rendered_[0].mask.mask().grid);
+  EXPECT_EQ(meta.times.arrival, arrival);
+  EXPECT_EQ(meta.times.submitted, arrival + 3ms);
+  EXPECT_EQ(meta.times.gpu, Nanoseconds(4ms));
+  EXPECT_EQ(meta.spec.grid, rendered_[0].mask.mask().grid);
   gpu::CameraView camera;
   camera.position.x = 7;
   EXPECT_EQ(unpacked(rendered_[0].mask.mask())[0], fake_word(camera, 0));
@@ -178,7 +178,7 @@ TEST_F(RenderLoopTest, AFailedRebuildIsAFailure) {
 
 TEST_F(RenderLoopTest, NoMemoryForAFrameMakesItSmallerAndNothingIsLost) {
   const SessionId large{44};
-  loop_->handle(SessionOpened{large, kTenant, kScene, 1600, 800, 2, protocol::CodecId::tiles_lz4, 0}, now_);
+  open(large, {.width = 1600, .height = 800});
   fake_->most_pixels = 200 * 100;
   view(large, 1);
   view(kB, 1);
@@ -306,7 +306,7 @@ TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
 
 TEST_F(RenderLoopTest, AGrantedRateIsKept) {
   const SessionId slow{77};
-  loop_->handle(SessionOpened{slow, kTenant, kScene, 16, 16, 2, protocol::CodecId::tiles_lz4, 0, 20.0}, now_);
+  open(slow, {.width = 16, .height = 16, .rate_hz = 20});
   const TimePoint begin = now_;
   size_t frames = 0;
   for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
@@ -342,9 +342,7 @@ class OverloadTest : public RenderLoopTest {
     Terms terms = terms_of({});
     terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
     loop_->handle(TermsChanged{terms}, now_);
-    SessionOpened opened{kBusy, kTenant, kScene, 160, 96, 2, protocol::CodecId::tiles_lz4, 0};
-    opened.rate_hz = 40;
-    loop_->handle(opened, now_);
+    open(kBusy, {.width = 160, .height = 96, .rate_hz = 40});
   }
 
   // A second in which a view comes every 25 ms and every n-th is answered.
@@ -393,9 +391,7 @@ TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
   terms.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1, .least_lights = 0.3};
   loop_->handle(TermsChanged{terms}, now_);
   loop_->handle(SessionClosed{kBusy}, now_);
-  SessionOpened opened{kBusy, kTenant, kLit, 160, 96, 3, protocol::CodecId::tiles_lz4, 0};
-  opened.rate_hz = 40;
-  loop_->handle(opened, now_);
+  open(kBusy, {.width = 160, .height = 96, .rate_hz = 40, .scene = kLit, .lights = 3});
   for (int i = 0; i < 30; ++i) second(8);  // the camera stands at x = the frame's number, 1,000 and more
   ASSERT_FALSE(degraded_.empty());
   EXPECT_EQ(degraded_.front().news.rate_hz, 30) << "the rate first";

@@ -161,27 +161,27 @@ TEST(SessionStore, WhatMakesNoSenseIsRefused) {
   config.tenants[0].name = "studio";
   const Roster roster = Roster().with(config.tenants);
   const FindScene find = [](const std::string& asked) { return asked == "room" ? asked : std::string(); };
-  Accepted accepted;
-  accepted.scene = "room";
-  accepted.width = accepted.height = 64;
-  accepted.codec = protocol::CodecId::raw32_lz4;
-  accepted.dense_codec = protocol::CodecId::tiles_context;
-  accepted.cipher = protocol::CipherId::chacha20_poly1305;
-  accepted.features = protocol::kFeatureResume | protocol::kFeatureFeedback;
-  const SessionRecord good = record_of(SessionId{7}, accepted, "studio", {}, {}, {});
-  const auto again = accepted_of(good, roster, config, find);
-  const auto* same = std::get_if<Accepted>(&again);
+  const SessionGrant grant{.scene_name = "room",
+                           .width = 64,
+                           .height = 64,
+                           .codec = protocol::CodecId::raw32_lz4,
+                           .dense_codec = protocol::CodecId::tiles_context,
+                           .cipher = protocol::CipherId::chacha20_poly1305,
+                           .features = protocol::kFeatureResume | protocol::kFeatureFeedback};
+  const SessionRecord good = record_of(SessionId{7}, grant, "studio", {});
+  const auto again = grant_of(good, roster, config, find);
+  const auto* same = std::get_if<SessionGrant>(&again);
   ASSERT_TRUE(same);
-  EXPECT_EQ(same->scene, accepted.scene);
-  EXPECT_EQ(same->width, accepted.width);
-  EXPECT_EQ(same->codec, accepted.codec);
-  EXPECT_EQ(same->dense_codec, accepted.dense_codec);
-  EXPECT_EQ(same->cipher, accepted.cipher);
-  EXPECT_EQ(same->features, accepted.features);
+  EXPECT_EQ(same->scene_name, grant.scene_name);
+  EXPECT_EQ(same->width, grant.width);
+  EXPECT_EQ(same->codec, grant.codec);
+  EXPECT_EQ(same->dense_codec, grant.dense_codec);
+  EXPECT_EQ(same->cipher, grant.cipher);
+  EXPECT_EQ(same->features, grant.features);
   const auto refuses = [&](auto change) {
     SessionRecord bad = good;
     change(bad);
-    return std::holds_alternative<protocol::Refused>(accepted_of(bad, roster, config, find));
+    return std::holds_alternative<protocol::Refused>(grant_of(bad, roster, config, find));
   };
   EXPECT_TRUE(refuses([](SessionRecord& r) { r.tenant[0] = 'x'; }));
   EXPECT_TRUE(refuses([](SessionRecord& r) { r.scene[0] = 'x'; }));

@@ -16,11 +16,12 @@ class SessionTest : public testing::Test {
   static constexpr TimePoint kStart = TimePoint(1h);
 
   Session& add(uint64_t id, TimePoint now, uint64_t features = 0) {
-    Accepted accepted;
-    accepted.features = features;
     auto seat = seats_.take(TenantId{0}, asio::ip::address_v4::loopback());
-    return table_.add(std::make_unique<Session>(SessionId{id}, seal(id, protocol::Side::server), accepted,
-                                                std::get<Seat>(std::move(seat)), now));
+    return table_.add(std::make_unique<Session>(SessionParts{.id = SessionId{id},
+                                                             .grant = {.features = features},
+                                                             .seal = this->seal(id, protocol::Side::server),
+                                                             .seat = std::get<Seat>(std::move(seat))},
+                                                now));
   }
 
   static std::unique_ptr<protocol::Seal> seal(uint64_t id, protocol::Side side) {
@@ -120,7 +121,7 @@ TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
   Session& session = add(1, kStart, protocol::kFeatureFeedback);
   ASSERT_TRUE(session.receive(view(1, 1), here_, kStart).view);
   FrameMeta meta;
-  meta.frame = FrameId{1};
+  meta.route.frame = FrameId{1};
   session.sending(meta, session.link().add(large_frame(1, 200, 1100), TimePoint::max(), kStart));
   EXPECT_FALSE(session.receive(view(1, 2), here_, kStart + 1ms).view);
   EXPECT_FALSE(session.receive(view(1, 3), here_, kStart + 2ms).view);
@@ -134,7 +135,7 @@ TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
   }
   const auto ended = session.take_ended();
   ASSERT_TRUE(ended);
-  EXPECT_EQ(ended->meta.frame, FrameId{1});
+  EXPECT_EQ(ended->meta.route.frame, FrameId{1});
   EXPECT_TRUE(ended->whole);
   const auto kept = session.take_kept(now);
   ASSERT_TRUE(kept);
@@ -147,7 +148,7 @@ TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
   Session& session = add(1, kStart, protocol::kFeatureFeedback);
   session.receive(view(1, 1), here_, kStart);
   FrameMeta meta;
-  meta.frame = FrameId{1};
+  meta.route.frame = FrameId{1};
   session.sending(meta, session.link().add(large_frame(1, 200, 1100), kStart + 20ms, kStart));
   EXPECT_FALSE(session.take_ended());
   EXPECT_FALSE(session.link().next(kStart + 20ms));
@@ -159,12 +160,12 @@ TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
 TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
   Session& session = add(1, kStart);
   FrameMeta meta;
-  meta.arrival = kStart;
-  meta.submitted = kStart + 2ms;
-  meta.gpu = 3ms;
+  meta.times.arrival = kStart;
+  meta.times.submitted = kStart + 2ms;
+  meta.times.gpu = 3ms;
   meta.coalesced = 4;
   session.frame_sent(meta, kStart + 10ms);
-  meta.submitted = kStart + 4ms;
+  meta.times.submitted = kStart + 4ms;
   meta.coalesced = 0;
   session.frame_sent(meta, kStart + 20ms);
   EXPECT_EQ(session.take_stats(), (protocol::Stats{2, 4, 3000, 3000, 15000}));

@@ -1,0 +1,33 @@
+// What a session was granted: the one value that goes from the handshake to the session's record, the net thread that
+// serves it and the device that renders for it. It does not change during the session's life; what is in force at a
+// moment (a smaller size, another codec) is the owner's own field.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/ids.h"
+#include "protocol/types.h"
+
+namespace gnomon::daemon {
+
+// A plain value; any thread.
+struct SessionGrant {
+  TenantId tenant{};
+  std::string scene_name = {};  // as the server names it
+  uint16_t width = 0;           // pixels, prediction border included
+  uint16_t height = 0;
+  float rate_hz = 0;  // 0: no limit
+  protocol::CodecId codec = protocol::CodecId::tiles_lz4;
+  protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // used while the link is short of bytes
+  protocol::CipherId cipher = protocol::CipherId::aes_128_gcm;
+  uint64_t features = 0;  // protocol/types.h: the client's features that this server knows
+
+  // Known once the scene is resident.
+  SceneId scene{};
+  uint32_t lights = 0;
+
+  bool has(uint64_t feature) const { return (features & feature) != 0; }
+};
+
+}  // namespace gnomon::daemon
