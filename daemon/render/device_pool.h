@@ -5,12 +5,11 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 #include <vector>
 
 #include "daemon/metrics/health.h"
 #include "daemon/render/device_thread.h"
-#include "daemon/render/placement.h"
+#include "daemon/render/session_places.h"
 
 namespace gnomon::daemon {
 
@@ -55,36 +54,25 @@ class DevicePool final : private DeviceThread::Owner {
   void set_terms(const Terms& terms);
   void change_light(const LightChanged& change);
   // To every device. `arrived.resident` is called once, when all have answered: with what it takes on one of them, or
-  // the error where none could take it. False: nobody will call it.
-  bool bring(const SceneArrived& arrived);
+  // the error where none could take it.
+  void bring(const SceneArrived& arrived);
   void take_away(SceneId scene);
 
   // A drained device gets no sessions, and those that it has move to others, if there are any. False: no such device.
   bool set_drained(size_t device, bool drained);
 
  private:
-  RenderInbox& inbox_of(SessionId session) const;
   void device_changed(uint32_t device, bool up) override;
   void device_failed(uint32_t device, const Error& why) override;
   void device_reported() override;
-  void settle(uint32_t device, bool gone = false);
-  void carry_out(const std::vector<Placement::Move>& moves);
-  void tell_parts(TenantId tenant);
-  bool any_up() const;
 
   Metrics& metrics_;
   Health& health_;
   std::function<void(const Error&)> failed_;
   std::vector<std::unique_ptr<DeviceThread>> devices_;
 
-  mutable std::mutex mutex_;  // guards what follows
-  Placement placement_;
-  struct PooledSession {
-    SessionOpened opened;
-    protocol::CodecId codec;  // in force
-  };
-  std::unordered_map<SessionId, PooledSession> sessions_;
-  std::vector<bool> drained_, down_;
+  mutable std::mutex mutex_;
+  SessionPlaces places_;  // guarded by mutex_
 };
 
 }  // namespace gnomon::daemon
