@@ -92,7 +92,7 @@ Result<void> Daemon::open_devices() {
 
 void Daemon::on_rendered(RenderedFrame frame) { encode_pool_->push(std::move(frame)); }
 
-void Daemon::on_degraded(const SessionDegraded& session) { server_->tell(session); }
+void Daemon::on_degraded(const SessionDegraded& session) { server_->notify(session); }
 
 void Daemon::on_lights(const LightsNews& lights) {
   scenes_->keep_lights(lights);

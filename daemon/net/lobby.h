@@ -35,6 +35,12 @@ class Lobby {
     return out;
   }
 
+  // Lets the client read our last words and close the connection, for a second at most.
+  void close_gracefully(const std::shared_ptr<ControlStream>& stream, TimePoint now) {
+    stream->finish();
+    for (const Visitor& pushed_out : enter({stream, now + kFarewell, true})) pushed_out.stream->close();
+  }
+
   // False: it was not here.
   bool remove(const ControlStream* stream) {
     return std::erase_if(visitors_, [&](const Visitor& v) { return v.stream.get() == stream; }) > 0;
@@ -57,10 +63,11 @@ class Lobby {
     return out;
   }
 
-  std::vector<Visitor> all() const { return {visitors_.begin(), visitors_.end()}; }
   size_t size() const { return visitors_.size(); }
 
  private:
+  static constexpr auto kFarewell = std::chrono::seconds(1);
+
   size_t max_;
   std::list<Visitor> visitors_;  // oldest first
 };

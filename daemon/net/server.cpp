@@ -85,7 +85,7 @@ void Server::accept() {
   });
 }
 
-void Server::tell(const SessionDegraded& session) { threads_[session.net_thread]->tell(session); }
+void Server::notify(const SessionDegraded& session) { threads_[session.net_thread]->notify(session); }
 
 bool Server::kick(SessionId id, const std::string& why) {
   return std::any_of(threads_.begin(), threads_.end(), [&](const auto& thread) { return thread->kick(id, why); });

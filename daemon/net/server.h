@@ -23,7 +23,7 @@ class Server {
 
   // Any thread.
   void deliver(EncodedFrame frame) { threads_[frame.meta.route.net_thread]->deliver(std::move(frame)); }
-  void tell(const SessionDegraded& session);
+  void notify(const SessionDegraded& session);
   bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsNews& news);

@@ -1,0 +1,294 @@
+#include "daemon/net/admission.h"
+
+#include <asio/co_spawn.hpp>
+#include <asio/detached.hpp>
+
+#include "daemon/frame/translate.h"
+#include "daemon/net/answer.h"
+#include "daemon/security/random_bytes.h"
+#include "daemon/session/credentials.h"
+#include "daemon/session/resumption.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using protocol::RefusalCode;
+
+constexpr const char* kNoSession = "no such session, or it is over";
+
+protocol::Refused refusal_of(const scheduler::Misfit& misfit) {
+  const bool size = misfit.limit == scheduler::Limit::size;
+  std::string text("beyond the limit of ");
+  text.append(to_string(misfit.limit));
+  protocol::Refused refused = refusal(size ? RefusalCode::bad_size : RefusalCode::over_capacity, text);
+  refused.fit_width = static_cast<uint16_t>(misfit.fit_width);
+  refused.fit_height = static_cast<uint16_t>(misfit.fit_height);
+  refused.fit_rate_hz = static_cast<float>(misfit.fit_rate_hz);
+  return refused;
+}
+
+}  // namespace
+
+Admission::Admission(const NetShared& shared, uint16_t data_port, asio::io_context& io, SessionControl& control,
+                     Lobby& lobby)
+    : shared_(shared), data_port_(data_port), io_(io), control_(control), lobby_(lobby) {}
+
+void Admission::on_accept(asio::ip::tcp::socket socket) {
+  const std::shared_ptr<Tls> tls = *shared_.tls.get();
+  auto stream = std::make_shared<ControlStream>(std::move(socket), tls->context, kMaxClientMessageBytes);
+  for (const Visitor& pushed_out : lobby_.enter({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
+    if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
+    pushed_out.stream->close();
+  }
+  listen(stream, [this](const StreamPtr& from, Result<protocol::Message> message) {
+    on_first_message(from, std::move(message));
+  });
+  stream->start();
+}
+
+void Admission::close_overdue(TimePoint now) {
+  for (const Visitor& visitor : lobby_.expire(now)) {
+    if (!visitor.leaving) shared_.metrics.report(Fault::handshake_timeout);
+    visitor.stream->close();
+  }
+}
+
+void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Message> message) {
+  if (!message) return refuse(stream, refused(RefusalCode::malformed, message.error().message));
+  asio::co_spawn(io_, admit(stream, std::move(*message)), asio::detached);
+}
+
+asio::awaitable<void> Admission::admit(StreamPtr stream, protocol::Message first) {
+  Applicant applicant{.stream = std::move(stream)};
+  const Verdict refusal = co_await take_steps(applicant, first);
+  if (refusal) refuse(applicant.stream, *refusal, applicant.grant.tenant);
+}
+
+asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, const protocol::Message& first) {
+  if (const auto* hello = std::get_if<protocol::Hello>(&first)) {
+    if (auto refusal = identify(applicant, *hello)) co_return refusal;
+  } else if (const auto* resume = std::get_if<protocol::Resume>(&first)) {
+    if (auto refusal = co_await reclaim(applicant, *resume)) co_return refusal;
+  } else {
+    co_return refused(RefusalCode::malformed, "the first message must be a Hello or a Resume");
+  }
+  if (auto refusal = seat(applicant)) co_return refusal;
+  if (auto refusal = co_await fetch_scene(applicant)) co_return refusal;
+  if (auto refusal = book(applicant)) co_return refusal;
+  if (auto refusal = co_await find_room(applicant)) co_return refusal;
+  co_return open(applicant);
+}
+
+// Who the client is, and what its Hello is granted.
+Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hello& hello) const {
+  if (shared_.health.draining) return refused(RefusalCode::draining, "the server is going away");
+  if (const auto message = check_version(hello)) return refused(*message);
+  const auto who = daemon::identify(hello, applicant.stream->certificate_names(), *shared_.roster.get(),
+                                    shared_.config.server.mode);
+  if (const auto* rejected = std::get_if<Rejected>(&who)) return Refusal{rejected->refused, rejected->fault};
+  auto granted = check_hello(hello, std::get<TenantId>(who), shared_.config,
+                             [&](const auto& asked) { return shared_.catalog.find(asked); });
+  if (const auto* message = std::get_if<protocol::Refused>(&granted)) return refused(*message);
+  applicant.grant = std::get<SessionGrant>(std::move(granted));
+  return std::nullopt;
+}
+
+// A client that proves that a stored session is its own gets it, wherever the session is at the moment.
+asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, const protocol::Resume& resume) {
+  if (shared_.health.draining) co_return refused(RefusalCode::draining, "the server is going away");
+  const auto secret = shared_.store.resumption_secret(resume.session);
+  const auto proof = applicant.stream->resumption_proof(resume.session, secret.value_or(protocol::Secret{}));
+  if (!proof) co_return refused(RefusalCode::internal, proof.error().message);
+  if (!protocol::is_equal(*proof, resume.proof) || !secret)
+    co_return refused(RefusalCode::unknown_session, kNoSession);
+  hold(applicant.stream);
+  const Ask<KeptSession> claim = [&](auto on_answer) { shared_.store.claim(resume.session, std::move(on_answer)); };
+  applicant.kept = co_await answer_of(io_, claim);
+  if (has_departed(applicant)) co_return departed();
+  if (!applicant.kept) co_return refused(RefusalCode::unknown_session, kNoSession);
+  auto granted = grant_of(applicant.kept.record(), *shared_.roster.get(), shared_.config,
+                          [&](const auto& asked) { return shared_.catalog.find(asked); });
+  if (const auto* message = std::get_if<protocol::Refused>(&granted)) co_return refused(*message);
+  applicant.grant = std::get<SessionGrant>(std::move(granted));
+  co_return std::nullopt;
+}
+
+Admission::Verdict Admission::seat(Applicant& applicant) {
+  auto seat = shared_.seats.take(applicant.grant.tenant, applicant.stream->peer());
+  if (const auto* message = std::get_if<protocol::Refused>(&seat)) {
+    return Refusal{*message, fault_of(message->code), scheduler::Limit::sessions};
+  }
+  applicant.seat.emplace(std::get<Seat>(std::move(seat)));
+  return std::nullopt;
+}
+
+asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant) {
+  SessionGrant& grant = applicant.grant;
+  hold(applicant.stream);
+  const Ask<Result<SceneForUse>> fetch = [&](auto on_answer) {
+    shared_.scenes.fetch(grant.scene_name, std::move(on_answer));
+  };
+  const auto scene = co_await answer_of(io_, fetch);
+  if (has_departed(applicant)) co_return departed();
+  if (!scene) co_return refused(RefusalCode::scene_unavailable, scene.error().message);
+  applicant.scene = *scene;
+  if (applicant.kept && applicant.kept.record().scene_hash != scene->scene->content_hash) {
+    co_return refused(RefusalCode::unknown_session, "the scene is another one now");
+  }
+  grant.scene = scene->id;
+  grant.lights = static_cast<uint32_t>(scene->scene->lights.size());
+  co_return std::nullopt;
+}
+
+// Books what the session may ask of the devices' time.
+Admission::Verdict Admission::book(Applicant& applicant) const {
+  const SessionGrant& grant = applicant.grant;
+  const CostModels costs = shared_.devices.costs();
+  const auto known = costs.find(grant.scene);
+  const auto misfit = shared_.seats.book(*applicant.seat, {grant.width, grant.height, grant.lights, grant.rate_hz},
+                                         known == costs.end() ? scheduler::CostModel() : known->second);
+  if (!misfit) return std::nullopt;
+  const protocol::Refused message = refusal_of(*misfit);
+  return Refusal{message, fault_of(message.code), misfit->limit};
+}
+
+// Asks for memory for its frames.
+asio::awaitable<Admission::Verdict> Admission::find_room(const Applicant& applicant) {
+  const SessionGrant& grant = applicant.grant;
+  const Ask<Result<void>> ask = [&](auto on_answer) {
+    shared_.devices.ask_room({.scene = grant.scene,
+                              .tenant = grant.tenant,
+                              .width = grant.width,
+                              .height = grant.height,
+                              .answer = std::move(on_answer)});
+  };
+  const auto room = co_await answer_of(io_, ask);
+  if (has_departed(applicant)) co_return departed();
+  if (!shared_.roster.get()->open(grant.tenant)) {
+    co_return refused(RefusalCode::unknown_tenant, "the tenant is no longer served");
+  }
+  if (room) co_return std::nullopt;
+  Refusal refusal = refused(RefusalCode::over_capacity, "no memory for its frames: " + room.error().message);
+  refusal.limit = scheduler::Limit::memory;
+  co_return refusal;
+}
+
+Admission::Verdict Admission::open(Applicant& applicant) {
+  const bool resumed = static_cast<bool>(applicant.kept);
+  const SessionId id = resumed ? SessionId{applicant.kept.record().id} : random_session_id();
+  auto seal = make_seal(applicant, id);
+  if (!seal) return refused(RefusalCode::internal, seal.error().message);
+  lobby_.remove(applicant.stream.get());
+  const Session& session = control_.open({.id = id,
+                                          .grant = std::move(applicant.grant),
+                                          .seal = std::move(*seal),
+                                          .seat = std::move(*applicant.seat),
+                                          .kept = std::move(applicant.kept),
+                                          .scene_use = std::move(applicant.scene.use)},
+                                         applicant.stream);
+  send_welcome(*applicant.stream, session, applicant.scene);
+  const SessionGrant& grant = session.grant();
+  log::info(resumed ? "session resumed" : "session opened",
+            {{"session", id.value},
+             {"tenant", shared_.roster.get()->name(grant.tenant)},
+             {"scene", grant.scene_name},
+             {"size", std::to_string(grant.width) + "x" + std::to_string(grant.height)},
+             {"address", applicant.stream->peer().to_string()}});
+  return std::nullopt;
+}
+
+// The seal of a resumed session goes on from its record; that of a new one does so too if it may be resumed and there
+// is room for a record.
+Result<std::unique_ptr<protocol::Seal>> Admission::make_seal(Applicant& applicant, SessionId id) const {
+  SessionGrant& grant = applicant.grant;
+  KeptSession& kept = applicant.kept;
+  if (kept) {
+    ++kept.record().life;
+    return std::make_unique<protocol::Seal>(id, grant.cipher, kept.record().seal, protocol::Side::server);
+  }
+  const auto secrets = applicant.stream->seal_secrets(id, grant.cipher);
+  if (!secrets) return secrets.error();
+  if (grant.has(protocol::kFeatureResume)) {
+    const auto resumption = applicant.stream->resumption_secret(id);
+    if (!resumption) return resumption.error();
+    kept = shared_.store.add(record_of(id, grant, shared_.roster.get()->name(grant.tenant),
+                                       {.scene_hash = applicant.scene.scene->content_hash,
+                                        .resumption = *resumption,
+                                        .seal = protocol::first_state(*secrets, protocol::Side::server)}));
+  }
+  if (kept) return std::make_unique<protocol::Seal>(id, grant.cipher, kept.record().seal, protocol::Side::server);
+  grant.features &= ~protocol::kFeatureResume;
+  return std::make_unique<protocol::Seal>(id, grant.cipher, *secrets, protocol::Side::server);
+}
+
+void Admission::send_welcome(ControlStream& stream, const Session& session,
+                             const scenes::LoadedScene& scene) const {
+  const SessionGrant& grant = session.grant();
+  protocol::Welcome welcome;
+  welcome.features = grant.features;
+  welcome.session = session.id();
+  welcome.data_port = data_port_;
+  welcome.cipher = grant.cipher;
+  welcome.width = grant.width;
+  welcome.height = grant.height;
+  welcome.rate_hz = grant.rate_hz;
+  welcome.codec = grant.codec;
+  welcome.passes = shared_.config.render.passes;
+  welcome.tracer = shared_.tracer;
+  welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
+  welcome.scene = manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
+  const LightsNews news = shared_.scenes.lights_of(grant.scene_name);
+  welcome.scene.lights = to_wire(news.lights);
+  welcome.lights_version = news.version;
+  welcome.motions = to_wire(shared_.catalog.motions(grant.scene_name));
+  stream.send(welcome);
+}
+
+template <typename OnMessage>
+void Admission::listen(const StreamPtr& stream, OnMessage on_message) {
+  const std::weak_ptr<ControlStream> weak = stream;  // the stream owns what it calls
+  stream->listen(
+      [weak, on_message](Result<protocol::Message> message) {
+        if (const auto from = weak.lock()) on_message(from, std::move(message));
+      },
+      [this, weak](Fault fault, const std::string& why) {
+        const auto from = weak.lock();
+        if (from && lobby_.remove(from.get())) {
+          shared_.metrics.report(fault, {{"why", why}, {"address", from->peer().to_string()}});
+        }
+      });
+}
+
+// The connection waits for our answer, for as long as it takes.
+void Admission::hold(const StreamPtr& stream) {
+  lobby_.remove(stream.get());
+  lobby_.enter({stream, TimePoint::max()});
+  listen(stream, [this](const StreamPtr& from, const Result<protocol::Message>&) {
+    refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
+  });
+}
+
+void Admission::refuse(const StreamPtr& stream, const Refusal& refusal, TenantId tenant) {
+  if (refusal.departed) return;
+  if (refusal.limit) shared_.metrics.refused(tenant, to_string(*refusal.limit));
+  shared_.metrics.report(refusal.fault, {{"reason", row_of(refusal.fault).label},
+                                         {"text", refusal.message.text},
+                                         {"address", stream->peer().to_string()}});
+  lobby_.remove(stream.get());
+  stream->send(refusal.message);
+  lobby_.close_gracefully(stream, Clock::now());
+}
+
+Admission::Refusal Admission::refused(const protocol::Refused& message) {
+  return {message, fault_of(message.code)};
+}
+
+Admission::Refusal Admission::refused(RefusalCode code, std::string text) {
+  return refused(refusal(code, std::move(text)));
+}
+
+Admission::Refusal Admission::departed() {
+  return {.message = {}, .fault = Fault::handshake_abandoned, .departed = true};
+}
+
+}  // namespace gnomon::daemon

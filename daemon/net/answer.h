@@ -1,0 +1,54 @@
+// A coroutine of an event loop waits for what another thread answers.
+#pragma once
+
+#include <asio/awaitable.hpp>
+#include <asio/io_context.hpp>
+#include <asio/post.hpp>
+#include <asio/redirect_error.hpp>
+#include <asio/steady_timer.hpp>
+#include <asio/use_awaitable.hpp>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/clock.h"
+
+namespace gnomon::daemon {
+
+// Takes the answer. May be called once, on any thread, as long as the event loop lives.
+template <typename Answer>
+using OnAnswer = std::function<void(Answer)>;
+
+// Asks another thread, which answers at once or later.
+template <typename Answer>
+using Ask = std::function<void(OnAnswer<Answer>)>;
+
+// Of a coroutine that waits.
+template <typename Answer>
+struct Awaited {
+  asio::steady_timer timer;  // never expires; cancelled when the answer is there
+  std::optional<Answer> answer;
+};
+
+// Calls `ask` and gives the answer. If there never is one, the coroutine waits until `io` is destroyed, and is destroyed
+// with it. `io` runs on one thread, the caller's.
+template <typename Answer>
+asio::awaitable<Answer> answer_of(asio::io_context& io, const Ask<Answer>& ask) {
+  const auto awaited =
+      std::make_shared<Awaited<Answer>>(Awaited<Answer>{asio::steady_timer(io, TimePoint::max()), std::nullopt});
+  ask([&io, weak = std::weak_ptr<Awaited<Answer>>(awaited)](Answer answer) {
+    asio::post(io, [weak, answer = std::move(answer)]() mutable {
+      const auto still_awaited = weak.lock();
+      if (!still_awaited) return;
+      still_awaited->answer.emplace(std::move(answer));
+      still_awaited->timer.cancel();
+    });
+  });
+  asio::error_code cancelled;
+  co_await awaited->timer.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
+  co_return std::move(*awaited->answer);
+}
+
+}  // namespace gnomon::daemon

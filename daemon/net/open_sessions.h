@@ -1,0 +1,54 @@
+// The sessions of one net thread, and the control connection of each that has one at the moment. The net thread's.
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+#include <utility>
+
+#include "daemon/net/control_stream.h"
+#include "daemon/session/session_table.h"
+
+namespace gnomon::daemon {
+
+class OpenSessions {
+ public:
+  Session& add(std::unique_ptr<Session> session, std::shared_ptr<ControlStream> stream) {
+    streams_.emplace(session->id(), std::move(stream));
+    return table_.add(std::move(session));
+  }
+
+  // nullptr if there is no such session.
+  Session* find(SessionId id) const { return table_.find(id); }
+
+  // nullptr if the session has no control connection at the moment.
+  ControlStream* stream_of(SessionId id) const {
+    const auto found = streams_.find(id);
+    return found == streams_.end() ? nullptr : found->second.get();
+  }
+
+  // Takes the session's control connection away; nullptr if it has none.
+  std::shared_ptr<ControlStream> take_stream(SessionId id) {
+    const auto found = streams_.find(id);
+    if (found == streams_.end()) return nullptr;
+    auto stream = std::move(found->second);
+    streams_.erase(found);
+    return stream;
+  }
+
+  // The session has no control connection any more.
+  void remove(SessionId id) { table_.remove(id); }
+
+  // Whether the client has spoken from somewhere that can be answered now.
+  bool is_reachable(const Session& session) const {
+    return session.by_control() ? stream_of(session.id()) != nullptr : session.address().has_value();
+  }
+
+  const SessionTable& table() const { return table_; }
+  const std::unordered_map<SessionId, std::shared_ptr<ControlStream>>& streams() const { return streams_; }
+
+ private:
+  SessionTable table_;
+  std::unordered_map<SessionId, std::shared_ptr<ControlStream>> streams_;
+};
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,145 @@
+#include "daemon/net/session_control.h"
+
+#include <asio/post.hpp>
+
+#include "daemon/frame/translate.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kTenantClosed = "the tenant is no longer served";
+
+}  // namespace
+
+SessionControl::SessionControl(const NetShared& shared, uint32_t net_thread, asio::io_context& io,
+                               OpenSessions& sessions, SessionLinks& links, Lobby& lobby)
+    : shared_(shared), net_thread_(net_thread), io_(io), sessions_(sessions), links_(links), lobby_(lobby) {}
+
+const Session& SessionControl::open(SessionParts parts, const std::shared_ptr<ControlStream>& stream) {
+  const SessionId id = parts.id;
+  if (parts.kept) {
+    parts.kept.when_wanted([this, id] {
+      asio::post(io_, [this, id] { leave(id, "its client has come back on another connection"); });
+    });
+  }
+  const Session& session = sessions_.add(std::make_unique<Session>(std::move(parts), Clock::now()), stream);
+  stream->listen([this, id](const Result<protocol::Message>& message) { on_control_message(id, message); },
+                 [this, id](Fault, const std::string& why) { on_control_lost(id, why); });
+  shared_.devices.open({.session = id,
+                        .grant = session.grant(),
+                        .net_thread = net_thread_,
+                        .references = session.references(),
+                        .life = session.life()});
+  shared_.metrics.session_opened(session.grant().tenant);
+  return session;
+}
+
+void SessionControl::on_control_message(SessionId id, const Result<protocol::Message>& message) {
+  if (!message) return close(id, message.error().message);
+  if (std::holds_alternative<protocol::Bye>(*message)) return close(id, "the client said Bye");
+  if (const auto* data = std::get_if<protocol::Data>(&*message)) return links_.receive(*sessions_.find(id), *data);
+  close(id, "the client sent a message that only servers send");
+}
+
+// A client that may resume its session is served on, for as long as one that says nothing.
+void SessionControl::on_control_lost(SessionId id, const std::string& why) {
+  Session& session = *sessions_.find(id);
+  if (!session.resumable() || shared_.health.draining) return close(id, why);
+  sessions_.take_stream(id);
+  session.control_lost(Clock::now() + shared_.config.server.silence_timeout);
+  if (!sessions_.is_reachable(session)) links_.pause(id);
+  log::info("control connection lost",
+            {{"session", id.value}, {"tenant", shared_.roster.get()->name(session.grant().tenant)}, {"why", why}});
+}
+
+void SessionControl::close(SessionId id, const std::string& why) {
+  Session* const session = sessions_.find(id);
+  if (!session) return;
+  session->forget();
+  const auto stream = drop(id, why);
+  if (!stream) return;
+  stream->send(protocol::Bye{why});
+  lobby_.close_gracefully(stream, Clock::now());
+}
+
+// The session is to be resumed elsewhere.
+void SessionControl::leave(SessionId id, const std::string& why) {
+  if (!sessions_.find(id)) return;
+  if (const auto stream = drop(id, why)) lobby_.close_gracefully(stream, Clock::now());
+}
+
+// Gives the connection that controlled the session, nullptr if it had none.
+std::shared_ptr<ControlStream> SessionControl::drop(SessionId id, const std::string& why) {
+  Session& session = *sessions_.find(id);
+  const TenantId tenant = session.grant().tenant;
+  const protocol::Stats totals = session.take_stats();
+  log::info("session closed", {{"session", id.value},
+                               {"tenant", shared_.roster.get()->name(tenant)},
+                               {"why", why},
+                               {"frames", totals.frames},
+                               {"coalesced", totals.coalesced}});
+  shared_.metrics.session_closed(tenant);
+  shared_.devices.close(id);
+  shared_.metrics.link(session.take_link_report());
+  links_.pause(id);
+  auto stream = sessions_.take_stream(id);
+  sessions_.remove(id);
+  return stream;
+}
+
+void SessionControl::close_silent(TimePoint now) {
+  for (const SessionId id : sessions_.table().silent_since(now - shared_.config.server.silence_timeout)) {
+    close(id, "silent");
+  }
+  for (const SessionId id : sessions_.table().not_resumed(now)) {
+    close(id, "its control connection did not come back");
+  }
+}
+
+void SessionControl::close_closed_tenants() {
+  const auto roster = shared_.roster.get();
+  std::vector<SessionId> closed;
+  for (const auto& [id, session] : sessions_.table()) {
+    if (!roster->open(session->grant().tenant)) closed.push_back(id);
+  }
+  for (const SessionId id : closed) close(id, kTenantClosed);
+}
+
+void SessionControl::end_all(bool for_good) {
+  while (sessions_.table().size() > 0) {
+    const SessionId id = sessions_.table().begin()->first;
+    if (for_good || !sessions_.find(id)->resumable()) {
+      close(id, "the server is stopping");
+    } else {
+      leave(id, "the server is stopping and may come back");
+    }
+  }
+}
+
+void SessionControl::notify(const SessionDegraded& degraded) {
+  Session* const session = sessions_.find(degraded.session);
+  ControlStream* const stream = sessions_.stream_of(degraded.session);
+  if (!session || !stream || session->life() != degraded.life) return;
+  stream->send(degraded.news);
+  session->told_of(degraded.news.width, degraded.news.height);
+}
+
+void SessionControl::announce_drain(std::chrono::milliseconds deadline) {
+  for (const auto& [id, stream] : sessions_.streams()) {
+    stream->send(protocol::Draining{static_cast<uint32_t>(deadline.count())});
+  }
+  for (const SessionId id : sessions_.table().not_resumed(TimePoint::max() - 1ns)) {
+    close(id, "without a control connection when the server went away");
+  }
+}
+
+void SessionControl::announce_lights(const LightsNews& news) {
+  const protocol::LightsChanged message{to_wire(news.lights), news.version};
+  for (const auto& [id, stream] : sessions_.streams()) {
+    if (sessions_.find(id)->grant().scene_name == news.scene) stream->send(message);
+  }
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,104 @@
+#include "daemon/net/session_links.h"
+
+#include "daemon/net/control_sender.h"
+
+namespace gnomon::daemon {
+
+SessionLinks::SessionLinks(const NetShared& shared, OpenSessions& sessions, asio::io_context& io)
+    : shared_(shared), sessions_(sessions), io_(io) {}
+
+Result<void> SessionLinks::open(const asio::ip::udp::endpoint& local) {
+  auto socket = DataSocket::open(io_, local);
+  if (!socket) return socket.error();
+  data_ = std::move(*socket);
+  return {};
+}
+
+void SessionLinks::start() {
+  data_->start([this](auto datagram, const auto& from) { receive(datagram, from); });
+}
+
+void SessionLinks::close() { data_->close(); }
+
+void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from) {
+  Metrics& metrics = shared_.metrics;
+  metrics.datagram_received();
+  if (datagram.size() > protocol::kMaxDatagramBytes) return metrics.report(Fault::datagram_too_long);
+  const auto header = protocol::decode_header(datagram);
+  if (!header) return metrics.report(Fault::datagram_header);
+  Session* session = sessions_.find(header->session);
+  if (!session) return metrics.report(Fault::datagram_session);
+  const Received received = session->receive(datagram, from, Clock::now());
+  if (received.fault) return metrics.report(session->grant().tenant, session->id(), *received.fault);
+  if (received.ping) return sender_.answer_ping(*session, *data_, from);
+  if (received.view) request(*session, *received.view);
+  serve(*session);
+}
+
+void SessionLinks::receive(Session& session, const protocol::Data& data) {
+  const Received received = session.receive(data, Clock::now());
+  if (received.fault) shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
+  if (received.view) request(session, *received.view);
+  serve(session);
+}
+
+void SessionLinks::request(const Session& session, const ViewRequest& view) {
+  const TenantId tenant = session.grant().tenant;
+  for (uint32_t i = 0; i < view.coalesced; ++i) shared_.metrics.coalesced(tenant);
+  if (!shared_.devices.push_view(view)) shared_.metrics.dropped(tenant, session.id(), Fault::view_queue_full);
+}
+
+void SessionLinks::send(EncodedFrame& frame) {
+  const FrameRoute& route = frame.meta.route;
+  Session* session = sessions_.find(route.session);
+  const bool wanted = session && sessions_.is_reachable(*session) &&
+                      (sessions_.stream_of(route.session) || session->expects(frame.meta.spec.grid));
+  if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);
+  const size_t bytes = sender_.add(frame, *session, Clock::now());
+  session->sending(frame.meta, bytes);
+  serve(*session);
+}
+
+// After each change: sends what may go, requests the view that was kept back, and sets the time of the next call.
+void SessionLinks::serve(Session& session) {
+  const TimePoint now = Clock::now();
+  ControlStream* const stream = session.by_control() ? sessions_.stream_of(session.id()) : nullptr;
+  if (!sessions_.is_reachable(session)) return pause(session.id());
+  const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
+  if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
+  while (const auto ended = session.take_ended()) finish(session, *ended, now);
+  if (const auto view = session.take_kept(now)) request(session, *view);
+  wakes_.set(session.id(), std::min(session.link().wake_at(now), session.kept_until(now)));
+  arm_timer();
+}
+
+void SessionLinks::finish(Session& session, const Session::Ended& ended, TimePoint now) {
+  const TenantId tenant = session.grant().tenant;
+  const FrameMeta& meta = ended.meta;
+  const size_t bytes = ended.bytes + session.link().take_extra_bytes();
+  shared_.devices.sent(meta.route.device, {tenant, meta.route.scene, meta.spec.traced_bits(), bytes});
+  if (!ended.whole) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
+  session.frame_sent(meta, now);
+  shared_.metrics.frame_sent(tenant, session.grant().scene_name, meta, now, bytes);
+}
+
+void SessionLinks::arm_timer() {
+  const TimePoint next = wakes_.next();
+  if (next >= armed_) return;
+  armed_ = next;
+  timer_.expires_at(next);
+  timer_.async_wait([this](const asio::error_code& error) {
+    if (!error) serve_due();
+  });
+}
+
+void SessionLinks::serve_due() {
+  armed_ = TimePoint::max();
+  const TimePoint now = Clock::now();
+  for (SessionId id; wakes_.take(now, id);) {
+    if (Session* session = sessions_.find(id)) serve(*session);
+  }
+  arm_timer();
+}
+
+}  // namespace gnomon::daemon
