@@ -11,6 +11,7 @@
 
 #include "daemon/frame/frame.h"
 #include "daemon/frame/grant.h"
+#include "daemon/frame/scene_use.h"
 #include "daemon/frame/session_references.h"
 #include "daemon/link/link_window.h"
 #include "daemon/metrics/faults.h"
@@ -36,8 +37,8 @@ struct SessionParts {
   SessionGrant grant = {};
   std::unique_ptr<protocol::Seal> seal;
   Seat seat;
-  KeptSession kept = {};  // the seal goes on from what lies in there; empty if it cannot be resumed
-  std::shared_ptr<const void> scene_use = {};  // keeps the scene from being unloaded
+  KeptSession kept = {};    // the seal goes on from what lies in there; empty if it cannot be resumed
+  SceneUse scene_use = {};  // keeps the scene from being unloaded
 };
 
 // The net thread's that owns it.
@@ -116,7 +117,7 @@ class Session {
 
   SessionId id_;
   SessionGrant grant_;
-  std::shared_ptr<const void> scene_use_;
+  SceneUse scene_use_;
   KeptSession for_resuming_;  // given up after the seat, which whoever resumes it takes
   Seat seat_;
   uint32_t told_width_, told_height_;
