@@ -164,14 +164,14 @@ class Renderer {
                           std::function<void()> /*wake*/) {
     changed(Error{"this renderer's lights cannot be changed"});
   }
-  // Has what the tracer built for lights built anew for where they are now, beside the frames; `settled` is called
-  // from finish_background when it serves. Frames are exact before as after, which are faster.
-  virtual void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()> /*wake*/) {
-    settled({});
+  // Builds again what the tracer builds for lights, for where they are now, beside the frames; `rebuilt` is called from
+  // finish_background when it serves. Frames are exact before and after; after it they are faster.
+  virtual void rebuild_lights(SceneId, std::function<void(Result<void>)> rebuilt, std::function<void()> /*wake*/) {
+    rebuilt({});
   }
   virtual void finish_background() {}
   virtual LightState light_state(SceneId) const { return {}; }
-  virtual BuildProgress build_progress(SceneId) const { return {}; }  // of settle_lights
+  virtual BuildProgress build_progress(SceneId) const { return {}; }  // of rebuild_lights
 
   // How many submits will be accepted now. Grows when leases are dropped.
   virtual uint32_t free_slots() const = 0;

@@ -13,7 +13,7 @@ namespace {
 // A frame of which not all rows were submitted.
 struct PartialFrame {
   size_t slot = 0;
-  Lane* lane = nullptr;
+  PlanVariant* variant = nullptr;
   SceneId scene;
   TileGrid grid;
   uint32_t next_row = 0;
@@ -54,8 +54,8 @@ class VulkanRenderer : public Renderer {
                   std::function<void()> wake) override {
     scenes_.set_lights(id, std::move(lights), std::move(changed), std::move(wake));
   }
-  void settle_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake) override {
-    scenes_.settle_lights(id, std::move(settled), std::move(wake));
+  void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake) override {
+    scenes_.rebuild_lights(id, std::move(settled), std::move(wake));
   }
   void finish_background() override { scenes_.finish_background(); }
 
@@ -80,14 +80,14 @@ class VulkanRenderer : public Renderer {
     if (!scene) return not_resident(job.scene);
     if (auto fits = check_size(*pool_->device(), job.width, job.height); !fits) return fits;
     const TileGrid grid{job.width, job.height, scene->light_count()};
-    const auto lane = pool_->lanes().lane_for(*scene->pose(job.time));
-    if (!lane) return lane.error();
-    std::vector<FrameSlot>& slots = (*lane)->slots;
+    const auto variant = pool_->variants().variant_for(*scene->pose(job.time));
+    if (!variant) return variant.error();
+    std::vector<FrameSlot>& slots = (*variant)->slots;
     const bool held =
         std::any_of(slots.begin(), slots.end(), [&](const FrameSlot& slot) { return slot.holds(*scene, grid); });
     if (held || free_slots() == 0) return {};
     const size_t free = pool_->take();
-    const auto room = slots[free].reserve((*lane)->plan, *scene, grid);
+    const auto room = slots[free].reserve((*variant)->plan, *scene, grid);
     pool_->give_back(free);
     return room;
   }
@@ -100,17 +100,17 @@ class VulkanRenderer : public Renderer {
     const TileGrid grid{job.width, job.height, scene->light_count()};
     const uint32_t rows = std::min(job.tile_rows.value_or(grid.tiles_y()), grid.tiles_y());
     const PosedScenePtr posed = scene->pose(job.time);
-    const auto lane = pool_->lanes().lane_for(*posed);
-    if (!lane) return lane.error();
+    const auto variant = pool_->variants().variant_for(*posed);
+    if (!variant) return variant.error();
     const size_t slot = pool_->take();
-    const auto band = record(**lane, slot, *scene, posed, {job.camera, grid, job.untraced}, rows);
+    const auto band = record(**variant, slot, *scene, posed, {job.camera, grid, job.untraced}, rows);
     if (!band) {
       pool_->give_back(slot);
       return band.error();
     }
     const bool last = rows == grid.tiles_y();
-    if (!last) partial_frames_[job.id] = {slot, *lane, job.scene, grid, rows};
-    pend({job.id, slot, *lane, *band, true, last, grid, std::move(on_done)});
+    if (!last) partial_frames_[job.id] = {slot, *variant, job.scene, grid, rows};
+    pend({job.id, slot, *variant, *band, true, last, grid, std::move(on_done)});
     return {};
   }
 
@@ -122,11 +122,11 @@ class VulkanRenderer : public Renderer {
     const ResidentScene* scene = scenes_.find(frame.scene);
     if (!scene) return not_resident(frame.scene);
     const uint32_t rows = std::min(tile_rows, frame.grid.tiles_y() - frame.next_row);
-    const auto band = frame.lane->slots[frame.slot].record_more(frame.lane->plan, *scene, rows);
+    const auto band = frame.variant->slots[frame.slot].record_more(frame.variant->plan, *scene, rows);
     if (!band) return band.error();
     frame.next_row += rows;
     const bool last = frame.next_row == frame.grid.tiles_y();
-    pend({id, frame.slot, frame.lane, *band, false, last, frame.grid, std::move(on_done)});
+    pend({id, frame.slot, frame.variant, *band, false, last, frame.grid, std::move(on_done)});
     if (last) partial_frames_.erase(found);
     return {};
   }
@@ -161,11 +161,11 @@ class VulkanRenderer : public Renderer {
     }
   }
 
-  static Result<RecordedBand> record(Lane& lane, size_t number, const ResidentScene& scene,
+  static Result<RecordedBand> record(PlanVariant& variant, size_t number, const ResidentScene& scene,
                                      const PosedScenePtr& posed, const FrameView& view, uint32_t rows) {
-    FrameSlot& slot = lane.slots[number];
-    if (auto room = slot.reserve(lane.plan, scene, view.grid); !room) return room.error();
-    return slot.record(lane.plan, scene, posed, view, rows);
+    FrameSlot& slot = variant.slots[number];
+    if (auto room = slot.reserve(variant.plan, scene, view.grid); !room) return room.error();
+    return slot.record(variant.plan, scene, posed, view, rows);
   }
 
   const std::shared_ptr<SlotPool> pool_;
@@ -186,12 +186,12 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (!tracer) return tracer.error();
   const auto raster = choose_raster(*device, options.raster);
   if (!raster) return raster.error();
-  auto lanes =
-      Lanes::create(*device, with_raster(options.passes, *raster), tracer->get(), options.frames_in_flight);
-  if (!lanes) return lanes.error();
+  auto variants =
+      PlanVariants::create(*device, with_raster(options.passes, *raster), tracer->get(), options.frames_in_flight);
+  if (!variants) return variants.error();
   if (std::find(options.passes.begin(), options.passes.end(), "readback") == options.passes.end())
     return Error{"the pass list has no 'readback': no mask would reach the host"};
-  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*lanes));
+  auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*variants));
   const Built built = options.wait_for_builds ? Built::everything : Built::what_is_quick;
   return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool), *raster, built));
 }

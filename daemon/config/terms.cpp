@@ -6,7 +6,7 @@ Terms terms_of(const Config& config) {
   Terms terms;
   terms.policy = config.scheduler.policy;
   terms.priority_floor = config.scheduler.priority_floor_percent / 100.0;
-  terms.slice = config.scheduler.slice;
+  terms.quantum = config.scheduler.quantum;
   terms.frames_in_flight = config.render.frames_in_flight;
   for (const TenantConfig& tenant : config.tenants) {
     terms.tenants.push_back({{tenant.weight, tenant.priority},

@@ -80,7 +80,7 @@ struct RenderedFrame {
 struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;
-  protocol::Degraded news;
+  protocol::Degraded message;
   uint32_t life = 0;  // of the session, see SessionOpened
 };
 

@@ -122,8 +122,8 @@ void SessionControl::notify(const SessionDegraded& degraded) {
   Session* const session = sessions_.find(degraded.session);
   ControlStream* const stream = sessions_.stream_of(degraded.session);
   if (!session || !stream || session->life() != degraded.life) return;
-  stream->send(degraded.news);
-  session->told_of(degraded.news.width, degraded.news.height);
+  stream->send(degraded.message);
+  session->told_of(degraded.message.width, degraded.message.height);
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {

@@ -21,7 +21,7 @@ RenderLoop::RenderLoop(const Terms& terms, RenderDevice& device, RenderInbox& in
       metrics_(metrics),
       motion_(device, metrics, sink),
       costs_(motion_),
-      queue_(terms, device.renderer().info().on_cpu ? kSliceOfCpu : kSliceOfGpu, costs_, sink, metrics),
+      queue_(terms, device.renderer().info().on_cpu ? kQuantumOfCpu : kQuantumOfGpu, costs_, sink, metrics),
       jobs_(device, inbox, metrics, sink, motion_, queue_),
       recovery_(device, motion_, metrics) {}
 
@@ -31,7 +31,7 @@ void RenderLoop::start(TimePoint now) {
   for (const SceneId scene : motion_.step(now)) queue_.forget_costs(scene, now);
   queue_.release_held(now);
   if (!jobs_.has_room(now)) return;
-  queue_.account().look();
+  queue_.account().sample_backlog();
   device_.renderer().begin_batch();
   while (!recovery_.lost() && jobs_.has_room(now)) {
     queue_.drop_expired(now);

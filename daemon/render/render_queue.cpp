@@ -56,7 +56,7 @@ void RenderQueue::enqueue(RenderSession& session, TimePoint now) {
   cut_next_job(session);
   const TimePoint deadline = session.partial ? session.partial->meta.times.deadline : session.newest->deadline;
   scheduler_->make_ready(session.opened.session, {session.next.cost, deadline, session.partial.has_value()}, now);
-  if (!std::exchange(session.queued, true)) account_.asked(session.grant().tenant);
+  if (!std::exchange(session.queued, true)) account_.queued(session.grant().tenant);
 }
 
 void RenderQueue::enqueue_when_allowed(RenderSession& session, TimePoint now) {
@@ -96,12 +96,12 @@ void RenderQueue::forget_costs(SceneId scene, TimePoint now) {
 }
 
 void RenderQueue::drop_expired(TimePoint now) {
-  while (const auto id = scheduler_->take_hopeless(now)) {
+  while (const auto id = scheduler_->take_expired(now)) {
     RenderSession& session = sessions_.at(*id);
     session.queued = false;
     session.newest.reset();
     account_.left_queue(session.grant().tenant);
-    metrics_.dropped(session.grant().tenant, *id, Fault::view_hopeless);
+    metrics_.dropped(session.grant().tenant, *id, Fault::deadline_unreachable);
   }
 }
 

@@ -22,7 +22,7 @@ class RenderQueue {
   // Another policy starts with everybody who waits; what was charged before is not held against anybody.
   void set_terms(const Terms& terms, TimePoint now);
   const Terms& terms() const { return terms_; }
-  Nanoseconds quantum() const { return terms_.slice.value_or(usual_quantum_); }  // 0: frames are never cut
+  Nanoseconds quantum() const { return terms_.quantum.value_or(usual_quantum_); }  // 0: frames are never cut
 
   using Sessions = std::unordered_map<SessionId, RenderSession>;
   Sessions& sessions() { return sessions_; }

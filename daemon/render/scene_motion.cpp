@@ -98,7 +98,7 @@ void SceneMotion::settle(SceneId id, State& state) {
     if (found->second.changed_at == changed_at) found->second.changed_at.reset();
     settled(id, found->second, built);
   };
-  device_.renderer().settle_lights(id, done, device_.wake());
+  device_.renderer().rebuild_lights(id, done, device_.wake());
 }
 
 void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {

@@ -21,7 +21,7 @@ void add_stages(FrameDone& done, std::vector<StageTime> stages) {
 QueueState::QueueState(std::shared_ptr<SlotPool> pool, size_t number)
     : pool_(std::move(pool)),
       queue_(pool_->device()->queue(number)),
-      slot_gpu_ns_(pool_->lanes().slots()),
+      slot_gpu_ns_(pool_->variants().slots()),
       completion_([this] { complete(); }) {}
 
 QueueState::~QueueState() {
@@ -68,8 +68,8 @@ void QueueState::complete() {
 
 FrameDone QueueState::finish(const Started& started) {
   const InFlight& submit = started.submit;
-  const FramePlan& plan = submit.lane->plan;
-  const FrameSlot& slot = submit.lane->slots[submit.slot];
+  const FramePlan& plan = submit.variant->plan;
+  const FrameSlot& slot = submit.variant->slots[submit.slot];
   uint64_t& frame_gpu_ns = slot_gpu_ns_[submit.slot];
   if (submit.first) frame_gpu_ns = 0;
   FrameDone done;

@@ -15,7 +15,7 @@ namespace gnomon::gpu {
 struct InFlight {
   JobId id;
   size_t slot = 0;
-  Lane* lane = nullptr;
+  PlanVariant* variant = nullptr;
   RecordedBand band;
   bool first = true, last = true;  // of the frame's bands
   TileGrid grid;

@@ -15,7 +15,8 @@ const ResidentScene* ResidentScenes::find(SceneId id) const {
 
 Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& scene) {
   if (scenes_.contains(id)) return {};
-  auto resident = ResidentScene::create(pool_->device(), scene, &pool_->tracer(), pool_->lanes().slots(), built_);
+  auto resident =
+      ResidentScene::create(pool_->device(), scene, &pool_->tracer(), pool_->variants().slots(), built_);
   if (!resident) return resident.error();
   scenes_[id] = std::move(*resident);
   give_back_freed_memory();
@@ -26,8 +27,8 @@ void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::funct
                            std::function<void()> wake) {
   light_builds_.hold();  // until the scene can be looked at, if only by way of a hierarchy
   background_.run(
-      [this, id, scene, pool = pool_, built = built_, lane_is_there = pool_->lanes().has_motion(), resident] {
-        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, lane_is_there));
+      [this, id, scene, pool = pool_, built = built_, variant_is_there = pool_->variants().has_motion(), resident] {
+        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, variant_is_there));
         return [this, id, made, resident] {
           resident(settle_in(id, *made));
           light_builds_.release();
@@ -45,24 +46,24 @@ void ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights,
                                 std::function<void(Result<void>)> changed, std::function<void()> wake) {
   const auto found = scenes_.find(id);
   if (found == scenes_.end()) return changed(not_resident(id));
-  if (!found->second->needs_still_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
+  if (!found->second->needs_static_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
   background_.run(
       [this, id, scene = found->second->scene_ptr(), device = pool_->device(), lights = std::move(lights),
        changed] {
-        const auto bvh = build_still_bvh(device, *scene);
+        const auto bvh = build_static_bvh(device, *scene);
         return [this, id, scene, bvh, lights, changed] {
           ResidentScene* resident = same_scene(id, scene);
           if (!resident) return changed(not_resident(id));
           if (!bvh) return changed(bvh.error());
-          resident->give_still_bvh(*bvh);
+          resident->give_static_bvh(*bvh);
           changed(resident->set_lights(lights));
         };
       },
       std::move(wake));
 }
 
-void ResidentScenes::settle_lights(SceneId id, std::function<void(Result<void>)> settled,
-                                   std::function<void()> wake) {
+void ResidentScenes::rebuild_lights(SceneId id, std::function<void(Result<void>)> settled,
+                                    std::function<void()> wake) {
   const auto found = scenes_.find(id);
   if (found == scenes_.end()) return settled(not_resident(id));
   if (!pool_->tracer().builds_for_lights()) return settled({});
@@ -89,16 +90,18 @@ void ResidentScenes::finish_background() {
 
 // Any thread may call this.
 ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
-                                               bool lane_is_there) {
-  Arrived made{ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.lanes().slots(), built), nullptr};
-  if (!made.scene || lane_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
-  if (auto lane = pool.lanes().make_motion()) made.motion = std::move(*lane);  // else the first frame says why
+                                               bool variant_is_there) {
+  Arrived made{ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built),
+               nullptr};
+  if (!made.scene || variant_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
+  if (auto variant = pool.variants().make_motion())
+    made.motion = std::move(*variant);  // else the first frame says why
   return made;
 }
 
 Result<void> ResidentScenes::settle_in(SceneId id, Arrived& made) {
   if (!made.scene) return made.scene.error();
-  if (made.motion) pool_->lanes().give_motion(std::move(made.motion));
+  if (made.motion) pool_->variants().give_motion(std::move(made.motion));
   scenes_[id] = std::move(*made.scene);
   return {};
 }

@@ -29,18 +29,18 @@ class ResidentScenes {
 
   void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
                   std::function<void()> wake);
-  void settle_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake);
+  void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake);
   BuildProgress build_progress(SceneId id) const { return light_builds_.progress(id); }
   void finish_background();
 
  private:
-  // A scene made beside the frames, and the lane for motion if the scene is the first that needs it.
+  // A scene made beside the frames, and the variant for motion if the scene is the first that needs it.
   struct Arrived {
     Result<std::unique_ptr<ResidentScene>> scene;
-    std::unique_ptr<Lane> motion;
+    std::unique_ptr<PlanVariant> motion;
   };
 
-  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built, bool lane_is_there);
+  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built, bool variant_is_there);
   Result<void> settle_in(SceneId id, Arrived& made);
   ResidentScene* same_scene(SceneId id, const scenes::ScenePtr& scene) const;
 

@@ -8,23 +8,23 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/frame/lanes.h"
+#include "gpu/frame/plan_variants.h"
 #include "gpu/tracers/tracer.h"
 
 namespace gnomon::gpu {
 
 class SlotPool {
  public:
-  SlotPool(DevicePtr device, std::unique_ptr<Tracer> tracer, Lanes lanes)
-      : device_(std::move(device)), tracer_(std::move(tracer)), lanes_(std::move(lanes)) {
-    for (size_t i = 0; i < lanes_.slots(); ++i) free_.push_back(i);
+  SlotPool(DevicePtr device, std::unique_ptr<Tracer> tracer, PlanVariants variants)
+      : device_(std::move(device)), tracer_(std::move(tracer)), variants_(std::move(variants)) {
+    for (size_t i = 0; i < variants_.slots(); ++i) free_.push_back(i);
   }
 
   const DevicePtr& device() const { return device_; }
   const Tracer& tracer() const { return *tracer_; }
   // The render loop's; a slot that was taken belongs to its taker.
-  Lanes& lanes() { return lanes_; }
-  const Lanes& lanes() const { return lanes_; }
+  PlanVariants& variants() { return variants_; }
+  const PlanVariants& variants() const { return variants_; }
 
   // `freed` is called at the end of each lease, on the thread that dropped it. Precondition: no lease was made yet.
   void on_freed(std::function<void()> freed) { freed_ = std::move(freed); }
@@ -57,7 +57,7 @@ class SlotPool {
  private:
   DevicePtr device_;
   std::unique_ptr<Tracer> tracer_;
-  Lanes lanes_;
+  PlanVariants variants_;
   std::function<void()> freed_;
   mutable std::mutex mutex_;
   std::vector<size_t> free_;  // guarded by mutex_

@@ -88,22 +88,22 @@ Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& 
     if (!none) return none.error();
     traced_ = std::move(*none);
   }
-  if (!needs_still_bvh(lights_)) return {};
+  if (!needs_static_bvh(lights_)) return {};
   auto bvh = make_bvh_tracer(device)->build(input);
   if (!bvh) return bvh.error();
-  still_bvh_ = std::move(*bvh);
+  static_bvh_ = std::move(*bvh);
   return {};
 }
 
-bool ResidentScene::needs_still_bvh(const std::vector<scenes::Light>& lights) const {
-  if (!built_for_lights_ || still_bvh_) return false;
+bool ResidentScene::needs_static_bvh(const std::vector<scenes::Light>& lights) const {
+  if (!built_for_lights_ || static_bvh_) return false;
   const std::vector<exact::TracedLight> wanted = traced_lights(*scene_, lights);
   return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
 }
 
 Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
   if (lights.size() != lights_.size()) return Error{"a scene keeps its number of lights"};
-  if (needs_still_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
+  if (needs_static_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
   for (size_t i = 0; i < lights.size(); ++i) lights[i].moved_by = lights_[i].moved_by;
   lights_ = std::move(lights);
   posed_.reset();
@@ -115,8 +115,8 @@ void ResidentScene::give_traced(TracedLights traced) {
   posed_.reset();
   if (!std::exchange(unbuilt_, false)) return;
   // Frames in flight keep the hierarchy that they were recorded with.
-  auto bvh = std::exchange(still_bvh_, nullptr);
-  if (needs_still_bvh(lights_)) still_bvh_ = std::move(bvh);
+  auto bvh = std::exchange(static_bvh_, nullptr);
+  if (needs_static_bvh(lights_)) static_bvh_ = std::move(bvh);
 }
 
 LightState ResidentScene::light_state() const {
@@ -147,7 +147,7 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
       posed->resting_lights[i] = silenced_light(scene_->bounds);
     }
   }
-  if (posed->any_light_moves()) posed->still_bvh = still_bvh_;
+  if (posed->any_light_moves()) posed->static_bvh = static_bvh_;
   posed_ = std::move(posed);
   return posed_;
 }
@@ -167,7 +167,7 @@ Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene&
   return built;
 }
 
-Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene) {
+Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene) {
   scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
   make_clusters(scene, mesh);
   const Buffer none;
@@ -240,7 +240,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
 
 uint64_t ResidentScene::memory_bytes() const {
   uint64_t bytes = traced_.traced ? traced_.traced->memory_bytes() : 0;
-  if (still_bvh_) bytes += still_bvh_->memory_bytes();
+  if (static_bvh_) bytes += static_bvh_->memory_bytes();
   for (const Buffer* b :
        {&buffers_.positions, &buffers_.normals, &buffers_.uvs, &buffers_.triangles, &buffers_.triangle_materials,
         &buffers_.materials, &buffers_.clusters, &buffers_.cluster_chunks})

@@ -66,11 +66,11 @@ class ResidentScene {
   PosedScenePtr pose(scenes::SceneTime time) const;
 
   // The lights of frames from now on, as many as before; those that animations move stay with these. Error: the
-  // tracer builds for lights, one has moved and nothing can answer for it: give a still_bvh first.
+  // tracer builds for lights, one has moved and nothing can answer for it: give a static_bvh first.
   Result<void> set_lights(std::vector<scenes::Light> lights);
   const std::vector<scenes::Light>& lights() const { return lights_; }
-  bool needs_still_bvh(const std::vector<scenes::Light>& lights) const;
-  void give_still_bvh(std::shared_ptr<const TracedScene> bvh) { still_bvh_ = std::move(bvh); }
+  bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
+  void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
   // From now on this answers for the lights that are where it was built for.
   void give_traced(TracedLights traced);
@@ -98,7 +98,7 @@ class ResidentScene {
   bool unbuilt_ = false;
   SceneBuffers buffers_;
   TracedLights traced_;
-  std::shared_ptr<const TracedScene> still_bvh_;
+  std::shared_ptr<const TracedScene> static_bvh_;
   mutable PosedScenePtr posed_;  // the last one
 };
 
@@ -107,7 +107,7 @@ class ResidentScene {
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
 // A hierarchy of what rests in the scene. The same.
-Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene);
+Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene);
 
 // `reach` of a directional light is the scene's diagonal, twice.
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds);

@@ -90,7 +90,7 @@ class Judge {
   explicit Judge(const client::ViewSize& size = kSize) {
     gpu::RendererOptions options;
     options.device = "cpu";
-    auto made = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_cares"},
+    auto made = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_valid_bits"},
                                            scenes::load_scene(living_room_file()).value());
     EXPECT_TRUE(made) << made.error().message;
     frame_ = std::move(*made);
@@ -98,11 +98,11 @@ class Judge {
   }
   size_t wrong_bits(const Seen& seen) {
     EXPECT_TRUE(frame_->render(client::to_gpu(seen.camera), grid_));
-    const auto words = words_of(gpu::resource::kHostMasks), cares = words_of(gpu::resource::kHostCares);
+    const auto words = words_of(gpu::resource::kHostMasks), valid_bits = words_of(gpu::resource::kHostValidBits);
     EXPECT_EQ(seen.words.size(), words.size());
     size_t wrong = 0;
     for (size_t i = 0; i < words.size(); ++i)
-      wrong += static_cast<size_t>(std::popcount((words[i] ^ seen.words[i]) & cares[i]));
+      wrong += static_cast<size_t>(std::popcount((words[i] ^ seen.words[i]) & valid_bits[i]));
     return wrong;
   }
 

@@ -58,7 +58,7 @@ class FakeRenderer : public gpu::Renderer {
     ++brought;
     beside(holds_scenes, [this, id, scene, resident] { resident(make_resident(id, scene)); });
   }
-  void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
+  void rebuild_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
     beside(holds_builds, [this, settled] {
       state_of_lights.unbuilt = 0;
       settled({});

@@ -62,8 +62,8 @@ TEST_F(NarrowLink, TheCodecGetsDenserThenThePictureSmallerAndBothComeBack) {
   EXPECT_GE(last_.width, 80u);
   EXPECT_TRUE(tells_size_);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.back().news.width, last_.width);
-  EXPECT_EQ(degraded_.back().news.reason, "the link cannot carry more");
+  EXPECT_EQ(degraded_.back().message.width, last_.width);
+  EXPECT_EQ(degraded_.back().message.reason, "the link cannot carry more");
   for (int i = 0; i < 200; ++i) second(40);
   EXPECT_EQ(last_.width, 160u);
   EXPECT_FALSE(tells_size_);

@@ -189,8 +189,8 @@ TEST_F(RenderLoopTest, NoMemoryForAFrameMakesItSmallerAndNothingIsLost) {
   EXPECT_EQ(fake_->job(at).width, 200u);
   EXPECT_EQ(fake_->job(at).height, 96u);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.back().news.width, 200);
-  EXPECT_EQ(degraded_.back().news.reason, "the device has no memory for more");
+  EXPECT_EQ(degraded_.back().message.width, 200);
+  EXPECT_EQ(degraded_.back().message.reason, "the device has no memory for more");
   fake_->most_pixels = UINT32_MAX;
   for (uint32_t frame = 2; frame < 20; ++frame) {
     while (fake_->waiting() > 0) fake_->complete();
@@ -327,7 +327,7 @@ TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
   loop_->handle(ViewRequest{kB, FrameId{1}, {}, now_, now_ + 1s}, now_);
   settle();
   EXPECT_EQ(fake_->waiting(), 1u);
-  EXPECT_EQ(metrics_.count_of(Fault::view_hopeless), 1u);
+  EXPECT_EQ(metrics_.count_of(Fault::deadline_unreachable), 1u);
   EXPECT_NE(metrics_.text().find("gnomon_tenant_frames_dropped_total{reason=\"deadline\",tenant=\"default\"} 1"),
             std::string::npos);
 }
@@ -370,15 +370,15 @@ class OverloadTest : public RenderLoopTest {
 TEST_F(OverloadTest, LessIsToldAndMoreAgain) {
   for (int i = 0; i < 20; ++i) second(8);
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.front().news.width, 160) << "the rate first";
-  EXPECT_EQ(degraded_.front().news.rate_hz, 30);
-  EXPECT_LT(degraded_.back().news.width, 160);
-  EXPECT_GE(degraded_.back().news.width, 80);
-  EXPECT_GE(degraded_.back().news.rate_hz, 20);
-  EXPECT_EQ(last_.width, degraded_.back().news.width) << "told what is in force";
+  EXPECT_EQ(degraded_.front().message.width, 160) << "the rate first";
+  EXPECT_EQ(degraded_.front().message.rate_hz, 30);
+  EXPECT_LT(degraded_.back().message.width, 160);
+  EXPECT_GE(degraded_.back().message.width, 80);
+  EXPECT_GE(degraded_.back().message.rate_hz, 20);
+  EXPECT_EQ(last_.width, degraded_.back().message.width) << "told what is in force";
   for (int i = 0; i < 200; ++i) second(1);
-  EXPECT_EQ(degraded_.back().news.width, 160);
-  EXPECT_EQ(degraded_.back().news.rate_hz, 40);
+  EXPECT_EQ(degraded_.back().message.width, 160);
+  EXPECT_EQ(degraded_.back().message.rate_hz, 40);
   EXPECT_EQ(last_.width, 160u);
 }
 
@@ -394,13 +394,13 @@ TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
   open(kBusy, {.width = 160, .height = 96, .rate_hz = 40, .scene = kLit, .lights = 3});
   for (int i = 0; i < 30; ++i) second(8);  // the camera stands at x = the frame's number, 1,000 and more
   ASSERT_FALSE(degraded_.empty());
-  EXPECT_EQ(degraded_.front().news.rate_hz, 30) << "the rate first";
-  EXPECT_TRUE(degraded_.front().news.untraced_lights.empty());
-  EXPECT_EQ(degraded_.back().news.untraced_lights, (std::vector<uint16_t>{1, 2}))
+  EXPECT_EQ(degraded_.front().message.rate_hz, 30) << "the rate first";
+  EXPECT_TRUE(degraded_.front().message.untraced_lights.empty());
+  EXPECT_EQ(degraded_.back().message.untraced_lights, (std::vector<uint16_t>{1, 2}))
       << "the first light is the nearest";
   EXPECT_EQ(last_.untraced, gpu::LightSet(0b110)) << "told what is in force";
   for (int i = 0; i < 200; ++i) second(1);
-  EXPECT_TRUE(degraded_.back().news.untraced_lights.empty());
+  EXPECT_TRUE(degraded_.back().message.untraced_lights.empty());
   EXPECT_TRUE(last_.untraced.none());
 }
 

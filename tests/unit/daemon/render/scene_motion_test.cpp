@@ -22,7 +22,7 @@ class LightsFake : public FakeRenderer {
     asked.push_back(std::move(lights));
     waiting.push_back(std::move(changed));
   }
-  void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
+  void rebuild_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
     ++settles;
     waiting.push_back(std::move(settled));
   }
