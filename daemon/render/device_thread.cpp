@@ -65,7 +65,7 @@ void DeviceThread::render() {
   refuse_the_rest(*loop_->failure());
 }
 
-// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as its scenes.
+// With frames in flight, progress means that a frame was completed. Rebuilding a device takes as long as its scenes.
 void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
   const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
     return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event);

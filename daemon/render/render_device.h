@@ -21,7 +21,7 @@ using RendererFactory = std::function<Result<std::unique_ptr<gpu::Renderer>>()>;
 inline constexpr size_t kMaxLosses = 3;
 inline constexpr std::chrono::seconds kLossWindow{60};
 
-// The render thread's.
+// Belongs to the render thread.
 class RenderDevice {
  public:
   // `inbox` outlives the device and its leases. It gets BackgroundDone when finish_background has something to do, and
@@ -36,11 +36,12 @@ class RenderDevice {
     return [&inbox = *inbox_] { inbox.push(BackgroundDone{}); };
   }
 
-  // Brings the scene to the device, beside the frames; `arrived` is called once, now or from finish_background. Whoever
-  // asks for a scene on its way is answered with those before. On its way when the device is lost: brought to the next.
+  // Brings the scene to the device, beside the frames; `arrived` is called once, now or from finish_background. Callers
+  // that ask for a scene on its way are answered together with the first. A scene that is on its way when the device is
+  // lost is brought to the next renderer.
   using Arrived = std::function<void(Result<gpu::SceneFootprint>)>;
   void bring_scene(const scenes::LoadedScene& scene, Arrived arrived);
-  // Answers who still waits for a scene: the device is beyond repair.
+  // Answers all callers that still wait for a scene with the error.
   void refuse_arriving(const Error& why);
 
   void remove_scene(SceneId scene);  // precondition: nobody will submit a frame of it

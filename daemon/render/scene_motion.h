@@ -1,7 +1,7 @@
 // What changes in the scenes of a device: the clock that their animations play on, and lights that operators change.
 //
-// A light that was changed is answered for at once, exactly; when it has rested for a while, what the tracer builds for
-// lights is built anew beside the frames. All of it belongs to the render thread and is told the time.
+// A light that was changed is answered for at once, exactly; when the light has rested for a while, what the tracer
+// builds for lights is rebuilt beside the frames. All of it belongs to the render thread and is told the time.
 #pragma once
 
 #include <map>
@@ -33,21 +33,21 @@ class SceneMotion {
       : device_(device), metrics_(metrics), sink_(sink) {}
   void configure(Settings settings) { settings_ = std::move(settings); }
 
-  // A scene that was made resident; idempotent. What the tracer builds for it and was not there is built from now on.
+  // The scene was made resident. If the tracer has not built for its lights yet, it does so from now on. Idempotent.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);
 
   void remove(SceneId id) { scenes_.erase(id); }
 
   scenes::SceneTime time_of(SceneId scene, TimePoint now) const;
-  // As they were asked to be last, those of animations at time 0. Empty: no such scene.
+  // The lights as the last change wants them, animated ones at time 0; empty if there is no such scene.
   std::span<const scenes::Light> lights_of(SceneId scene) const;
-  // Empty: the scene is as its file has it, for ever.
+  // Nullopt if the scene never differs from its file.
   std::optional<protocol::Moment> moment_of(SceneId scene, TimePoint now) const;
 
-  // Unknown scenes and lights are passed over.
+  // Changes to unknown scenes and lights are ignored.
   void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now);
-  // Takes over what was done beside the frames; has done what is due. Returns the scenes that were unbuilt() until now:
-  // their frames cost something else from here on.
+  // Takes over what was done beside the frames, and starts what is due. Returns the scenes that were unbuilt() until
+  // now: their frames cost something else from here on.
   std::vector<SceneId> step(TimePoint now);
   // The device was made anew, with the scenes' own lights.
   void restore();
