@@ -104,21 +104,24 @@ Result<void> Daemon::open_admin() {
 
 Result<void> Daemon::open_devices() {
   const ScenesConfig& scenes = options_.config.scenes;
-  const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now(),
-                                     [this](const LightsUpdate& update) {
-                                       scenes_->keep_lights(update);
-                                       server_->announce_lights(update);
-                                     }};
+  const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now()};
   const auto failed = [this](const Error& why) {
     if (options_.on_failure) options_.on_failure(why);
   };
-  auto started = devices_.start(options_.make_renderers, sharing_policy_of(options_.config), motion,
-                                {[this](RenderedFrame frame) { encode_pool_->push(std::move(frame)); },
-                                 [this](const SessionDegraded& session) { server_->notify(session); }, failed});
+  auto started = devices_.start(options_.make_renderers, sharing_policy_of(options_.config), motion, *this, failed);
   if (!started) return started;
   tracer_ = devices_.report().front().tracer;
   open_encoders();
   return {};
+}
+
+void Daemon::on_rendered(RenderedFrame frame) { encode_pool_->push(std::move(frame)); }
+
+void Daemon::on_degraded(const SessionDegraded& session) { server_->notify(session); }
+
+void Daemon::on_lights(const LightsUpdate& lights) {
+  scenes_->keep_lights(lights);
+  server_->announce_lights(lights);
 }
 
 // After the devices, which say where they are; before the first session, whose frames they encode.

@@ -17,7 +17,7 @@
 
 namespace gnomon::daemon {
 
-class Daemon {
+class Daemon final : private FrameSink {
  public:
   struct Options {
     Config config;                                // scene files found, passes named
@@ -66,6 +66,9 @@ class Daemon {
   Result<void> apply(const Config& next);
   Result<void> bring_up();
   Result<void> open_devices();
+  void on_rendered(RenderedFrame frame) override;
+  void on_degraded(const SessionDegraded& session) override;
+  void on_lights(const LightsUpdate& lights) override;
   void open_encoders();
   SceneHost::Fetches fetch_scenes();
   Result<void> wait_for_scenes(SceneHost::Fetches& fetches) const;

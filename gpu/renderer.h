@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/clock.h"
 #include "common/ids.h"
 #include "common/packed_mask.h"
 #include "common/result.h"
@@ -86,7 +87,15 @@ struct BuildProgress {
   std::vector<float> lights;
 };
 
-// What one pass of a frame took, by the device's timestamps.
+// What a renderer runs on and how; constant as long as it lives.
+struct DeviceInfo {
+  std::string name, driver;
+  std::string tracer, raster = {};  // in use
+  std::string pci_address = {};     // "0000:65:00.0"; empty if the device is on no such bus
+  bool on_cpu = false;              // the device is the host's processor
+};
+
+// What one pass of a frame took, by the device's timestamps. Benchmarks and tests read them; the daemon reads the sums.
 struct StageTime {
   std::string_view pass;  // lives as long as the program
   uint64_t gpu_ns = 0;
@@ -102,30 +111,38 @@ struct SceneFootprint {
   uint32_t tracer_longest_list = 0;
 };
 
+// One submit that is done: a whole frame, or a band of one.
 struct FrameDone {
   JobId id;
-  bool device_lost = false;       // then there is no mask
-  bool out_of_memory = false;     // the driver had no memory to start it: the same, and the device is well
-  uint64_t gpu_ns = 0;            // from the first command to the last, by the device's timestamps
-  uint64_t readback_ns = 0;       // of these, writing to host memory
+  bool device_lost = false;       // the submit is lost with the device
+  bool out_of_memory = false;     // the driver had no memory to start the submit; the device is well
+  uint64_t gpu_ns = 0;            // from the submit's first command to its last, by the device's timestamps
+  uint64_t frame_gpu_ns = 0;      // the same, summed over the frame's bands up to this one
+  uint64_t trace_ns = 0;          // of gpu_ns, the part that grows with the traced bits
+  uint64_t readback_ns = 0;       // of gpu_ns, the copy to host memory
+  TimePoint completed_at{};       // when the completion thread saw the end of the submit
   std::vector<StageTime> stages;  // every pass, in order
-  bool complete = true;           // false: a band that is not the frame's last; then there is no mask yet
-  FrameLease mask;
+  bool complete = true;           // false: the band is not the frame's last, and there is no lease yet
+  FrameLease mask;                // holds the frame's slot; its mask is empty if the submit is lost
 };
 
 // A frame that costs much may be traced in bands of tile rows: submit rasterises it and begins with the first ones (or
 // with none), resume adds the next, as often as it takes, and others' frames may come between. It holds its slot until
 // its lease is dropped or it is abandoned. All calls: one thread (the render loop's).
+//
+// A renderer for a real device overrides every function. The functions with a body here stand for a renderer that has
+// nothing to do there: one that needs no memory, builds nothing beside the frames and starts each submit at once. They
+// spare that to the renderers of tests.
 class Renderer {
  public:
   virtual ~Renderer() = default;
 
-  virtual std::string device_name() const = 0;
-  virtual std::string driver_name() const { return {}; }
-  virtual std::string tracer_name() const { return {}; }
-  virtual std::string pci_address() const { return {}; }  // "0000:65:00.0"; empty: on no such bus
-  virtual bool on_cpu() const { return false; }           // the device is the host's processor
-  virtual std::string raster_name() const { return {}; }
+  virtual DeviceInfo info() const = 0;
+
+  // `freed` is called once for each frame whose last submit was delivered, as soon as its lease was dropped and
+  // free_slots() has grown; on the thread that dropped the lease, also after the renderer's end. Frames that were
+  // abandoned are not reported. Precondition: nothing was submitted yet.
+  virtual void on_slot_freed(std::function<void()> freed) = 0;
 
   // Uploads a scene and builds what the tracer needs before it can answer; blocking. Idempotent.
   virtual Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) = 0;
@@ -147,14 +164,14 @@ class Renderer {
                           std::function<void()> /*wake*/) {
     changed(Error{"this renderer's lights cannot be changed"});
   }
-  // Has what the tracer built for lights built anew for where they are now, beside the frames; `settled` is called
-  // from finish_background when it serves. Frames are exact before as after, which are faster.
-  virtual void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()> /*wake*/) {
-    settled({});
+  // Builds again what the tracer builds for lights, for where they are now, beside the frames; `rebuilt` is called from
+  // finish_background when it serves. Frames are exact before and after; after it they are faster.
+  virtual void rebuild_lights(SceneId, std::function<void(Result<void>)> rebuilt, std::function<void()> /*wake*/) {
+    rebuilt({});
   }
   virtual void finish_background() {}
   virtual LightState light_state(SceneId) const { return {}; }
-  virtual BuildProgress build_progress(SceneId) const { return {}; }  // of settle_lights
+  virtual BuildProgress build_progress(SceneId) const { return {}; }  // of rebuild_lights
 
   // How many submits will be accepted now. Grows when leases are dropped.
   virtual uint32_t free_slots() const = 0;

@@ -20,7 +20,7 @@ struct RendererOptions {
   std::vector<std::string> passes{"gbuffer", "trace", "pack", "readback"};
   uint32_t frames_in_flight = 3;
   uint32_t queues = 1;          // that frames are spread over: they overlap on the device; fewer where it has fewer
-  bool wait_for_builds = true;  // before a scene is resident; false: settle_lights builds what takes long
+  bool wait_for_builds = true;  // before a scene is resident; false: rebuild_lights builds what takes long
   ValidationOptions validation;
 };
 

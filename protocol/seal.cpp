@@ -55,17 +55,18 @@ void Seal::begin(SealKeys& keys, uint64_t sequence) {
   if (keys.of(epoch)) keys.begin(epoch);
 }
 
-void Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out) {
+uint64_t Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out) {
   assert(out.size() == sealed_size(body.size()));
   const uint64_t sequence = skip();
   Aead& aead = *sending_.of(sequence / epoch_datagrams_);
   write_header(out.first<kHeaderBytes>(), {.kind = kind, .flags = 0, .session = session_, .sequence = sequence});
   aead.seal(sequence, out.first(kHeaderBytes), body, out.data() + kHeaderBytes);
+  return sequence;
 }
 
-void Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram) {
+uint64_t Seal::seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram) {
   datagram.resize(sealed_size(body.size()));
-  seal(kind, body, std::span(datagram));
+  return seal(kind, body, std::span(datagram));
 }
 
 std::optional<Opened> Seal::open(std::span<const uint8_t> datagram) {

@@ -60,13 +60,13 @@ class Seal {
        uint64_t epoch_datagrams = kEpochDatagrams);
   ~Seal();  // wipes a state of its own
 
-  // Writes a datagram of sealed_size(body.size()) bytes to `out`; takes the next sequence number of this side. The body
-  // may stand where its sealed form goes (at kHeaderBytes of `out`), but not elsewhere in `out`.
-  void seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out);
+  // Writes a datagram of sealed_size(body.size()) bytes to `out`; takes the next sequence number of this side and
+  // returns it. The body may stand where its sealed form goes (at kHeaderBytes of `out`), but not elsewhere in `out`.
+  uint64_t seal(DatagramKind kind, std::span<const uint8_t> body, std::span<uint8_t> out);
   static constexpr size_t sealed_size(size_t body_bytes) { return kHeaderBytes + body_bytes + kTagBytes; }
 
   // The same, in the place of what `datagram` held.
-  void seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram);
+  uint64_t seal(DatagramKind kind, std::span<const uint8_t> body, std::vector<uint8_t>& datagram);
 
   // Takes the next sequence number for something that goes another way; the other side passes it.
   uint64_t skip();

@@ -64,7 +64,7 @@ class Deadline final : public Scheduler {
   }
 
   // The most urgent one is the next to be picked: whoever is hopeless is seen here before he costs anything.
-  std::optional<SessionId> take_hopeless(TimePoint now) override {
+  std::optional<SessionId> take_expired(TimePoint now) override {
     if (waiting_.empty() || waiting_.top_key().deadline == TimePoint::min()) return std::nullopt;
     const Session& session = sessions_[waiting_.top()];
     if (session.request.deadline - now >= session.request.cost) return std::nullopt;

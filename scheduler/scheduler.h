@@ -2,7 +2,7 @@
 //
 // A scheduler knows tenants, sessions and costs; no views, no GPU, no clock: time is an argument. One thread (the
 // render loop's). A session asks for one job at a time: a whole view, or the next band of one that was cut because it
-// costs more than a slice. The loop keeps the view itself and may replace it by a newer one without telling anybody.
+// costs more than a quantum. The loop keeps the view itself and may replace it by a newer one without telling anybody.
 //
 // The promise of `fair`, proved in PROMISE.md and tested in tests/unit/scheduler: let two tenants i and j have work waiting
 // all through an interval, with weights w and services S (device time charged). With L the largest cost of a job, then
@@ -75,7 +75,7 @@ class Scheduler {
   virtual void charge(const Ticket& ticket, Nanoseconds gpu_time, TimePoint now) = 0;
 
   // Takes out one session whose job can no longer make its deadline, so that it costs nothing; empty: there is none.
-  virtual std::optional<SessionId> take_hopeless(TimePoint) { return std::nullopt; }
+  virtual std::optional<SessionId> take_expired(TimePoint) { return std::nullopt; }
 
   virtual Standing standing(TenantId tenant) const = 0;
 };

@@ -100,7 +100,7 @@ struct SchedulerConfig {
   std::string policy = "fair";
   uint32_t priority_floor_percent = 0;  // under `priority`: of the device, for the classes below the highest
   // Frames that cost more are rendered in bands; 0: never; none: by the kind of device, see SharingPolicy.
-  std::optional<std::chrono::microseconds> slice;
+  std::optional<std::chrono::microseconds> quantum;
   uint32_t admit_percent = 1000;  // of the device, that sessions with a rate may ask for together; 0: no limit
 };
 

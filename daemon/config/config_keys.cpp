@@ -80,11 +80,11 @@ std::optional<uint32_t> parse_threads(const YAML::Node& node) {
 }
 
 // "auto": none.
-std::optional<std::optional<std::chrono::microseconds>> parse_slice(const YAML::Node& node) {
-  using Slice = std::optional<std::chrono::microseconds>;
-  if (plain_scalar(node) == "auto") return Slice();
-  const auto slice = parse_integer<std::chrono::microseconds>(node, 0, 1'000'000);
-  return slice ? std::optional<Slice>(slice) : std::nullopt;
+std::optional<std::optional<std::chrono::microseconds>> parse_quantum(const YAML::Node& node) {
+  using Quantum = std::optional<std::chrono::microseconds>;
+  if (plain_scalar(node) == "auto") return Quantum();
+  const auto quantum = parse_integer<std::chrono::microseconds>(node, 0, 1'000'000);
+  return quantum ? std::optional<Quantum>(quantum) : std::nullopt;
 }
 
 template <class S>
@@ -227,11 +227,14 @@ Keys<Config> all_keys() {
   Keys<AdminConfig> admin{
       address("listen", &AdminConfig::listen), port("port", &AdminConfig::port),
       scalar("token_file", &AdminConfig::token_file, "a path, or '' where no token is needed", parse_path_or_none)};
+  const Key<SchedulerConfig> quantum =
+      scalar("quantum_us", &SchedulerConfig::quantum,
+             "auto, or an integer from 0 to 1000000 (0: frames are never cut)", parse_quantum);
   Keys<SchedulerConfig> scheduler{
       choice("policy", &SchedulerConfig::policy, policies()),
       integer("priority_floor_percent", &SchedulerConfig::priority_floor_percent, 0, 99),
-      scalar("slice_us", &SchedulerConfig::slice, "auto, or an integer from 0 to 1000000 (0: frames are never cut)",
-             parse_slice),
+      quantum,
+      deprecated("slice_us", quantum),
       integer("admit_percent", &SchedulerConfig::admit_percent, 0, 1'000'000, " (0: no limit)"),
   };
   Keys<TenantConfig> tenant{

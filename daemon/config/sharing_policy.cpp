@@ -6,7 +6,7 @@ SharingPolicy sharing_policy_of(const Config& config) {
   SharingPolicy sharing;
   sharing.policy = config.scheduler.policy;
   sharing.priority_floor = config.scheduler.priority_floor_percent / 100.0;
-  sharing.slice = config.scheduler.slice;
+  sharing.quantum = config.scheduler.quantum;
   sharing.frames_in_flight = config.render.frames_in_flight;
   for (const TenantConfig& tenant : config.tenants) {
     sharing.tenants.push_back({{tenant.weight, tenant.priority},

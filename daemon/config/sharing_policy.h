@@ -27,17 +27,17 @@ struct TenantShare {
   scheduler::DegradationTerms degradation;
 };
 
-// How long a slice is where the configuration leaves it to us. Each cut costs a CPU's frame far more than a GPU's, which
+// How long a quantum is where the configuration says auto. Each cut costs a CPU's frame far more than a GPU's, which
 // has work of others to overlap it with: in bands of 4 ms lavapipe lost a quarter of its throughput.
-inline constexpr Nanoseconds kSliceOfGpu = std::chrono::milliseconds(4);
-inline constexpr Nanoseconds kSliceOfCpu = std::chrono::milliseconds(100);
+inline constexpr Nanoseconds kQuantumOfGpu = std::chrono::milliseconds(4);
+inline constexpr Nanoseconds kQuantumOfCpu = std::chrono::milliseconds(100);
 
 struct SharingPolicy {
   std::string policy = "fair";
   double priority_floor = 0;
-  std::optional<Nanoseconds> slice = {};  // 0: frames are never cut; none: as long as is good for the device
-  uint32_t frames_in_flight = 3;          // on the device or waiting to be encoded
-  std::vector<TenantShare> tenants;       // by TenantId
+  std::optional<Nanoseconds> quantum = {};  // 0: frames are never cut; none: as long as is good for the device
+  uint32_t frames_in_flight = 3;            // on the device or waiting to be encoded
+  std::vector<TenantShare> tenants;         // by TenantId
 };
 
 SharingPolicy sharing_policy_of(const Config& config);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/log.h"
 #include "common/result.h"
 
 namespace gnomon::daemon::schema {
@@ -43,6 +44,7 @@ struct Key {
   std::string name;
   std::function<Result<void>(const Value&, T&)> read;
   std::vector<std::string> below;  // dotted names of the keys below this one; empty: a value
+  bool deprecated = false;         // read as ever, but no longer shown to anybody
 };
 template <class T>
 using Keys = std::vector<Key<T>>;
@@ -58,6 +60,7 @@ template <class T>
 std::vector<std::string> all_paths(const Keys<T>& keys) {
   std::vector<std::string> paths;
   for (const Key<T>& key : keys) {
+    if (key.deprecated) continue;
     if (key.below.empty()) paths.push_back(key.name);
     for (const std::string& path : key.below) paths.push_back(key.name + "." + path);
   }
@@ -97,6 +100,17 @@ Key<T> scalar(std::string name, V T::*member, std::string allowed, Parse parse) 
             return {};
           },
           {}};
+}
+
+// An earlier name of `key`: it is read in the same way, and the log says which name to use.
+template <class T>
+Key<T> deprecated(std::string name, const Key<T>& key) {
+  const auto read = [key](const Value& value, T& out) {
+    log::warning("deprecated configuration key",
+                 {{"place", value.place()}, {"key", value.path}, {"use", key.name}});
+    return key.read(value, out);
+  };
+  return {std::move(name), read, key.below, true};
 }
 
 template <class V>

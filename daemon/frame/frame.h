@@ -18,7 +18,7 @@ namespace gnomon::daemon {
 struct ViewRequest {
   SessionId session;
   FrameId frame;
-  gpu::CameraView camera;
+  protocol::CameraView camera;
   TimePoint arrival;                      // of the datagram
   TimePoint deadline = TimePoint::max();  // of use until then; max: not said
   // What its link takes at the moment.
@@ -81,7 +81,7 @@ struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;
   protocol::Degraded message;
-  uint32_t generation = 0;  // the session's when this was sent, see SessionOpened
+  uint32_t generation = 0;  // of the session, see SessionOpened
 };
 
 struct EncodedFrame {

@@ -47,12 +47,6 @@ gpu::CameraView to_gpu(const protocol::CameraView& camera) {
           camera.tan_left,    camera.tan_right,         camera.tan_up, camera.tan_down, camera.near_plane};
 }
 
-protocol::CameraView to_wire(const gpu::CameraView& camera) {
-  const auto& q = camera.orientation;
-  return {to_wire(camera.position), {q.x, q.y, q.z, q.w}, camera.tan_left, camera.tan_right, camera.tan_up,
-          camera.tan_down,          camera.near_plane};
-}
-
 std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights) {
   std::vector<protocol::LightInfo> out;
   for (const scenes::Light& light : lights) out.push_back(to_wire(light));

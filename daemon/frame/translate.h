@@ -10,7 +10,6 @@
 namespace gnomon::daemon {
 
 gpu::CameraView to_gpu(const protocol::CameraView& camera);
-protocol::CameraView to_wire(const gpu::CameraView& camera);
 
 std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights);
 

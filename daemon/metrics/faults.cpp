@@ -24,7 +24,7 @@ constexpr std::array kTable{
     FaultRow{Fault::view_out_of_order, kFrame, "out_of_order", Level::debug, "view older than the newest"},
     FaultRow{Fault::view_queue_full, kFrame, "view_queue_full", Level::debug, "too many views waiting"},
     FaultRow{Fault::view_draining, kFrame, "draining", Level::debug, "view came while draining"},
-    FaultRow{Fault::view_hopeless, kFrame, "deadline", Level::debug, "view that could not be ready in time"},
+    FaultRow{Fault::deadline_unreachable, kFrame, "deadline", Level::debug, "view that could not be ready in time"},
     FaultRow{Fault::submit_failed, kFrame, "submit_failed", Level::warning, "device refused a frame"},
     FaultRow{Fault::device_lost, kFrame, "device_lost", Level::warning, "frame lost with the device"},
     FaultRow{Fault::encode_failed, kFrame, "encode_failed", Level::warning, "frame could not be encoded"},

@@ -24,7 +24,7 @@ enum class Fault : uint8_t {
   view_out_of_order,
   view_queue_full,
   view_draining,
-  view_hopeless,
+  deadline_unreachable,
   submit_failed,
   device_lost,
   encode_failed,

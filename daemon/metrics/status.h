@@ -14,14 +14,6 @@
 
 namespace gnomon::daemon {
 
-struct DeviceStatus {
-  std::string name;
-  std::string driver;
-  std::string tracer;
-  std::string raster;
-  std::string pci_address;
-};
-
 // What is known of the scenes' costs.
 using CostModels = std::map<SceneId, scheduler::CostModel>;
 

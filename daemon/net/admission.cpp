@@ -131,15 +131,16 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
   const Ask<Result<SceneForUse>> fetch = [&](auto on_answer) {
     shared_.scenes.fetch(grant.scene_name, std::move(on_answer));
   };
-  const auto scene = co_await answer_of(io_, fetch);
+  auto fetched = co_await answer_of(io_, fetch);
   if (has_departed(applicant)) co_return departed();
-  if (!scene) co_return refused(RefusalCode::scene_unavailable, scene.error().message);
-  applicant.scene = *scene;
-  if (applicant.stored && applicant.stored.record().scene_hash != scene->scene->content_hash) {
+  if (!fetched) co_return refused(RefusalCode::scene_unavailable, fetched.error().message);
+  applicant.scene = std::move(*fetched);
+  const scenes::LoadedScene& scene = applicant.scene;
+  if (applicant.stored && applicant.stored.record().scene_hash != scene.scene->content_hash) {
     co_return refused(RefusalCode::unknown_session, "the scene is another one now");
   }
-  grant.scene = scene->id;
-  grant.lights = static_cast<uint32_t>(scene->scene->lights.size());
+  grant.scene = scene.id;
+  grant.lights = static_cast<uint32_t>(scene.scene->lights.size());
   co_return std::nullopt;
 }
 

@@ -30,8 +30,8 @@ size_t FrameSender::fill(Session& session, TimePoint now) {
     const auto out = link.next(now);
     if (!out) return count;
     std::vector<uint8_t>& datagram = datagrams_[count++];
-    session.seal().seal(out->kind, out->body, datagram);
-    link.sent(protocol::decode_header(datagram)->sequence, datagram.size(), now);
+    const uint64_t sequence = session.seal().seal(out->kind, out->body, datagram);
+    link.sent(sequence, datagram.size(), now);
     if (out->kind == protocol::DatagramKind::probe) return count;
   }
   return kBatch;

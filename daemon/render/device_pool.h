@@ -5,36 +5,30 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 #include <vector>
 
 #include "daemon/metrics/health.h"
 #include "daemon/render/device_thread.h"
-#include "daemon/render/placement.h"
+#include "daemon/render/session_places.h"
 
 namespace gnomon::daemon {
 
-struct PooledDevice : DeviceStatus {
+struct PooledDevice : gpu::DeviceInfo {
   bool up = false;
   bool drained = false;
   uint32_t sessions = 0;
 };
 
 // Any thread.
-class DevicePool {
+class DevicePool final : private DeviceThread::Owner {
  public:
-  // As DeviceThread::Calls. `failed`: the last device is beyond repair.
-  struct Calls {
-    std::function<void(RenderedFrame)> rendered;
-    std::function<void(const SessionDegraded&)> degraded;
-    std::function<void(const Error&)> failed;
-  };
-
   DevicePool(size_t count, Metrics& metrics, Health& health);
 
-  // The main thread, before all others. `factories`: as many as there are devices. Error: one cannot be opened.
+  // The main thread, before all others. `factories`: as many as there are devices. `sink` outlives the pool's threads.
+  // `failed` is called once, from a render thread: the last device is beyond repair. Error: one cannot be opened.
   Result<void> start(const std::vector<RendererFactory>& factories, const SharingPolicy& terms,
-                     SceneMotion::Settings motion, Calls calls);
+                     const SceneMotion::Settings& motion, FrameSink& sink,
+                     std::function<void(const Error&)> failed);
   void stop();  // all threads end when their last leases have come back
 
   size_t size() const { return devices_.size(); }
@@ -60,36 +54,25 @@ class DevicePool {
   void set_terms(const SharingPolicy& terms);
   void change_light(const LightChanged& change);
   // To every device. `arrived.resident` is called once, when all have answered: with what it takes on one of them, or
-  // the error where none could take it. False: nobody will call it.
-  bool bring(const SceneArrived& arrived);
+  // the error where none could take it.
+  void bring(const SceneArrived& arrived);
   void take_away(SceneId scene);
 
   // A drained device gets no sessions, and those that it has move to others, if there are any. False: no such device.
   bool set_drained(size_t device, bool drained);
 
  private:
-  RenderInbox& inbox_of(SessionId session) const;
-  void changed(uint32_t device, bool up);
-  void failed(uint32_t device, const Error& why);
-  void reported();
-  void settle(uint32_t device, bool gone = false);
-  void carry_out(const std::vector<Placement::Move>& moves);
-  void tell_parts(TenantId tenant);
-  bool any_up() const;
+  void device_changed(uint32_t device, bool up) override;
+  void device_failed(uint32_t device, const Error& why) override;
+  void device_reported() override;
 
   Metrics& metrics_;
   Health& health_;
-  Calls calls_;
+  std::function<void(const Error&)> failed_;
   std::vector<std::unique_ptr<DeviceThread>> devices_;
 
-  mutable std::mutex mutex_;  // guards what follows
-  Placement placement_;
-  struct PooledSession {
-    SessionOpened opened;
-    protocol::CodecId codec;  // in force
-  };
-  std::unordered_map<SessionId, PooledSession> sessions_;
-  std::vector<bool> drained_, down_;
+  mutable std::mutex mutex_;
+  SessionPlaces places_;  // guarded by mutex_
 };
 
 }  // namespace gnomon::daemon

@@ -19,24 +19,20 @@ bool scenes_may_differ(const std::vector<RenderEvent>& batch) {
 
 }  // namespace
 
-Result<void> DeviceThread::start(RendererFactory factory, const SharingPolicy& terms, SceneMotion::Settings motion,
-                                 Calls calls) {
-  auto device = RenderDevice::open(std::move(factory), [this] { inbox_.push(BackgroundDone{}); });
+Result<void> DeviceThread::start(RendererFactory factory, const SharingPolicy& terms,
+                                 const SceneMotion::Settings& motion, FrameSink& sink) {
+  auto device = RenderDevice::open(std::move(factory), inbox_, number_);
   if (!device) return device.error();
   device_ = std::move(*device);
-  calls_ = std::move(calls);
-  const gpu::Renderer& renderer = device_->renderer();
-  const DeviceStatus status{renderer.device_name(), renderer.driver_name(), renderer.tracer_name(),
-                            renderer.raster_name(), renderer.pci_address()};
+  const gpu::DeviceInfo info = device_->renderer().info();
   log::info("device open", {{"number", number_},
-                            {"device", status.name},
-                            {"driver", status.driver},
-                            {"tracer", status.tracer},
-                            {"raster", status.raster}});
-  status_.publish(status);
-  loop_ =
-      std::make_unique<RenderLoop>(terms, *device_, inbox_, metrics_, calls_.rendered, calls_.degraded, number_);
-  loop_->motion().configure(std::move(motion));
+                            {"device", info.name},
+                            {"driver", info.driver},
+                            {"tracer", info.tracer},
+                            {"raster", info.raster}});
+  info_.publish(info);
+  loop_ = std::make_unique<RenderLoop>(terms, *device_, inbox_, metrics_, sink);
+  loop_->motion().configure(motion);
   up_ = true;
   thread_ = std::thread([this] { render(); });
   return {};
@@ -65,11 +61,11 @@ void DeviceThread::render() {
   }
   heartbeat_.end();
   if (!loop_->failure()) return;
-  calls_.failed(*loop_->failure());
+  owner_.device_failed(number_, *loop_->failure());
   refuse_the_rest(*loop_->failure());
 }
 
-// With frames out, life is that one of them comes to its end. A device that is made anew takes as long as its scenes.
+// With frames in flight, progress means that a frame was completed. Rebuilding a device takes as long as its scenes.
 void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
   const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
     return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event);
@@ -85,7 +81,7 @@ void DeviceThread::handle(std::vector<RenderEvent>& batch) {
 bool DeviceThread::tell_change() {
   const bool up = loop_->device_up() && !loop_->failure();
   if (up_.exchange(up) == up) return false;
-  calls_.changed(up);
+  owner_.device_changed(number_, up);
   return true;
 }
 
@@ -96,7 +92,7 @@ void DeviceThread::publish(TimePoint now) {
   shares_.publish(loop_->shares());
   costs_.publish(loop_->costs());
   scenes_.publish(loop_->motion().report());
-  calls_.reported();
+  owner_.device_reported();
 }
 
 // Who waits for a scene to come here is told that it does not; nor is there room for anybody.

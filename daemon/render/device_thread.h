@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -16,22 +15,25 @@ namespace gnomon::daemon {
 
 class DeviceThread {
  public:
-  // All are called from the render thread, `rendered` from the device's completion thread.
-  struct Calls {
-    std::function<void(RenderedFrame)> rendered;
-    std::function<void(const SessionDegraded&)> degraded;
-    std::function<void(bool up)> changed;      // the device was lost, or is back
-    std::function<void(const Error&)> failed;  // once, at the end: it is beyond repair
-    std::function<void()> reported;            // shares(), costs() and scenes() are new
+  // Who keeps the devices. The render thread calls it.
+  class Owner {
+   public:
+    virtual void device_changed(uint32_t number, bool up) = 0;          // the device was lost, or is back
+    virtual void device_failed(uint32_t number, const Error& why) = 0;  // once, at the end: it is beyond repair
+    virtual void device_reported() = 0;                                 // shares(), costs() and scenes() are new
+
+   protected:
+    ~Owner() = default;
   };
 
   // `number`: among the daemon's devices. All references outlive it.
-  DeviceThread(uint32_t number, Metrics& metrics) : number_(number), metrics_(metrics) {}
+  DeviceThread(uint32_t number, Metrics& metrics, Owner& owner)
+      : number_(number), metrics_(metrics), owner_(owner) {}
   ~DeviceThread() { stop(); }
 
   // Opens the device and starts the thread. Error: it cannot be opened.
-  Result<void> start(RendererFactory factory, const SharingPolicy& terms, SceneMotion::Settings motion,
-                     Calls calls);
+  Result<void> start(RendererFactory factory, const SharingPolicy& terms, const SceneMotion::Settings& motion,
+                     FrameSink& sink);
   // Ends when the last lease has come back.
   void stop();
 
@@ -39,7 +41,7 @@ class DeviceThread {
   RenderInbox& inbox() { return inbox_; }
   Heartbeat& heartbeat() { return heartbeat_; }
   bool up() const { return up_; }
-  DeviceStatus status() const { return *status_.get(); }
+  gpu::DeviceInfo info() const { return *info_.get(); }
   std::shared_ptr<const ShareReport> shares() const { return shares_.get(); }
   std::shared_ptr<const CostModels> costs() const { return costs_.get(); }
   std::shared_ptr<const SceneReports> scenes() const { return scenes_.get(); }
@@ -54,11 +56,11 @@ class DeviceThread {
 
   const uint32_t number_;
   Metrics& metrics_;
-  Calls calls_;
+  Owner& owner_;
   RenderInbox inbox_;
   Heartbeat heartbeat_;
   std::atomic<bool> up_{false};
-  Published<DeviceStatus> status_;
+  Published<gpu::DeviceInfo> info_;
   Published<ShareReport> shares_;
   Published<CostModels> costs_;
   Published<SceneReports> scenes_;

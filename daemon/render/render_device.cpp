@@ -2,14 +2,22 @@
 
 namespace gnomon::daemon {
 
-Result<std::unique_ptr<RenderDevice>> RenderDevice::open(RendererFactory factory, std::function<void()> wake) {
-  auto renderer = factory();
-  if (!renderer) return renderer.error();
+Result<std::unique_ptr<RenderDevice>> RenderDevice::open(RendererFactory factory, RenderInbox& inbox,
+                                                         uint32_t number) {
   auto device = std::make_unique<RenderDevice>();
   device->factory_ = std::move(factory);
-  device->wake_ = std::move(wake);
-  device->renderer_ = std::move(*renderer);
+  device->inbox_ = &inbox;
+  device->number_ = number;
+  if (auto made = device->make_renderer(); !made) return made.error();
   return device;
+}
+
+Result<void> RenderDevice::make_renderer() {
+  auto made = factory_();
+  if (!made) return made.error();
+  renderer_ = std::move(*made);
+  renderer_->on_slot_freed([&inbox = *inbox_] { inbox.push(LeaseDropped{}); });
+  return {};
 }
 
 void RenderDevice::bring_scene(const scenes::LoadedScene& scene, Arrived arrived) {
@@ -26,7 +34,7 @@ void RenderDevice::bring(SceneId id) {
     scenes_.emplace(id, arriving_.at(id).scene.scene);
     answer(id, renderer_->footprint(id));
   };
-  renderer_->bring(id, arriving_.at(id).scene.scene, resident, wake_);
+  renderer_->bring(id, arriving_.at(id).scene.scene, resident, wake());
 }
 
 void RenderDevice::answer(SceneId id, const Result<gpu::SceneFootprint>& result) {
@@ -51,9 +59,7 @@ Result<void> RenderDevice::rebuild(TimePoint now) {
                  std::to_string(kLossWindow.count()) + " s"};
   }
   renderer_.reset();  // first: two renderers may not fit on the device
-  auto renderer = factory_();
-  if (!renderer) return renderer.error();
-  renderer_ = std::move(*renderer);
+  if (auto made = make_renderer(); !made) return made;
   for (const auto& [id, scene] : scenes_) {
     if (auto made = renderer_->make_resident(id, scene); !made) return made;
   }

@@ -9,6 +9,7 @@
 
 #include "common/clock.h"
 #include "common/result.h"
+#include "daemon/render/render_inbox.h"
 #include "gpu/renderer.h"
 #include "scenes/registry.h"
 
@@ -20,19 +21,27 @@ using RendererFactory = std::function<Result<std::unique_ptr<gpu::Renderer>>()>;
 inline constexpr size_t kMaxLosses = 3;
 inline constexpr std::chrono::seconds kLossWindow{60};
 
-// The render thread's.
+// Belongs to the render thread.
 class RenderDevice {
  public:
-  // `wake` is called from the renderer's threads when finish_background has something to do.
-  static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory, std::function<void()> wake);
+  // `inbox` outlives the device and its leases. It gets BackgroundDone when finish_background has something to do, and
+  // LeaseDropped when a slot is free again. `number`: among the daemon's devices.
+  static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory, RenderInbox& inbox,
+                                                    uint32_t number = 0);
 
   gpu::Renderer& renderer() const { return *renderer_; }
+  uint32_t number() const { return number_; }
+  // What the renderer is to call when finish_background has something to do. Any thread may call it.
+  std::function<void()> wake() const {
+    return [&inbox = *inbox_] { inbox.push(BackgroundDone{}); };
+  }
 
-  // Brings the scene to the device, beside the frames; `arrived` is called once, now or from finish_background. Whoever
-  // asks for a scene on its way is answered with those before. On its way when the device is lost: brought to the next.
+  // Brings the scene to the device, beside the frames; `arrived` is called once, now or from finish_background. Callers
+  // that ask for a scene on its way are answered together with the first. A scene that is on its way when the device is
+  // lost is brought to the next renderer.
   using Arrived = std::function<void(Result<gpu::SceneFootprint>)>;
   void bring_scene(const scenes::LoadedScene& scene, Arrived arrived);
-  // Answers who still waits for a scene: the device is beyond repair.
+  // Answers all callers that still wait for a scene with the error.
   void refuse_arriving(const Error& why);
 
   void remove_scene(SceneId scene);  // precondition: nobody will submit a frame of it
@@ -47,11 +56,13 @@ class RenderDevice {
     std::vector<Arrived> waiting;
   };
 
+  Result<void> make_renderer();
   void bring(SceneId id);
   void answer(SceneId id, const Result<gpu::SceneFootprint>& result);
 
   RendererFactory factory_;
-  std::function<void()> wake_;
+  RenderInbox* inbox_ = nullptr;
+  uint32_t number_ = 0;
   std::map<SceneId, scenes::ScenePtr> scenes_;
   std::map<SceneId, Arriving> arriving_;
   std::deque<TimePoint> losses_;

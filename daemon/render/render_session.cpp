@@ -1,7 +1,6 @@
 #include "daemon/render/render_session.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace gnomon::daemon {
 namespace {
@@ -15,35 +14,22 @@ scheduler::Work work_of(const TileGrid& grid, uint32_t traced_lights, const Tile
 
 }  // namespace
 
-uint32_t shrunk(uint32_t side, double share) {
-  if (share >= 1) return side;
-  return std::max(kTileSize, static_cast<uint32_t>(side * share) / kTileSize * kTileSize);
-}
-
-TileGrid RenderSession::wanted_grid() const {
-  const double size = std::min({degradation.point().size, link.size(), memory.size()});
-  return {shrunk(grant().width, size), shrunk(grant().height, size), grant().lights};
-}
-
-uint32_t RenderSession::wanted_lights() const {
-  return std::max(1u, static_cast<uint32_t>(std::ceil(degradation.point().lights * grant().lights)));
-}
-
-NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds slice) {
-  const TileGrid grid = session.grid();
-  const uint32_t first = session.begun ? session.begun->next_row : 0;
+NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds quantum) {
+  const TileGrid grid = session.quality.grid();
+  const uint32_t lights = session.quality.traced_lights();
+  const uint32_t first = session.partial ? session.partial->next_row : 0;
   const auto piece = [&](uint32_t rows) {
-    NextJob job{{first, rows}, work_of(grid, session.traced_lights(), {first, rows}, !session.begun), {}, {}};
+    NextJob job{{first, rows}, work_of(grid, lights, {first, rows}, !session.partial), {}, {}};
     const scheduler::Cost predicted = model.predict(job.work);
     job.cost = session.view.apply(predicted);
     if (model.knows()) job.model_cost = predicted;
     return job;
   };
-  const uint32_t remaining = grid.tiles_y() - first, fewest = session.begun ? 1 : 0;
+  const uint32_t remaining = grid.tiles_y() - first, fewest = session.partial ? 1 : 0;
   const NextJob all = piece(remaining);
-  const Nanoseconds most = slice / kJobsOfASlice;
+  const Nanoseconds most = quantum / kJobsOfAQuantum;
   // What is not much more than a piece is not cut: each cut may cost it a wait for others' pieces.
-  if (slice <= Nanoseconds{} || all.cost <= most + most / 2 || remaining == 1) return all;
+  if (quantum <= Nanoseconds{} || all.cost <= most + most / 2 || remaining == 1) return all;
   const Nanoseconds least = piece(fewest).cost;
   const double a_row = to_seconds(all.cost - least) / (remaining - fewest);
   const double fit = fewest + std::max(0.0, to_seconds(most - least) / a_row);

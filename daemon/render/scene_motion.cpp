@@ -4,9 +4,6 @@
 
 namespace gnomon::daemon {
 
-SceneMotion::SceneMotion(RenderDevice& device, Metrics& metrics, std::function<void()> wake)
-    : device_(device), metrics_(metrics), wake_(std::move(wake)) {}
-
 void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedScene& scene) {
   if (scenes_.contains(id)) return;
   State& state = scenes_[id];
@@ -85,11 +82,11 @@ void SceneMotion::apply(SceneId id, State& state) {
     s.applied = asked;
     s.version = asked;
     log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
-    if (settings_.announce) settings_.announce({s.name, s.version, lights});
+    sink_.on_lights({s.name, s.version, lights});
     count(id, s);
     if (s.asked != s.applied) apply(id, s);
   };
-  device_.renderer().set_lights(id, state.wanted, changed, wake_);
+  device_.renderer().set_lights(id, state.wanted, changed, device_.wake());
 }
 
 void SceneMotion::settle(SceneId id, State& state) {
@@ -101,7 +98,7 @@ void SceneMotion::settle(SceneId id, State& state) {
     if (found->second.changed_at == changed_at) found->second.changed_at.reset();
     settled(id, found->second, built);
   };
-  device_.renderer().settle_lights(id, done, wake_);
+  device_.renderer().rebuild_lights(id, done, device_.wake());
 }
 
 void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {

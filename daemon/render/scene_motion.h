@@ -1,16 +1,16 @@
 // What changes in the scenes of a device: the clock that their animations play on, and lights that operators change.
 //
-// A light that was changed is answered for at once, exactly; when it has rested for a while, what the tracer builds for
-// lights is built anew beside the frames. All of it belongs to the render thread and is told the time.
+// A light that was changed is answered for at once, exactly; when the light has rested for a while, what the tracer
+// builds for lights is rebuilt beside the frames. All of it belongs to the render thread and is told the time.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "daemon/frame/frame_sink.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/metrics/status.h"
 #include "daemon/render/light_change.h"
@@ -20,41 +20,34 @@
 
 namespace gnomon::daemon {
 
-// The lights of a scene from a version on.
-struct LightsUpdate {
-  std::string scene;
-  uint32_t version = 0;
-  std::vector<scenes::Light> lights;
-};
-
 class SceneMotion {
  public:
   struct Settings {
     uint32_t clock_hz = 60;
     Nanoseconds light_rest = std::chrono::seconds(2);
-    TimePoint clock_start{};                                 // of all scenes
-    std::function<void(const LightsUpdate&)> announce = {};  // after the switch
+    TimePoint clock_start{};  // of all scenes
   };
 
-  // `wake` is called from the renderer's threads when step() has something to do. References outlive this.
-  SceneMotion(RenderDevice& device, Metrics& metrics, std::function<void()> wake);
+  // References outlive this. `sink` hears of other lights as soon as frames are of them.
+  SceneMotion(RenderDevice& device, Metrics& metrics, FrameSink& sink)
+      : device_(device), metrics_(metrics), sink_(sink) {}
   void configure(Settings settings) { settings_ = std::move(settings); }
 
-  // A scene that was made resident; idempotent. What the tracer builds for it and was not there is built from now on.
+  // The scene was made resident. If the tracer has not built for its lights yet, it does so from now on. Idempotent.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);
 
   void remove(SceneId id) { scenes_.erase(id); }
 
   scenes::SceneTime time_of(SceneId scene, TimePoint now) const;
-  // As they were asked to be last, those of animations at time 0. Empty: no such scene.
+  // The lights as the last change wants them, animated ones at time 0; empty if there is no such scene.
   std::span<const scenes::Light> lights_of(SceneId scene) const;
-  // Empty: the scene is as its file has it, for ever.
+  // Nullopt if the scene never differs from its file.
   std::optional<protocol::Moment> moment_of(SceneId scene, TimePoint now) const;
 
-  // Unknown scenes and lights are passed over.
+  // Changes to unknown scenes and lights are ignored.
   void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now);
-  // Takes over what was done beside the frames; has done what is due. Returns the scenes that were unbuilt() until now:
-  // their frames cost something else from here on.
+  // Takes over what was done beside the frames, and starts what is due. Returns the scenes that were unbuilt() until
+  // now: their frames cost something else from here on.
   std::vector<SceneId> step(TimePoint now);
   // The device was made anew, with the scenes' own lights.
   void restore();
@@ -83,7 +76,7 @@ class SceneMotion {
 
   RenderDevice& device_;
   Metrics& metrics_;
-  std::function<void()> wake_;
+  FrameSink& sink_;
   Settings settings_;
   std::map<SceneId, State> scenes_;
   std::vector<SceneId> built_;  // since the last step

@@ -38,7 +38,7 @@ void ShareAccount::set_part(TenantId id, double part) {
   tenant.gpu.set(part * tenant.rates.gpu_share);
 }
 
-void ShareAccount::look() {
+void ShareAccount::sample_backlog() {
   for (Tenant& tenant : tenants_) tenant.always_busy &= tenant.waiting > 0;
 }
 

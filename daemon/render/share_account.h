@@ -10,26 +10,27 @@
 
 namespace gnomon::daemon {
 
-// The render loop's.
+// Belongs to the render thread.
 class ShareAccount {
  public:
   void set_terms(const SharingPolicy& terms);
-  // Of the tenant's rates this device allows so much: 0 to 1. At first all.
+  // This device allows `part` of the tenant's rates, 0 to 1; at first all of them.
   void set_part(TenantId tenant, double part);
 
-  void asked(TenantId tenant) { ++tenants_[tenant.value].waiting; }
+  void queued(TenantId tenant) { ++tenants_[tenant.value].waiting; }
   void left_queue(TenantId tenant) { --tenants_[tenant.value].waiting; }
-  // Before every round of picks that has room: who has no work now was not busy all the while.
-  void look();
+  // Called before every round of picks that has room: a tenant without work at that moment was not always busy.
+  void sample_backlog();
 
   // A job was submitted: it counts against the tenant's rates.
   void started(TenantId tenant, bool begins_frame, uint64_t bits, TimePoint now);
   void sent(TenantId tenant, size_t bytes, TimePoint now);
   void finished(TenantId tenant, Nanoseconds predicted, Nanoseconds real, TimePoint now);
-  // From when the tenant may start a frame.
+  // The time from which the tenant may start a frame.
   TimePoint open_at(TenantId tenant) const;
 
-  ShareReport report(const scheduler::Scheduler& policy);  // and begins a new while
+  // The shares since the last report.
+  ShareReport report(const scheduler::Scheduler& policy);
 
  private:
   struct Tenant {

@@ -22,9 +22,9 @@ void SceneHost::fetch(const std::string& name, Ready ready) {
   {
     std::unique_lock lock(mutex_);
     if (const auto found = resident_.find(name); found != resident_.end()) {
-      const SceneForUse scene{found->second.loaded, found->second.use};
+      SceneForUse scene{found->second.scene.loaded, SceneUse(found->second.uses)};
       lock.unlock();
-      return ready(scene);
+      return ready(std::move(scene));
     }
   }
   requests_.push({name, std::move(ready)});
@@ -49,7 +49,7 @@ void SceneHost::load(Request request) {
     std::lock_guard lock(mutex_);
     on_the_way_.insert(request.name);
   }
-  if (!devices_.bring(arrived)) refuse(request, Error{"the server is stopping"});
+  devices_.bring(arrived);
 }
 
 void SceneHost::refuse(const Request& request, const Error& why) {
@@ -60,7 +60,7 @@ void SceneHost::refuse(const Request& request, const Error& why) {
   request.ready(why);
 }
 
-SceneForUse SceneHost::keep(const std::string& name, const HostedScene& scene) {
+SceneForUse SceneHost::keep(const std::string& name, HostedScene scene) {
   log::info("scene resident", {{"scene", name},
                                {"device_bytes", scene.on_device.memory_bytes},
                                {"tracer_bytes", scene.on_device.tracer_memory_bytes},
@@ -68,8 +68,8 @@ SceneForUse SceneHost::keep(const std::string& name, const HostedScene& scene) {
                                {"from_cache", scene.on_device.tracer_from_cache}});
   std::lock_guard lock(mutex_);
   on_the_way_.erase(on_the_way_.find(name));
-  const HostedScene& kept = resident_.emplace(name, scene).first->second;
-  return {kept.loaded, kept.use};
+  const Resident& kept = resident_.try_emplace(name, Resident{std::move(scene)}).first->second;
+  return {kept.scene.loaded, SceneUse(kept.uses)};
 }
 
 // Whoever got the scene before is seen here as a user, and whoever asks after this has it brought again: the devices
@@ -79,10 +79,10 @@ Result<void> SceneHost::unload(const std::string& name) {
     std::lock_guard lock(mutex_);
     const auto found = resident_.find(name);
     if (found == resident_.end()) return Error{"no such scene is resident"};
-    const long users = found->second.use.use_count() - 1;
+    const uint32_t users = *found->second.uses;
     if (users > 0) return Error{"sessions use it: " + std::to_string(users)};
     if (on_the_way_.contains(name)) return Error{"it is being loaded"};
-    devices_.take_away(found->second.loaded.id);
+    devices_.take_away(found->second.scene.loaded.id);
     resident_.erase(found);
   }
   registry_.forget(name);
@@ -99,25 +99,27 @@ std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
   return answered->get_future();
 }
 
-void SceneHost::keep_lights(const LightsUpdate& update) {
+void SceneHost::keep_lights(const LightsUpdate& news) {
   std::lock_guard lock(mutex_);
-  const auto found = resident_.find(update.scene);
+  const auto found = resident_.find(news.scene);
   // Of several devices the slower ones announce older versions.
-  if (found != resident_.end() && update.version >= found->second.lights.version) found->second.lights = update;
+  if (found == resident_.end()) return;
+  LightsUpdate& known = found->second.scene.lights;
+  if (news.version >= known.version) known = news;
 }
 
 LightsUpdate SceneHost::lights_of(const std::string& name) const {
   std::lock_guard lock(mutex_);
   const auto found = resident_.find(name);
-  return found == resident_.end() ? LightsUpdate{} : found->second.lights;
+  return found == resident_.end() ? LightsUpdate{} : found->second.scene.lights;
 }
 
 std::map<std::string, HostedScene> SceneHost::resident() const {
   std::lock_guard lock(mutex_);
-  std::map<std::string, HostedScene> scenes = resident_;
-  for (auto& [name, scene] : scenes) {
-    scene.users = scene.use.use_count() - 2;  // ours and this copy's
-    scene.use.reset();
+  std::map<std::string, HostedScene> scenes;
+  for (const auto& [name, resident] : resident_) {
+    HostedScene& scene = scenes.emplace(name, resident.scene).first->second;
+    scene.users = *resident.uses;
   }
   return scenes;
 }

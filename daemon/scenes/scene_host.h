@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/inbox.h"
+#include "daemon/frame/scene_use.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/render/scene_motion.h"
@@ -20,15 +21,14 @@ namespace gnomon::daemon {
 
 // A resident scene, for whoever uses it. It is not unloaded as long as `use` lives.
 struct SceneForUse : scenes::LoadedScene {
-  std::shared_ptr<const void> use;
+  SceneUse use;
 };
 
 struct HostedScene {
   scenes::LoadedScene loaded;
   gpu::SceneFootprint on_device;
   LightsUpdate lights;
-  std::shared_ptr<const void> use = std::make_shared<char>();  // copies of it are the users
-  long users = 0;                                              // at the time of asking
+  uint32_t users = 0;  // at the time of asking
 };
 
 class SceneHost {
@@ -53,7 +53,7 @@ class SceneHost {
   std::map<std::string, HostedScene> resident() const;
 
   // Any thread. The lights of a resident scene from now on, for those who are still to come.
-  void keep_lights(const LightsUpdate& update);
+  void keep_lights(const LightsUpdate& news);
   LightsUpdate lights_of(const std::string& name) const;
 
  private:
@@ -64,14 +64,18 @@ class SceneHost {
 
   void load(Request request);
   void refuse(const Request& request, const Error& why);
-  SceneForUse keep(const std::string& name, const HostedScene& scene);
+  SceneForUse keep(const std::string& name, HostedScene scene);
 
   scenes::Registry registry_;
   DevicePool& devices_;
   Metrics& metrics_;
   mutable std::mutex mutex_;
-  std::map<std::string, HostedScene> resident_;  // guarded by mutex_
-  std::multiset<std::string> on_the_way_;        // to the devices; guarded by mutex_
+  struct Resident {
+    HostedScene scene;
+    std::shared_ptr<SceneUses> uses = std::make_shared<SceneUses>(0);  // grows under the mutex only
+  };
+  std::map<std::string, Resident> resident_;  // guarded by mutex_
+  std::multiset<std::string> on_the_way_;     // to the devices; guarded by mutex_
   Inbox<Request> requests_;
   std::thread loader_;
 };

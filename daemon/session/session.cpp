@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "daemon/frame/translate.h"
-
 namespace gnomon::daemon {
 namespace {
 
@@ -99,7 +97,7 @@ Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
   // The client's clock is not ours: its deadline counts from the arrival.
   const auto until = std::chrono::microseconds(update.display_deadline_us);
   const TimePoint deadline = until.count() == 0 ? TimePoint::max() : now + until;
-  ViewRequest view{id_, update.frame, to_gpu(update.camera), now, deadline};
+  ViewRequest view{id_, update.frame, update.camera, now, deadline};
   view.tenant = grant_.tenant;
   return {views_.offer(view, now), std::nullopt};
 }

@@ -10,6 +10,7 @@
 
 #include "daemon/frame/frame.h"
 #include "daemon/frame/grant.h"
+#include "daemon/frame/scene_use.h"
 #include "daemon/frame/session_references.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
@@ -38,7 +39,7 @@ struct SessionParts {
   std::unique_ptr<protocol::Seal> seal;
   SessionPermit permit;
   StoredSession stored = {};  // the seal goes on from what lies in there; empty if it cannot be resumed
-  std::shared_ptr<const void> scene_use = {};  // keeps the scene from being unloaded
+  SceneUse scene_use = {};    // keeps the scene from being unloaded
 };
 
 // The net thread's that owns it.
@@ -92,7 +93,7 @@ class Session {
 
   SessionId id_;
   SessionGrant grant_;
-  std::shared_ptr<const void> scene_use_;
+  SceneUse scene_use_;
   StoredSession stored_;  // destroyed after the permit, which the connection that resumes the session takes
   SessionPermit permit_;
   uint32_t told_width_, told_height_;

@@ -188,6 +188,23 @@ bool FramePlan::is_storage_image(size_t pass, size_t port) const {
 }
 
 Result<void> FramePlan::bind(FrameResources& out) const {
+  if (auto made = make_descriptor_pool(out); !made) return made;
+  for (size_t pass = 0; pass < passes_.size(); ++pass) {
+    std::vector<BoundPort> bound;
+    for (const size_t resource : wiring_[pass]) {
+      const FrameResources::Entry& entry = out.entries[resource];
+      const bool image = is_image(resources_[resource].spec);
+      bound.push_back({image ? &entry.image : nullptr, image ? nullptr : &entry.buffer});
+    }
+    out.ports.push_back(std::move(bound));
+    const auto set = make_descriptor_set(pass, out);
+    if (!set) return set.error();
+    out.sets.push_back(*set);
+  }
+  return {};
+}
+
+Result<void> FramePlan::make_descriptor_pool(FrameResources& out) const {
   const uint32_t passes = static_cast<uint32_t>(passes_.size());
   uint32_t sampled_images = 1, storage_images = 1;  // none of a kind would be no valid size
   for (size_t pass = 0; pass < passes_.size(); ++pass)
@@ -207,56 +224,52 @@ Result<void> FramePlan::bind(FrameResources& out) const {
   if (const VkResult r = vkCreateDescriptorPool(device_->handle(), &create, nullptr, &pool); r != VK_SUCCESS)
     return vulkan_error(r, "creating a descriptor pool");
   out.pool = {device_, pool};
-
-  for (size_t pass = 0; pass < passes_.size(); ++pass) {
-    std::vector<BoundPort> bound;
-    std::vector<VkDescriptorImageInfo> sampled, stored;
-    for (size_t port = 0; port < ports_[pass].size(); ++port) {
-      const size_t resource = wiring_[pass][port];
-      const FrameResources::Entry& entry = out.entries[resource];
-      const bool image = is_image(resources_[resource].spec);
-      bound.push_back({image ? &entry.image : nullptr, image ? nullptr : &entry.buffer});
-      if (ports_[pass][port].use == Use::sampled)
-        sampled.push_back({VK_NULL_HANDLE, entry.image.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
-      if (is_storage_image(pass, port))
-        stored.push_back({VK_NULL_HANDLE, entry.image.view(), VK_IMAGE_LAYOUT_GENERAL});
-    }
-    out.ports.push_back(std::move(bound));
-    out.sets.push_back(VK_NULL_HANDLE);
-    const PassLayout* layout = passes_[pass]->layout();
-    if (!layout) continue;
-
-    const VkDescriptorSetLayout set_layout = layout->set.get();
-    VkDescriptorSetAllocateInfo allocate{};
-    allocate.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
-    allocate.descriptorPool = pool;
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &set_layout;
-    if (const VkResult r = vkAllocateDescriptorSets(device_->handle(), &allocate, &out.sets.back());
-        r != VK_SUCCESS)
-      return vulkan_error(r, "allocating a descriptor set");
-    const Buffer& seen = passes_[pass]->for_resting_lights() ? out.resting_uniforms : out.uniforms;
-    const VkDescriptorBufferInfo uniforms{seen.handle(), 0, VK_WHOLE_SIZE};
-    VkWriteDescriptorSet write{};
-    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-    write.dstSet = out.sets.back();
-    write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    write.pBufferInfo = &uniforms;
-    std::vector<VkWriteDescriptorSet> all{write};
-    const auto add = [&](VkDescriptorType type, const std::vector<VkDescriptorImageInfo>& images) {
-      for (const VkDescriptorImageInfo& image : images) {
-        write.dstBinding = static_cast<uint32_t>(all.size());
-        write.descriptorType = type;
-        write.pImageInfo = &image;
-        all.push_back(write);
-      }
-    };
-    add(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled);
-    add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, stored);
-    vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(all.size()), all.data(), 0, nullptr);
-  }
   return {};
+}
+
+// Null where the pass binds nothing. The uniforms come first, then the sampled images, then those that are stored to.
+Result<VkDescriptorSet> FramePlan::make_descriptor_set(size_t pass, const FrameResources& resources) const {
+  const PassLayout* layout = passes_[pass]->layout();
+  if (!layout) return VkDescriptorSet{VK_NULL_HANDLE};
+  const VkDescriptorSetLayout set_layout = layout->set.get();
+  VkDescriptorSetAllocateInfo allocate{};
+  allocate.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+  allocate.descriptorPool = resources.pool.get();
+  allocate.descriptorSetCount = 1;
+  allocate.pSetLayouts = &set_layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  if (const VkResult r = vkAllocateDescriptorSets(device_->handle(), &allocate, &set); r != VK_SUCCESS)
+    return vulkan_error(r, "allocating a descriptor set");
+
+  std::vector<VkDescriptorImageInfo> sampled, stored;
+  for (size_t port = 0; port < ports_[pass].size(); ++port) {
+    const FrameResources::Entry& entry = resources.entries[wiring_[pass][port]];
+    if (ports_[pass][port].use == Use::sampled)
+      sampled.push_back({VK_NULL_HANDLE, entry.image.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    if (is_storage_image(pass, port))
+      stored.push_back({VK_NULL_HANDLE, entry.image.view(), VK_IMAGE_LAYOUT_GENERAL});
+  }
+  const Buffer& seen = passes_[pass]->for_resting_lights() ? resources.resting_uniforms : resources.uniforms;
+  const VkDescriptorBufferInfo uniforms{seen.handle(), 0, VK_WHOLE_SIZE};
+  VkWriteDescriptorSet write{};
+  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+  write.dstSet = set;
+  write.descriptorCount = 1;
+  write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  write.pBufferInfo = &uniforms;
+  std::vector<VkWriteDescriptorSet> all{write};
+  const auto add = [&](VkDescriptorType type, const std::vector<VkDescriptorImageInfo>& images) {
+    for (const VkDescriptorImageInfo& image : images) {
+      write.dstBinding = static_cast<uint32_t>(all.size());
+      write.descriptorType = type;
+      write.pImageInfo = &image;
+      all.push_back(write);
+    }
+  };
+  add(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled);
+  add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, stored);
+  vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(all.size()), all.data(), 0, nullptr);
+  return set;
 }
 
 void FramePlan::give(FrameResources& resources, std::string_view name, const Buffer& buffer) const {
@@ -311,9 +324,9 @@ void FramePlan::wait_for(VkCommandBuffer commands, const FrameResources& resourc
   vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-                        const PosedScene& posed, uint32_t slot, const FrameView& view, const Band& band,
-                        VkQueryPool timestamps) const {
+void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resources, const FrameSubject& subject,
+                        const Band& band, VkQueryPool timestamps) const {
+  const FrameView& view = subject.view;
   const auto stamp = [&](size_t query, VkPipelineStageFlags2 stage) {
     vkCmdWriteTimestamp2(commands, stage, timestamps, static_cast<uint32_t>(query));
   };
@@ -331,8 +344,9 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
     if (mine) {
       // What runs once has the whole frame to itself.
       const TileRows whole{0, view.grid.tiles_y()};
-      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], scene, posed, slot, view.grid,
-                             view.untraced, share == Share::every_band ? band.rows : whole});
+      passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], subject.scene, subject.posed,
+                             subject.slot, view.grid, view.untraced,
+                             share == Share::every_band ? band.rows : whole});
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   }

@@ -8,6 +8,14 @@
 
 namespace gnomon::gpu {
 
+// What a frame shows: the scene as it is posed, seen so, in one of the frames in flight.
+struct FrameSubject {
+  const ResidentScene& scene;
+  const PosedScene& posed;
+  const FrameView& view;
+  uint32_t slot = 0;
+};
+
 // Memory of one frame slot for every resource of a plan, and the descriptor sets that point to it.
 struct FrameResources {
   struct Entry {
@@ -49,9 +57,8 @@ class FramePlan {
   // Records the passes that have a share of the band and their barriers, and a timestamp before the first and
   // after each (queries 0...pass_count). Bands follow each other from the top to the last row. What comes later on the
   // queue sees what was written to given buffers.
-  void execute(VkCommandBuffer commands, const FrameResources& resources, const ResidentScene& scene,
-               const PosedScene& posed, uint32_t slot, const FrameView& view, const Band& band,
-               VkQueryPool timestamps) const;
+  void execute(VkCommandBuffer commands, const FrameResources& resources, const FrameSubject& subject,
+               const Band& band, VkQueryPool timestamps) const;
 
  private:
   struct Resource {
@@ -73,6 +80,8 @@ class FramePlan {
                 bool for_images = true) const;
   bool is_storage_image(size_t pass, size_t port) const;
   Result<void> bind(FrameResources& resources) const;
+  Result<void> make_descriptor_pool(FrameResources& resources) const;
+  Result<VkDescriptorSet> make_descriptor_set(size_t pass, const FrameResources& resources) const;
 
   DevicePtr device_;
   bool motion_ = false;

@@ -108,7 +108,7 @@ Result<RecordedBand> FrameSlot::record_more(const FramePlan& plan, const Residen
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const VkResult r = vkBeginCommandBuffer(recording.commands, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "recording a frame");
-  plan.execute(recording.commands, *resources_, scene, *posed_, number_, view_,
+  plan.execute(recording.commands, *resources_, {scene, *posed_, view_, number_},
                {{next_row_, rows}, bands_ == 0, next_row_ + rows == view_.grid.tiles_y()},
                recording.timestamps.get());
   if (const VkResult r = vkEndCommandBuffer(recording.commands); r != VK_SUCCESS)

@@ -27,8 +27,8 @@ void cull(const FrameContext& frame, const ComputeStep& step, std::span<const Cl
   const uint32_t end = groups.back().first_chunk + groups.back().chunk_count;
   if (first == end) return;
   const ResidentScene& scene = frame.scene;
-  const Push push{scene.cluster_buffer().address(),
-                  scene.chunk_buffer().address(),
+  const Push push{scene.buffers().clusters.address(),
+                  scene.buffers().cluster_chunks.address(),
                   depth_tiles,
                   draws.address(),
                   drawn.address(),

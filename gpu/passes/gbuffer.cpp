@@ -95,7 +95,7 @@ void draw_culled(const FrameContext& frame, const Raster& raster, std::span<cons
 void draw_moving(const FrameContext& frame, const Raster& raster) {
   if (frame.posed.draws.empty()) return;
   bind(frame, raster, 0);
-  const uint32_t first = frame.scene.first_moving_triangle(frame.slot);
+  const uint32_t first = frame.scene.moving_place(frame.slot).first_triangle;
   draw_groups(frame, raster, frame.posed.draws, [&](const ClusterGroup& group) {
     vkCmdDraw(frame.commands, 3 * group.triangle_count, 1, 3 * (first + group.first_triangle), 0);
   });

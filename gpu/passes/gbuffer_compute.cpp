@@ -75,8 +75,8 @@ class ComputePass : public Pass {
     const uint32_t first = groups.front().first_chunk;
     const uint32_t end = groups.back().first_chunk + groups.back().chunk_count;
     if (first == end) return;
-    const CullPush push{frame.scene.cluster_buffer().address(), frame.scene.chunk_buffer().address(), depth_tiles,
-                        runs.address(), first};
+    const CullPush push{frame.scene.buffers().clusters.address(), frame.scene.buffers().cluster_chunks.address(),
+                        depth_tiles, runs.address(), first};
     bind(frame, step_, bytes_of(push));
     vkCmdDispatch(frame.commands, end - first, 1, 1);
   }
@@ -148,7 +148,7 @@ class TriangleRunsPass : public ComputePass {
     push.runs = 0;
     for (const ClusterGroup& group : frame.posed.draws) {
       if (group.triangle_count == 0) continue;
-      push.first = frame.scene.first_moving_triangle(frame.slot) + group.first_triangle;
+      push.first = frame.scene.moving_place(frame.slot).first_triangle + group.first_triangle;
       push.count = group.triangle_count;
       push.marks = (group.double_sided ? kDoubleSided : 0) | (group.masked ? kMasked : 0);
       bind(frame, step_, bytes_of(push));

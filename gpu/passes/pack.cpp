@@ -1,4 +1,4 @@
-// From masks and cares to what the host reads of them (common/packed_mask.h).
+// From masks and valid_bits to what the host reads of them (common/packed_mask.h).
 #include <algorithm>
 
 #include "common/packed_mask.h"
@@ -40,13 +40,13 @@ class PackClassesPass : public ComputePass {
   std::string_view name() const override { return "pack_classes"; }
   std::vector<Port> ports() const override {
     return {{resource::kMasks, Use::storage_read},
-            {resource::kCares, Use::storage_read},
+            {resource::kValidBits, Use::storage_read},
             {resource::kClasses, Use::storage_write, {{}, classes_bytes}},
             {resource::kMixedPlaces, Use::storage_write, {{}, places_bytes}}};
   }
   void record(const FrameContext& frame) const override {
     struct {
-      VkDeviceAddress masks, cares, classes, mixed_counts;
+      VkDeviceAddress masks, valid_bits, classes, mixed_counts;
       uint32_t words, words_of_light;
       uint32_t any_untraced;
       uint32_t untraced[kMaxLights / 32];
@@ -88,7 +88,7 @@ class ReadbackPackedPass : public ComputePass {
   std::vector<Port> ports() const override {
     const auto count_bytes = [](const Capacity&) { return uint64_t{sizeof(uint32_t)}; };
     return {{resource::kMasks, Use::storage_read},
-            {resource::kCares, Use::storage_read},
+            {resource::kValidBits, Use::storage_read},
             {resource::kClasses, Use::storage_read},
             {resource::kMixedPlaces, Use::storage_read},
             {resource::kHostClasses, Use::storage_write, {{}, classes_bytes, MemoryUse::readback}},

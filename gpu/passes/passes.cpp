@@ -40,7 +40,7 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool 
       {"pack", {[&] { return make_pack_classes_pass(device); }, [&] { return make_pack_places_pass(device); }}},
       {"readback", {[&] { return make_readback_packed_pass(device); }}},
       {"readback_masks", {read("readback_masks", kMasks, kHostMasks)}},
-      {"readback_cares", {read("readback_cares", kCares, kHostCares)}},
+      {"readback_valid_bits", {read("readback_valid_bits", kValidBits, kHostValidBits)}},
       {"surface", {[&] { return make_surface_pass(device); }}},
       {"readback_surface", {read("readback_surface", kSurface, kHostSurface)}},
       {"upload_masks", {[] { return make_upload_masks_pass(false); }}},

@@ -21,16 +21,16 @@
 //     triangles    runs -> visibility, large; and what moves
 //     large        large -> visibility
 //     resolve      visibility -> triangle_id
-//   trace     triangle_id -> masks (tile words, see common/tile_mask.h), cares (words of the same layout: 1 where the
+//   trace     triangle_id -> masks (tile words, see common/tile_mask.h), valid_bits (words of the same layout: 1 where the
 //             pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever hides
 //             the light)
 //             in plans for scenes in motion in two steps:
 //     trace         as above, for the lights that rest and the geometry that rests
-//     trace_moving  moving_bvh -> masks, cares: lights that move, and what geometry that moves hides from all
+//     trace_moving  moving_bvh -> masks, valid_bits: lights that move, and what geometry that moves hides from all
 //   pack      in these steps, which common/packed_mask.h explains:
-//     pack_classes  masks, cares -> classes, mixed_places (for now counts)
+//     pack_classes  masks, valid_bits -> classes, mixed_places (for now counts)
 //     pack_places   mixed_places -> mixed_places (for each group of words where its mixed ones go; then their number)
-//   readback  masks, cares, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
+//   readback  masks, valid_bits, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   upload_masks  from the host uploaded_masks -> given_masks
 //   keep_masks    the same into a buffer that is given
@@ -41,7 +41,7 @@
 //             (uint32 for each pixel: 0, or 1 + the pixel of that view that shows the same surface)
 //   shade_predicted  as shade, with given_masks (given) of the seen view, by way of sources; where these are 0 all lights
 //             shine
-//   readback_masks  masks -> host_masks  readback_cares    cares -> host_cares
+//   readback_masks  masks -> host_masks  readback_valid_bits    valid_bits -> host_valid_bits
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
 //   readback_ids  ids -> host_ids  readback_sources  sources -> host_sources
 //   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
@@ -70,8 +70,8 @@ inline constexpr std::string_view kHostOccluderDraws = "host_occluder_draws";
 inline constexpr std::string_view kHostDraws = "host_draws";
 inline constexpr std::string_view kMasks = "masks";
 inline constexpr std::string_view kHostMasks = "host_masks";
-inline constexpr std::string_view kCares = "cares";
-inline constexpr std::string_view kHostCares = "host_cares";
+inline constexpr std::string_view kValidBits = "valid_bits";
+inline constexpr std::string_view kHostValidBits = "host_valid_bits";
 inline constexpr std::string_view kClasses = "classes";
 inline constexpr std::string_view kMixedPlaces = "mixed_places";
 inline constexpr std::string_view kHostClasses = "host_classes";

@@ -51,13 +51,13 @@ class PosePass : public Pass {
       const VkBufferCopy region{at, first * size, count * size};
       vkCmdCopyBuffer(frame.commands, frame.ports[0].buffer->handle(), into.handle(), 1, &region);
     };
-    const uint64_t vertex = scene.first_moving_vertex(frame.slot),
-                   triangle = scene.first_moving_triangle(frame.slot);
-    copy(scene.positions(), from.positions, vertex, mesh.positions.size(), sizeof(glm::vec3));
-    copy(scene.normals(), from.normals, vertex, mesh.normals.size(), sizeof(glm::vec3));
-    copy(scene.uvs(), from.uvs, vertex, mesh.uvs.size(), sizeof(glm::vec2));
-    copy(scene.triangles(), from.triangles, triangle, mesh.triangles.size(), sizeof(glm::uvec3));
-    copy(scene.triangle_materials(), from.materials, triangle, mesh.materials.size(), sizeof(uint32_t));
+    const uint64_t vertex = scene.moving_place(frame.slot).first_vertex,
+                   triangle = scene.moving_place(frame.slot).first_triangle;
+    copy(scene.buffers().positions, from.positions, vertex, mesh.positions.size(), sizeof(glm::vec3));
+    copy(scene.buffers().normals, from.normals, vertex, mesh.normals.size(), sizeof(glm::vec3));
+    copy(scene.buffers().uvs, from.uvs, vertex, mesh.uvs.size(), sizeof(glm::vec2));
+    copy(scene.buffers().triangles, from.triangles, triangle, mesh.triangles.size(), sizeof(glm::uvec3));
+    copy(scene.buffers().triangle_materials, from.materials, triangle, mesh.materials.size(), sizeof(uint32_t));
     copy(*frame.ports[1].buffer, from.nodes, 0, from.bytes - from.nodes, 1);
     wait(frame.commands);
   }
@@ -90,7 +90,7 @@ void write_moving(std::span<std::byte> into, const ResidentScene& scene, const P
     if (!list.empty()) std::memcpy(into.data() + at, list.data(), std::as_bytes(std::span(list)).size());
   };
   std::vector<glm::uvec3> triangles = posed.mesh.triangles;
-  for (glm::uvec3& corners : triangles) corners += scene.first_moving_vertex(slot);
+  for (glm::uvec3& corners : triangles) corners += scene.moving_place(slot).first_vertex;
   write(to.positions, posed.mesh.positions);
   write(to.normals, posed.mesh.normals);
   write(to.uvs, posed.mesh.uvs);

@@ -22,10 +22,10 @@ class TracePass : public Pass {
     const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
     return {{resource::kTriangleId, Use::sampled},
             {resource::kMasks, Use::storage_write, {{}, bytes}},
-            {resource::kCares, Use::storage_write, {{}, bytes}}};
+            {resource::kValidBits, Use::storage_write, {{}, bytes}}};
   }
 
-  // Push constants: the addresses of the masks and the cares, then what the tracer says.
+  // Push constants: the addresses of the masks and the valid_bits, then what the tracer says.
   void record(const FrameContext& frame) const override {
     std::array<std::byte, kPushConstantBytes> push{};
     const std::array words{frame.ports[1].buffer->address(), frame.ports[2].buffer->address()};

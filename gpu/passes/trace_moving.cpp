@@ -17,7 +17,7 @@ struct Hierarchy {
   uint32_t first_triangle = 0;
 };
 struct Push {
-  VkDeviceAddress masks, cares;
+  VkDeviceAddress masks, valid_bits;
   Hierarchy still, moving;
   std::array<uint32_t, kMaxLights / 32> moving_lights;
 };
@@ -33,7 +33,7 @@ class TraceMovingPass : public Pass {
   std::vector<Port> ports() const override {
     return {{resource::kTriangleId, Use::sampled},
             {resource::kMasks, Use::storage_update},
-            {resource::kCares, Use::storage_update},
+            {resource::kValidBits, Use::storage_update},
             {resource::kMovingBvh, Use::storage_read}};
   }
 
@@ -41,15 +41,15 @@ class TraceMovingPass : public Pass {
     if (frame.posed.at_rest()) return;
     Push push{
         frame.ports[1].buffer->address(), frame.ports[2].buffer->address(), {}, {}, frame.posed.moving_lights};
-    if (frame.posed.still_bvh) {
-      const std::span<const std::byte> bytes = frame.posed.still_bvh->push_constants();
+    if (frame.posed.static_bvh) {
+      const std::span<const std::byte> bytes = frame.posed.static_bvh->push_constants();
       std::memcpy(&push.still, bytes.data(), std::min(bytes.size(), sizeof(push.still)));
     }
     const uint64_t most_nodes = 2 * uint64_t{frame.scene.moving_size().triangles};
     push.moving.nodes = frame.ports[3].buffer->address();
     push.moving.triangles = push.moving.nodes + most_nodes * sizeof(BvhNode);
     push.moving.node_count = static_cast<uint32_t>(frame.posed.bvh.nodes.size());
-    push.moving.first_triangle = frame.scene.first_moving_triangle(frame.slot);
+    push.moving.first_triangle = frame.scene.moving_place(frame.slot).first_triangle;
     dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)));
   }
 

@@ -21,9 +21,9 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
   const auto raster = choose_raster(*device, options.raster);
   if (!raster) return raster.error();
   self->raster_ = *raster;
-  auto lanes = Lanes::create(*device, with_raster(passes, *raster), self->tracer_.get(), 1);
-  if (!lanes) return lanes.error();
-  self->lanes_ = std::move(*lanes);
+  auto variants = PlanVariants::create(*device, with_raster(passes, *raster), self->tracer_.get(), 1);
+  if (!variants) return variants.error();
+  self->variants_ = std::move(*variants);
   auto resident = ResidentScene::create(*device, scene, self->tracer_.get());
   if (!resident) return resident.error();
   self->scene_ = std::move(*resident);
@@ -36,9 +36,9 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
   self->device_ = other.device_;
   self->scene_ = other.scene_;
   self->raster_ = other.raster_;
-  auto lanes = Lanes::create(self->device_, with_raster(passes, other.raster_), nullptr, 1);
-  if (!lanes) return lanes.error();
-  self->lanes_ = std::move(*lanes);
+  auto variants = PlanVariants::create(self->device_, with_raster(passes, other.raster_), nullptr, 1);
+  if (!variants) return variants.error();
+  self->variants_ = std::move(*variants);
   return self;
 }
 
@@ -47,21 +47,21 @@ Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes:
   if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
   if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
   posed_ = scene_->pose(time);
-  auto lane = lanes_->lane_for(*posed_);
-  if (!lane) return lane.error();
-  lane_ = *lane;
-  if (auto room = slot().reserve(lane_->plan, *scene_, grid); !room) return room.error();
+  auto variant = variants_->variant_for(*posed_);
+  if (!variant) return variant.error();
+  variant_ = *variant;
+  if (auto room = slot().reserve(variant_->plan, *scene_, grid); !room) return room.error();
   return grid;
 }
 
 Result<FrameTiming> BlockingFrame::render(const CameraView& camera, const TileGrid& grid) {
   if (auto begun = start(camera, grid); !begun) return begun.error();
   if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
-  return slot().timing(lane_->plan);
+  return slot().timing(variant_->plan);
 }
 
 Result<void> BlockingFrame::start(const CameraView& camera, const TileGrid& grid) {
-  const auto timeline = slot().submit(lane_->plan, *scene_, posed_, {camera, grid});
+  const auto timeline = slot().submit(variant_->plan, *scene_, posed_, {camera, grid});
   if (!timeline) return timeline.error();
   started_ = *timeline;
   return {};

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gpu/frame/lanes.h"
+#include "gpu/frame/plan_variants.h"
 #include "gpu/tracers/tracer.h"
 #include "gpu/vulkan_renderer.h"
 
@@ -39,23 +39,23 @@ class BlockingFrame {
   // later, of this scene on this device, find them. Error: as render.
   Result<void> start(const CameraView& camera, const TileGrid& grid);
   // As FrameSlot::give.
-  void give(std::string_view resource, const Buffer& buffer) { slot().give(lane_->plan, resource, buffer); }
+  void give(std::string_view resource, const Buffer& buffer) { slot().give(variant_->plan, resource, buffer); }
   // Host memory of that resource, as FrameSlot::host.
-  std::span<std::byte> host(std::string_view resource) const { return slot().host(lane_->plan, resource); }
+  std::span<std::byte> host(std::string_view resource) const { return slot().host(variant_->plan, resource); }
   // As FrameSlot::packed.
-  PackedMaskView packed(const TileGrid& grid) const { return slot().packed(lane_->plan, grid); }
+  PackedMaskView packed(const TileGrid& grid) const { return slot().packed(variant_->plan, grid); }
 
  private:
   BlockingFrame() = default;
-  FrameSlot& slot() const { return lane_->slots[0]; }
+  FrameSlot& slot() const { return variant_->slots[0]; }
 
   DevicePtr device_;
   std::unique_ptr<Tracer> tracer_;
-  std::optional<Lanes> lanes_;
+  std::optional<PlanVariants> variants_;
   std::string raster_;
-  uint64_t started_ = 0;  // the timeline's value of the last frame; 0: none
-  Lane* lane_ = nullptr;  // of the frame that was reserved last
-  PosedScenePtr posed_;   // the same
+  uint64_t started_ = 0;            // the timeline's value of the last frame; 0: none
+  PlanVariant* variant_ = nullptr;  // of the frame that was reserved last
+  PosedScenePtr posed_;             // the same
   std::shared_ptr<ResidentScene> scene_;
 };
 

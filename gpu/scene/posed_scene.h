@@ -27,7 +27,7 @@ struct PosedScene {
   std::vector<exact::TracedLight> resting_lights;         // the same, but those that move reach nothing
   std::array<uint32_t, kMaxLights / 32> moving_lights{};  // a bit for each light
   std::shared_ptr<const TracedScene> traced;              // null: the scene is only looked at
-  std::shared_ptr<const TracedScene> still_bvh;           // of what rests; null: no light moves
+  std::shared_ptr<const TracedScene> static_bvh;          // of what rests; null: no light moves
 
   bool any_light_moves() const {
     return std::any_of(moving_lights.begin(), moving_lights.end(), [](uint32_t bits) { return bits != 0; });

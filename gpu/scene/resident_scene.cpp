@@ -18,6 +18,13 @@ std::vector<exact::TracedLight> lights_to_build_for(const Tracer& tracer, const 
   return out;
 }
 
+std::vector<exact::TracedLight> traced_lights(const scenes::Scene& scene,
+                                              const std::vector<scenes::Light>& lights) {
+  std::vector<exact::TracedLight> out;
+  for (const scenes::Light& light : lights) out.push_back(traced_light(light, scene.bounds));
+  return out;
+}
+
 // Answers for no light: what frames trace with while a tracer still builds for a scene.
 Result<TracedLights> traced_for_none(const Tracer& tracer, const scenes::Scene& scene) {
   TracedLights none{nullptr, {scene.lights.size(), silenced_light(scene.bounds)}};
@@ -71,7 +78,7 @@ Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& 
                                          const scenes::WorldMesh& mesh, Built built) {
   built_for_lights_ = tracer.builds_for_lights();
   traced_.built_for = lights_to_build_for(tracer, *scene_, lights_);
-  const TracerInput input{*scene_, mesh, traced_.built_for, true, positions_, triangles_};
+  const TracerInput input{*scene_, mesh, traced_.built_for, true, buffers_.positions, buffers_.triangles};
   auto traced = built == Built::everything ? tracer.build(input) : tracer.build_at_once(input);
   if (!traced) return traced.error();
   traced_.traced = std::move(*traced);
@@ -81,28 +88,22 @@ Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& 
     if (!none) return none.error();
     traced_ = std::move(*none);
   }
-  if (!needs_still_bvh(lights_)) return {};
+  if (!needs_static_bvh(lights_)) return {};
   auto bvh = make_bvh_tracer(device)->build(input);
   if (!bvh) return bvh.error();
-  still_bvh_ = std::move(*bvh);
+  static_bvh_ = std::move(*bvh);
   return {};
 }
 
-std::vector<exact::TracedLight> ResidentScene::traced_lights(const std::vector<scenes::Light>& lights) const {
-  std::vector<exact::TracedLight> out;
-  for (const scenes::Light& light : lights) out.push_back(traced_light(light, scene_->bounds));
-  return out;
-}
-
-bool ResidentScene::needs_still_bvh(const std::vector<scenes::Light>& lights) const {
-  if (!built_for_lights_ || still_bvh_) return false;
-  const std::vector<exact::TracedLight> wanted = traced_lights(lights);
+bool ResidentScene::needs_static_bvh(const std::vector<scenes::Light>& lights) const {
+  if (!built_for_lights_ || static_bvh_) return false;
+  const std::vector<exact::TracedLight> wanted = traced_lights(*scene_, lights);
   return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
 }
 
 Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
   if (lights.size() != lights_.size()) return Error{"a scene keeps its number of lights"};
-  if (needs_still_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
+  if (needs_static_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
   for (size_t i = 0; i < lights.size(); ++i) lights[i].moved_by = lights_[i].moved_by;
   lights_ = std::move(lights);
   posed_.reset();
@@ -114,13 +115,13 @@ void ResidentScene::give_traced(TracedLights traced) {
   posed_.reset();
   if (!std::exchange(unbuilt_, false)) return;
   // Frames in flight keep the hierarchy that they were recorded with.
-  auto bvh = std::exchange(still_bvh_, nullptr);
-  if (needs_still_bvh(lights_)) still_bvh_ = std::move(bvh);
+  auto bvh = std::exchange(static_bvh_, nullptr);
+  if (needs_static_bvh(lights_)) static_bvh_ = std::move(bvh);
 }
 
 LightState ResidentScene::light_state() const {
   LightState state;
-  const std::vector<exact::TracedLight> lights = traced_lights(lights_);
+  const std::vector<exact::TracedLight> lights = traced_lights(*scene_, lights_);
   for (size_t i = 0; i < lights.size(); ++i) {
     const bool animated = lights_[i].moved_by != scenes::kNone;
     const bool built = !built_for_lights_ || same_light(lights[i], traced_.built_for[i]);
@@ -136,7 +137,7 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
   posed->mesh = scenes::build_moving_mesh(*scene_, time);
   if (traced_.traced) posed->bvh = build_bvh(posed->mesh, 1);
   posed->draws = draws_of(*scene_, posed->mesh);
-  posed->lights = traced_lights(scenes::lights_at(*scene_, lights_, time));
+  posed->lights = traced_lights(*scene_, scenes::lights_at(*scene_, lights_, time));
   posed->resting_lights = posed->lights;
   posed->traced = traced_.traced;
   if (built_for_lights_) {
@@ -146,7 +147,7 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
       posed->resting_lights[i] = silenced_light(scene_->bounds);
     }
   }
-  if (posed->any_light_moves()) posed->still_bvh = still_bvh_;
+  if (posed->any_light_moves()) posed->static_bvh = static_bvh_;
   posed_ = std::move(posed);
   return posed_;
 }
@@ -166,7 +167,7 @@ Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene&
   return built;
 }
 
-Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene) {
+Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene) {
   scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
   make_clusters(scene, mesh);
   const Buffer none;
@@ -192,20 +193,20 @@ Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::W
     into = std::move(*buffer);
     return {};
   };
-  if (auto r = put(positions_, mesh.positions, vertices, build); !r) return r;
-  if (auto r = put(normals_, mesh.normals, vertices, 0); !r) return r;
-  if (auto r = put(uvs_, mesh.uvs, vertices, 0); !r) return r;
-  if (auto r = put(triangles_, mesh.triangles, triangles, build); !r) return r;
-  return put(triangle_materials_, mesh.materials, triangles, 0);
+  if (auto r = put(buffers_.positions, mesh.positions, vertices, build); !r) return r;
+  if (auto r = put(buffers_.normals, mesh.normals, vertices, 0); !r) return r;
+  if (auto r = put(buffers_.uvs, mesh.uvs, vertices, 0); !r) return r;
+  if (auto r = put(buffers_.triangles, mesh.triangles, triangles, build); !r) return r;
+  return put(buffers_.triangle_materials, mesh.materials, triangles, 0);
 }
 
 Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
   auto clusters = upload(device, std::as_bytes(std::span(clusters_.clusters)));
   if (!clusters) return clusters.error();
-  cluster_buffer_ = std::move(*clusters);
+  buffers_.clusters = std::move(*clusters);
   auto chunks = upload(device, std::as_bytes(std::span(clusters_.chunks)));
   if (!chunks) return chunks.error();
-  chunk_buffer_ = std::move(*chunks);
+  buffers_.cluster_chunks = std::move(*chunks);
   return {};
 }
 
@@ -213,7 +214,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
   for (const scenes::Texture& texture : scene_->textures) {
     auto buffer = upload(device, std::as_bytes(std::span(texture.rgba)));
     if (!buffer) return buffer.error();
-    textures_.push_back(std::move(*buffer));
+    buffers_.textures.push_back(std::move(*buffer));
   }
   std::vector<MaterialRecord> records;
   for (const scenes::Material& material : scene_->materials) {
@@ -223,7 +224,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
     record.alpha_cutoff = material.alpha_cutoff;
     if (material.base_color_texture != scenes::kNone) {
       const scenes::Texture& texture = scene_->textures[material.base_color_texture];
-      record.texels = textures_[material.base_color_texture].address();
+      record.texels = buffers_.textures[material.base_color_texture].address();
       record.texture_width = texture.width;
       record.texture_height = texture.height;
       record.wrap_u = static_cast<uint32_t>(texture.wrap_u);
@@ -233,23 +234,28 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
   }
   auto buffer = upload(device, std::as_bytes(std::span(records)));
   if (!buffer) return buffer.error();
-  materials_ = std::move(*buffer);
+  buffers_.materials = std::move(*buffer);
   return {};
 }
 
 uint64_t ResidentScene::memory_bytes() const {
   uint64_t bytes = traced_.traced ? traced_.traced->memory_bytes() : 0;
-  if (still_bvh_) bytes += still_bvh_->memory_bytes();
-  for (const Buffer* b : {&positions_, &normals_, &uvs_, &triangles_, &triangle_materials_, &materials_,
-                          &cluster_buffer_, &chunk_buffer_})
+  if (static_bvh_) bytes += static_bvh_->memory_bytes();
+  for (const Buffer* b :
+       {&buffers_.positions, &buffers_.normals, &buffers_.uvs, &buffers_.triangles, &buffers_.triangle_materials,
+        &buffers_.materials, &buffers_.clusters, &buffers_.cluster_chunks})
     bytes += b->bytes();
-  for (const Buffer& texture : textures_) bytes += texture.bytes();
+  for (const Buffer& texture : buffers_.textures) bytes += texture.bytes();
   return bytes;
 }
 
 void ResidentScene::describe(FrameUniforms& frame, const PosedScene& posed) const {
-  frame.scene = {positions_.address(),          normals_.address(),  uvs_.address(), triangles_.address(),
-                 triangle_materials_.address(), materials_.address()};
+  frame.scene = {buffers_.positions.address(),
+                 buffers_.normals.address(),
+                 buffers_.uvs.address(),
+                 buffers_.triangles.address(),
+                 buffers_.triangle_materials.address(),
+                 buffers_.materials.address()};
   frame.light_count = light_count();
   std::copy(posed.lights.begin(), posed.lights.end(), frame.lights);
 }

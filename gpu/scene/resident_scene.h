@@ -26,6 +26,19 @@ enum class Built {
   what_is_quick  // where that takes long, a hierarchy answers for all lights until give_traced
 };
 
+// What shaders read of a scene.
+struct SceneBuffers {
+  Buffer positions, normals, uvs;  // of each vertex
+  Buffer triangles, triangle_materials, materials;
+  Buffer clusters, cluster_chunks;  // Cluster and ClusterChunk, of what rests
+  std::vector<Buffer> textures;
+};
+
+// Where what moves begins in the scene's buffers.
+struct MovingPlace {
+  uint32_t first_vertex = 0, first_triangle = 0;
+};
+
 class ResidentScene {
  public:
   // Blocking; any thread. `tracer` is null for a scene that is only looked at. `slots`: frames in flight. Error: out of
@@ -38,31 +51,26 @@ class ResidentScene {
   const scenes::ScenePtr& scene_ptr() const { return scene_; }
   uint32_t triangle_count() const { return triangle_count_; }
   uint32_t light_count() const { return static_cast<uint32_t>(scene_->lights.size()); }
-  const Buffer& positions() const { return positions_; }
-  const Buffer& uvs() const { return uvs_; }
-  const Buffer& triangles() const { return triangles_; }
+  const SceneBuffers& buffers() const { return buffers_; }
   const Clusters& clusters() const { return clusters_; }
-  const Buffer& cluster_buffer() const { return cluster_buffer_; }  // Cluster for each
-  const Buffer& chunk_buffer() const { return chunk_buffer_; }      // ClusterChunk for each
-  const Buffer& normals() const { return normals_; }
-  const Buffer& triangle_materials() const { return triangle_materials_; }
   const TracedScene& traced() const { return *traced_.traced; }  // precondition: made with a tracer
   uint64_t memory_bytes() const;                                 // on the device, the tracer's included
 
   // Where a slot's frames keep what moves, and the most that it ever is.
-  uint32_t first_moving_vertex(uint32_t slot) const { return vertex_count_ + slot * moving_size_.vertices; }
-  uint32_t first_moving_triangle(uint32_t slot) const { return triangle_count_ + slot * moving_size_.triangles; }
+  MovingPlace moving_place(uint32_t slot) const {
+    return {vertex_count_ + slot * moving_size_.vertices, triangle_count_ + slot * moving_size_.triangles};
+  }
   const scenes::MovingMeshSize& moving_size() const { return moving_size_; }
 
   // The scene at that time, which is within its period. The same again while neither time nor lights change.
   PosedScenePtr pose(scenes::SceneTime time) const;
 
   // The lights of frames from now on, as many as before; those that animations move stay with these. Error: the
-  // tracer builds for lights, one has moved and nothing can answer for it: give a still_bvh first.
+  // tracer builds for lights, one has moved and nothing can answer for it: give a static_bvh first.
   Result<void> set_lights(std::vector<scenes::Light> lights);
   const std::vector<scenes::Light>& lights() const { return lights_; }
-  bool needs_still_bvh(const std::vector<scenes::Light>& lights) const;
-  void give_still_bvh(std::shared_ptr<const TracedScene> bvh) { still_bvh_ = std::move(bvh); }
+  bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
+  void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
   // From now on this answers for the lights that are where it was built for.
   void give_traced(TracedLights traced);
@@ -78,7 +86,6 @@ class ResidentScene {
   Result<void> upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots);
   Result<void> build_traced(const DevicePtr& device, const Tracer& tracer, const scenes::WorldMesh& mesh,
                             Built built);
-  std::vector<exact::TracedLight> traced_lights(const std::vector<scenes::Light>& lights) const;
   Result<void> upload_clusters(const DevicePtr& device);
   Result<void> upload_materials(const DevicePtr& device);
 
@@ -89,10 +96,9 @@ class ResidentScene {
   std::vector<scenes::Light> lights_;
   bool built_for_lights_ = false;
   bool unbuilt_ = false;
-  Buffer positions_, normals_, uvs_, triangles_, triangle_materials_, materials_, cluster_buffer_, chunk_buffer_;
-  std::vector<Buffer> textures_;
+  SceneBuffers buffers_;
   TracedLights traced_;
-  std::shared_ptr<const TracedScene> still_bvh_;
+  std::shared_ptr<const TracedScene> static_bvh_;
   mutable PosedScenePtr posed_;  // the last one
 };
 
@@ -101,7 +107,7 @@ class ResidentScene {
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
 // A hierarchy of what rests in the scene. The same.
-Result<std::shared_ptr<const TracedScene>> build_still_bvh(const DevicePtr& device, const scenes::Scene& scene);
+Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene);
 
 // `reach` of a directional light is the scene's diagonal, twice.
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds);

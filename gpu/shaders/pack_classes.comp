@@ -5,7 +5,7 @@
 // The class of each word, and how many of an invocation's words are mixed.
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
-  TileWords cares;
+  TileWords valid_bits;
   Uints classes;
   Uints mixed_counts;
   uint words;
@@ -31,7 +31,7 @@ void main() {
   uint classes = 0u, mixed = 0u;
   uint count = min(kClassesInWord, push.words - first);
   for (uint i = 0u; i < count; ++i) {
-    uint of_tile = class_of(push.masks.at[first + i], push.cares.at[first + i]);
+    uint of_tile = class_of(push.masks.at[first + i], push.valid_bits.at[first + i]);
     if (push.any_untraced != 0u && !traced(first + i)) of_tile = kLit;
     classes |= of_tile << (2u * i);
     mixed += of_tile == kMixed ? 1u : 0u;

@@ -6,7 +6,7 @@
 // than there is crosses the bus.
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
-  TileWords cares;
+  TileWords valid_bits;
   Uints classes;
   Uints mixed_places;
   Uints host_classes;
@@ -60,7 +60,7 @@ void main() {
   // Bit 2i: word i is mixed, class 2.
   for (uint mixed = (classes >> 1) & ~classes & 0x55555555u; mixed != 0u; mixed &= mixed - 1u) {
     uint word = first + uint(findLSB(mixed)) / 2u;
-    push.host_mixed.at[place] = filled(push.masks.at[word], push.cares.at[word]);
+    push.host_mixed.at[place] = filled(push.masks.at[word], push.valid_bits.at[word]);
     ++place;
   }
 }

@@ -12,7 +12,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer TileWords { 
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
-  TileWords cares;
+  TileWords valid_bits;
   TRACER_PUSH
 } push;
 
@@ -35,7 +35,7 @@ uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit) {
 
 void store(uint light, uint word, uvec4 halves) {
   push.masks.at[word] = halves.xy;
-  push.cares.at[word] = halves.zw;
+  push.valid_bits.at[word] = halves.zw;
 }
 #endif
 

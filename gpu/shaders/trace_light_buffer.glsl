@@ -14,7 +14,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer Ti
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
-  TileWords cares;
+  TileWords valid_bits;
   uvec2 grid;
   uvec2 leaves;
   uvec2 entries;
@@ -125,7 +125,7 @@ void store_words(uint light, uint lit, uint care) {
   if (subgroupElect()) {
     uint word = light * frame.tile_count + gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
     push.masks.at[word] = mask_word;
-    push.cares.at[word] = care_word;
+    push.valid_bits.at[word] = care_word;
   }
 }
 

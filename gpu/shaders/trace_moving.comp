@@ -29,5 +29,5 @@ uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit) {
 
 void store(uint light, uint word, uvec4 halves) {
   push.masks.at[word] = halves.xy;
-  if (light_moves(light)) push.cares.at[word] = halves.zw;
+  if (light_moves(light)) push.valid_bits.at[word] = halves.zw;
 }

@@ -30,7 +30,7 @@ class TracedScene {
  public:
   virtual ~TracedScene() = default;
   virtual uint64_t memory_bytes() const = 0;
-  // Follow the addresses of the masks and the cares; at most kPushConstantBytes - 16.
+  // Follow the addresses of the masks and the valid_bits; at most kPushConstantBytes - 16.
   virtual std::span<const std::byte> push_constants() const = 0;
 
   double build_seconds = 0;

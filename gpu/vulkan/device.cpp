@@ -12,7 +12,7 @@ struct QueueFamily {
   uint32_t queues = 0;
 };
 
-Result<QueueFamily> frame_queue_family(const DeviceInfo& info) {
+Result<QueueFamily> frame_queue_family(const PhysicalDevice& info) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(info.handle, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);

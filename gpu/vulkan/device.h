@@ -34,7 +34,7 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   VkDevice handle() const { return device_; }
-  const DeviceInfo& info() const { return info_; }
+  const PhysicalDevice& info() const { return info_; }
   const DeviceFeatures& features() const { return features_; }
   // Queues of one family: frames are spread over them. The first one also takes what is no frame.
   Queue& queue(size_t i = 0) { return *queues_[i]; }
@@ -57,7 +57,7 @@ class Device {
   Result<void> open(const DeviceOptions& options);
 
   std::unique_ptr<Instance> instance_;
-  DeviceInfo info_;
+  PhysicalDevice info_;
   DeviceFeatures features_;
   VkDevice device_ = VK_NULL_HANDLE;
   std::vector<std::unique_ptr<Queue>> queues_;

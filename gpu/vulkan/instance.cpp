@@ -37,13 +37,13 @@ std::string_view type_name(VkPhysicalDeviceType type) {
   }
 }
 
-int preference(const DeviceInfo& device) {
+int preference(const PhysicalDevice& device) {
   constexpr std::array<std::string_view, 5> order{"discrete", "integrated", "virtual", "cpu", "other"};
   const auto at = std::find(order.begin(), order.end(), type_name(device.type));
   return static_cast<int>(at - order.begin());
 }
 
-bool fits(const DeviceInfo& device, size_t index, std::string_view selector) {
+bool fits(const PhysicalDevice& device, size_t index, std::string_view selector) {
   if (selector.empty() || selector == type_name(device.type)) return true;
   size_t wanted = 0;
   const char* end = selector.data() + selector.size();
@@ -52,7 +52,7 @@ bool fits(const DeviceInfo& device, size_t index, std::string_view selector) {
   return lower(device.name).find(lower(selector)) != std::string::npos;
 }
 
-Error no_device(const std::vector<DeviceInfo>& devices, std::string_view selector) {
+Error no_device(const std::vector<PhysicalDevice>& devices, std::string_view selector) {
   std::string text = selector.empty() ? "no usable Vulkan device" : "no usable Vulkan device fits '";
   if (!selector.empty()) text += std::string(selector) + "'";
   text += devices.empty() ? "; this machine has none" : "; this machine has";
@@ -64,14 +64,14 @@ Error no_device(const std::vector<DeviceInfo>& devices, std::string_view selecto
   return {text};
 }
 
-DeviceInfo describe(VkPhysicalDevice handle) {
+PhysicalDevice describe(VkPhysicalDevice handle) {
   VkPhysicalDeviceDriverProperties driver{};
   driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
   VkPhysicalDeviceProperties2 properties{};
   properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
   properties.pNext = &driver;
   vkGetPhysicalDeviceProperties2(handle, &properties);
-  DeviceInfo info;
+  PhysicalDevice info;
   info.handle = handle;
   info.name = properties.properties.deviceName;
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
@@ -149,19 +149,19 @@ VkBool32 Instance::on_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUti
   return VK_FALSE;
 }
 
-std::vector<DeviceInfo> list_devices(const Instance& instance) {
+std::vector<PhysicalDevice> list_devices(const Instance& instance) {
   uint32_t count = 0;
   vkEnumeratePhysicalDevices(instance.handle(), &count, nullptr);
   std::vector<VkPhysicalDevice> handles(count);
   vkEnumeratePhysicalDevices(instance.handle(), &count, handles.data());
-  std::vector<DeviceInfo> devices;
+  std::vector<PhysicalDevice> devices;
   for (VkPhysicalDevice handle : handles) devices.push_back(describe(handle));
   return devices;
 }
 
-Result<DeviceInfo> choose_device(const Instance& instance, std::string_view selector) {
-  const std::vector<DeviceInfo> devices = list_devices(instance);
-  const DeviceInfo* best = nullptr;
+Result<PhysicalDevice> choose_device(const Instance& instance, std::string_view selector) {
+  const std::vector<PhysicalDevice> devices = list_devices(instance);
+  const PhysicalDevice* best = nullptr;
   for (size_t i = 0; i < devices.size(); ++i) {
     if (!devices[i].missing.empty() || !fits(devices[i], i, selector)) continue;
     if (!best || preference(devices[i]) < preference(*best)) best = &devices[i];

@@ -43,7 +43,7 @@ class Instance {
 };
 
 // One physical device as it presents itself.
-struct DeviceInfo {
+struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   std::string name;
   std::string driver;
@@ -53,10 +53,10 @@ struct DeviceInfo {
   std::string missing;  // what Gnomon needs and the device lacks; empty: usable
 };
 
-std::vector<DeviceInfo> list_devices(const Instance& instance);
+std::vector<PhysicalDevice> list_devices(const Instance& instance);
 
 // `selector`: "" the best usable one (discrete, integrated, virtual, cpu); an index; a type (cpu, discrete,
 // integrated, virtual); or part of a name, upper and lower case alike. Error: none fits, with the list.
-Result<DeviceInfo> choose_device(const Instance& instance, std::string_view selector);
+Result<PhysicalDevice> choose_device(const Instance& instance, std::string_view selector);
 
 }  // namespace gnomon::gpu

@@ -92,9 +92,9 @@ struct UnitEncoder::Memory {
     const uint32_t rows_of_block = grid.tiles_x() * kBlock;
     motions.resize(size_t{(grid.tiles_x() + kBlock - 1) / kBlock} * ((grid.tiles_y() + kBlock - 1) / kBlock));
     const LightTiles tiles = light(number);
-    find_motions(grid, tiles.classes, tiles.words, *tiles.reference, frame->camera ? &*frame->camera : nullptr,
-                 range.first_tile / rows_of_block,
-                 (range.first_tile + range.tile_count + rows_of_block - 1) / rows_of_block, motions);
+    const BlockRows rows{range.first_tile / rows_of_block,
+                         (range.first_tile + range.tile_count + rows_of_block - 1) / rows_of_block};
+    find_motions(grid, tiles, frame->camera ? &*frame->camera : nullptr, rows, motions);
   }
 
   void encode(const SliceRange& unit) {

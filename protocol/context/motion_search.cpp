@@ -3,8 +3,6 @@
 #include <array>
 #include <bit>
 
-#include "protocol/context/tile_walk.h"
-
 namespace gnomon::protocol::context {
 namespace {
 
@@ -117,12 +115,11 @@ class BlockSearch {
 
 }  // namespace
 
-void find_motions(const TileGrid& grid, std::span<const PackedClass> classes, std::span<const uint64_t> words,
-                  const BitRows& reference, const CameraMotion* camera, uint32_t first, uint32_t end,
+void find_motions(const TileGrid& grid, const LightTiles& tiles, const CameraMotion* camera, const BlockRows& rows,
                   std::span<Motion> motions) {
   const uint32_t blocks_x = (grid.tiles_x() + kBlock - 1) / kBlock;
   std::vector<Motion> found(motions.size());  // what those without mixed tiles are foreseen to be, too
-  for (uint32_t block_y = first; block_y < end; ++block_y) {
+  for (uint32_t block_y = rows.first; block_y < rows.end; ++block_y) {
     for (uint32_t block_x = 0; block_x < blocks_x; ++block_x) {
       BlockPixels block;
       block.x = static_cast<int>(block_x) * BlockPixels::kSide;
@@ -130,10 +127,10 @@ void find_motions(const TileGrid& grid, std::span<const PackedClass> classes, st
       for (uint32_t y = block_y * kBlock; y < std::min((block_y + 1) * kBlock, grid.tiles_y()); ++y)
         for (uint32_t x = block_x * kBlock; x < std::min((block_x + 1) * kBlock, grid.tiles_x()); ++x) {
           const size_t tile = size_t{y} * grid.tiles_x() + x;
-          if (classes[tile] == PackedClass::mixed) block.add(x % kBlock, y % kBlock, words[tile]);
+          if (tiles.classes[tile] == PackedClass::mixed) block.add(x % kBlock, y % kBlock, tiles.words[tile]);
         }
       const size_t here = size_t{block_y} * blocks_x + block_x;
-      const bool has_left = block_x > 0, has_above = block_y > first;
+      const bool has_left = block_x > 0, has_above = block_y > rows.first;
       const Motion left = has_left ? found[here - 1] : Motion{};
       const Motion above = has_above ? found[here - blocks_x] : left;
       const Motion right = has_above && block_x + 1 < blocks_x ? found[here - blocks_x + 1] : above;
@@ -141,7 +138,7 @@ void find_motions(const TileGrid& grid, std::span<const PackedClass> classes, st
       found[here] = predicted;
       motions[here] = kAnyMotion;
       if (block.tiles == 0) continue;
-      BlockSearch search(block, reference, predicted);
+      BlockSearch search(block, *tiles.reference, predicted);
       for (const Motion& motion : {left, above, right, Motion{}}) search.try_motion(motion);
       if (camera) {
         search.look_along(*camera);

@@ -71,7 +71,7 @@ struct Totals {
 
 bool same_where_it_matters(std::span<const uint64_t> decoded, const PathFrame& frame) {
   for (size_t i = 0; i < decoded.size(); ++i)
-    if (((decoded[i] ^ frame.words[i]) & frame.cares[i]) != 0) return false;
+    if (((decoded[i] ^ frame.words[i]) & frame.valid_bits[i]) != 0) return false;
   return true;
 }
 

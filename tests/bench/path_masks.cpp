@@ -18,7 +18,9 @@ std::string key_of(const std::string& scene, const PathPlan& plan) {
   return key;
 }
 
-void pack(PathFrame& frame, const TileGrid& grid) { frame.packed = PackedMask({grid, frame.words}, frame.cares); }
+void pack(PathFrame& frame, const TileGrid& grid) {
+  frame.packed = PackedMask({grid, frame.words}, frame.valid_bits);
+}
 
 template <class Visit>
 void for_each_frame(PathMasks& masks, const PathPlan& plan, Visit visit) {
@@ -56,7 +58,7 @@ bool read_kept(const std::filesystem::path& file, const PathPlan& plan, PathMask
   std::ifstream in(file, std::ios::binary);
   if (!in.read(reinterpret_cast<char*>(&masks.grid), sizeof masks.grid)) return false;
   for_each_frame(masks, plan, [&](PathFrame& frame) {
-    for (auto* words : {&frame.words, &frame.cares}) {
+    for (auto* words : {&frame.words, &frame.valid_bits}) {
       words->resize(masks.grid.word_count());
       in.read(bytes_of(*words).data(), static_cast<std::streamsize>(bytes_of(*words).size()));
     }
@@ -71,7 +73,7 @@ Result<void> keep(const std::filesystem::path& file, const PathPlan& plan, PathM
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(&masks.grid), sizeof masks.grid);
   for_each_frame(masks, plan, [&](PathFrame& frame) {
-    for (auto* words : {&frame.words, &frame.cares})
+    for (auto* words : {&frame.words, &frame.valid_bits})
       out.write(bytes_of(*words).data(), static_cast<std::streamsize>(bytes_of(*words).size()));
   });
   if (out.flush()) return {};
@@ -92,7 +94,7 @@ Result<void> render(gpu::BlockingFrame& frame, const gpu::CameraView& camera, co
   if (const auto rendered = frame.render(camera, *reserved); !rendered) return rendered.error();
   grid = *reserved;
   out.words = copied<uint64_t>(frame.host(gpu::resource::kHostMasks), grid.word_count());
-  out.cares = copied<uint64_t>(frame.host(gpu::resource::kHostCares), grid.word_count());
+  out.valid_bits = copied<uint64_t>(frame.host(gpu::resource::kHostValidBits), grid.word_count());
   pack(out, grid);
   return {};
 }
@@ -100,7 +102,8 @@ Result<void> render(gpu::BlockingFrame& frame, const gpu::CameraView& camera, co
 Result<PathMasks> render_all(const std::string& name, const scenes::ScenePtr& scene, const PathPlan& plan) {
   gpu::RendererOptions options;
   options.device = plan.device;
-  auto frame = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_cares"}, scene);
+  auto frame =
+      gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_valid_bits"}, scene);
   if (!frame) return frame.error();
   PathMasks masks;
   masks.spots.resize(plan.spots);

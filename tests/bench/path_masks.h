@@ -13,10 +13,10 @@
 namespace gnomon::bench {
 
 struct PathFrame {
-  std::vector<uint64_t> words;  // as common/tile_mask.h
-  std::vector<uint64_t> cares;  // of the same layout: which bits matter
-  PackedMask packed;            // the same as the daemon gets it
-  protocol::CameraView camera;  // that it was seen through
+  std::vector<uint64_t> words;       // as common/tile_mask.h
+  std::vector<uint64_t> valid_bits;  // of the same layout: which bits matter
+  PackedMask packed;                 // the same as the daemon gets it
+  protocol::CameraView camera;       // that it was seen through
 };
 
 // One place of the path, and how it looked so long before.

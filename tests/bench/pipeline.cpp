@@ -170,7 +170,7 @@ class PipelineSuite : public Suite {
     command.add_option("--queues", queues_, "as render.queues")->capture_default_str();
     command.add_option("--frames-in-flight", frames_in_flight_, "as render.frames_in_flight")
         ->capture_default_str();
-    command.add_option("--slice-us", slice_us_, "scheduler.slice_us of the daemon; default: auto");
+    command.add_option("--quantum-us,--slice-us", quantum_us_, "scheduler.quantum_us of the daemon; default: auto");
     command.add_option("--encode-threads", encode_threads_, "encode.threads of the daemon")->capture_default_str();
     command.add_option("--load-threads", load_threads_, "of the clients")->capture_default_str();
     command.add_option("--net-threads", net_threads_, "server.net_threads of the daemon")->capture_default_str();
@@ -206,7 +206,7 @@ class PipelineSuite : public Suite {
     config.render.cache_folder = cache_.empty() ? scratch_.path() : cache_;
     config.render.passes = gpu::RendererOptions{}.passes;
     config.encode.threads = encode_threads_;
-    if (slice_us_) config.scheduler.slice = std::chrono::microseconds(*slice_us_);
+    if (quantum_us_) config.scheduler.quantum = std::chrono::microseconds(*quantum_us_);
     config.scheduler.admit_percent = 0;
     return config;
   }
@@ -223,8 +223,8 @@ class PipelineSuite : public Suite {
     if (!renderer) return renderer.error();
     BareKernels bare(std::move(*renderer), *scene);
     if (auto ready = bare.prepare(); !ready) return ready;
-    report_.device = bare.renderer().device_name();
-    report_.driver = bare.renderer().driver_name();
+    report_.device = bare.renderer().info().name;
+    report_.driver = bare.renderer().info().driver;
     say("scene " + name + ": the daemon gets ready");
     auto daemon = daemon::Daemon::start({config, factories, "bench", {}, [](const Error& e) { say(e.message); }});
     if (!daemon) return daemon.error();
@@ -297,7 +297,7 @@ class PipelineSuite : public Suite {
   std::string device_, raster_ = "auto";
   std::filesystem::path cache_;
   uint32_t queues_ = 1, frames_in_flight_ = daemon::RenderConfig{}.frames_in_flight;
-  std::optional<int64_t> slice_us_;
+  std::optional<int64_t> quantum_us_;
   uint32_t encode_threads_ = 1, net_threads_ = 1;
   size_t load_threads_ = 1;
   ScratchFolder scratch_;

@@ -24,7 +24,7 @@ constexpr int kRasterRepeats = 3;  // of which the fastest counts
 // What Embree made of one camera's surface points: the truth of the robust single rays, the pace of the packets.
 struct PeerFrame {
   std::vector<uint64_t> oracle;
-  std::vector<uint64_t> cares;  // the bits that were traced; the frame's others are free
+  std::vector<uint64_t> valid_bits;  // the bits that were traced; the frame's others are free
   std::vector<uint64_t> packets;
   double ms = 0;
   uint64_t bits = 0;  // pixels with a surface times lights
@@ -123,7 +123,7 @@ class TracersSuite : public Suite {
       PeerFrame out;
       for (const gpu::SurfaceSample& sample : frame->samples) out.bits += sample.triangle != 0;
       out.bits *= frame->grid.lights;
-      out.cares = frame->cares;
+      out.valid_bits = frame->valid_bits;
       out.oracle = oracle.trace(camera, frame->grid, frame->samples, EmbreeQuery::single, kEmbreeThreads);
       const TimePoint start = Clock::now();
       out.packets = peer.trace(camera, frame->grid, frame->samples, EmbreeQuery::packets16, kEmbreeThreads);
@@ -217,7 +217,7 @@ class TracersSuite : public Suite {
       to_shadow_stage.push_back(static_cast<double>(timing->total_ns) / 1e6 / stage_ms(*timing, "trace"));
       const PackedMaskView packed = (*frame)->packed(*grid);
       std::vector<uint64_t> words = unpacked(packed);
-      for (size_t w = 0; w < words.size(); ++w) words[w] &= peers[i].cares[w];
+      for (size_t w = 0; w < words.size(); ++w) words[w] &= peers[i].valid_bits[w];
       series.differing += differing_bits(words, peers[i].oracle);
       readback_bytes.push_back(static_cast<double>(packed.bytes()));
     }

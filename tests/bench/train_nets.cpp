@@ -123,8 +123,8 @@ void record(const PathFrame& frame, const protocol::MaskReference* reference, Re
                               std::span(tiles.words).subspan(first, grid.tile_count()),
                               reference ? &reference->rows(light) : nullptr, motions};
     if (reference)
-      find_motions(grid, of_light.classes, of_light.words, *of_light.reference,
-                   tiles.camera ? &*tiles.camera : nullptr, 0, (grid.tiles_y() + kBlock - 1) / kBlock, motions);
+      find_motions(grid, of_light, tiles.camera ? &*tiles.camera : nullptr,
+                   {0, (grid.tiles_y() + kBlock - 1) / kBlock}, motions);
     for (uint32_t next = 0; next < grid.tile_count();) {
       if (next % (kRowsOfASlice * grid.tiles_x()) == 0) walk.begin(of_light, next);
       const uint32_t end = segment_end(next, grid.tiles_x());

@@ -49,7 +49,7 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   served.config.scenes.list = {{"living_room", *file, ""}};
   served.config.render.passes = {"gbuffer", "trace", "pack", "readback"};
   served.config.scheduler.admit_percent = 0;
-  served.config.scheduler.slice = 0us;  // each piece of a frame would take the set time
+  served.config.scheduler.quantum = 0us;  // each piece of a frame would take the set time
   served.version = "bench";
   const auto lights = static_cast<uint32_t>((*scene)->lights.size());
   served.make_renderers = {[lights]() -> Result<std::unique_ptr<gpu::Renderer>> {

@@ -101,12 +101,13 @@ class SealedFlow {
  public:
   SealedFlow(CipherId cipher, daemon::DataSocket& socket)
       : socket_(socket), client_(kBenchSession, cipher, kBenchSecrets, Side::client) {
-    auto permit = limits_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    auto permit = std::get<daemon::SessionPermit>(limits_.take(TenantId{0}, asio::ip::address_v4::loopback()));
+    auto seal = std::make_unique<Seal>(kBenchSession, cipher, kBenchSecrets, Side::server);
+    daemon::SessionGrant grant;
+    grant.features = protocol::kFeatureFeedback | protocol::kFeatureParity;
     session_.emplace(
-        daemon::SessionParts{.id = kBenchSession,
-                             .grant = {.features = protocol::kFeatureFeedback | protocol::kFeatureParity},
-                             .seal = std::make_unique<Seal>(kBenchSession, cipher, kBenchSecrets, Side::server),
-                             .permit = std::get<daemon::SessionPermit>(std::move(permit))},
+        daemon::SessionParts{
+            .id = kBenchSession, .grant = std::move(grant), .seal = std::move(seal), .permit = std::move(permit)},
         now_);
     report();  // and so the session knows where its client is
   }

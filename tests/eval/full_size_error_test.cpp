@@ -35,11 +35,11 @@ struct Look {
   gpu::CameraView camera;
   TileGrid grid;
   std::vector<uint32_t> ids;
-  std::vector<uint64_t> words, cares;
+  std::vector<uint64_t> words, valid_bits;
   std::vector<SurfaceSample> samples;
 
   TileMaskView mask() const { return {grid, words}; }
-  TileMaskView care() const { return {grid, cares}; }
+  TileMaskView care() const { return {grid, valid_bits}; }
 };
 
 // What a server traces, and the surfaces that it is of.
@@ -50,7 +50,7 @@ class Eye {
     options.tracer_options.cache_folder = GNOMON_TEST_CACHE;
     frame_ = gpu::BlockingFrame::create(options,
                                         {"gbuffer", "ids", "surface", "trace", "readback_ids", "readback_surface",
-                                         "readback_masks", "readback_cares"},
+                                         "readback_masks", "readback_valid_bits"},
                                         scene)
                  .value();
   }
@@ -63,7 +63,7 @@ class Eye {
     out.camera = camera;
     out.ids = copied<uint32_t>(frame_->host(gpu::resource::kHostIds), pixels);
     out.words = copied<uint64_t>(frame_->host(gpu::resource::kHostMasks), words);
-    out.cares = copied<uint64_t>(frame_->host(gpu::resource::kHostCares), words);
+    out.valid_bits = copied<uint64_t>(frame_->host(gpu::resource::kHostValidBits), words);
     out.samples = copied<SurfaceSample>(frame_->host(gpu::resource::kHostSurface), pixels);
     return out;
   }

@@ -24,7 +24,7 @@ struct PathFrame {
   uint32_t number = 0;
   scenes::CameraPose before, pose;  // of the last frame, and its own
   gpu::RasterView traced, shown;    // with the widest border, and without any
-  LightBits masks, cares;
+  LightBits masks, valid_bits;
 };
 
 template <class T>
@@ -41,7 +41,7 @@ class PathRenderer {
     options.device = plan.device;
     options.tracer_options.cache_folder = plan.cache;
     auto frame = gpu::BlockingFrame::create(
-        options, {"gbuffer", "ids", "trace", "readback_ids", "readback_masks", "readback_cares"}, scene);
+        options, {"gbuffer", "ids", "trace", "readback_ids", "readback_masks", "readback_valid_bits"}, scene);
     if (!frame) return frame.error();
     auto reprojection = gpu::Reprojection::create(**frame);
     if (!reprojection) return reprojection.error();
@@ -53,7 +53,7 @@ class PathRenderer {
     return made;
   }
 
-  const gpu::DeviceInfo& device() const { return frame_->device().info(); }
+  const gpu::PhysicalDevice& device() const { return frame_->device().info(); }
   gpu::Reprojection& reprojection() { return *reprojection_; }
 
   Result<PathFrame> render(uint32_t number) {
@@ -74,7 +74,7 @@ class PathRenderer {
     out.traced = std::move(*traced);
     out.shown = std::move(*shown);
     out.masks = bits(*grid, gpu::resource::kHostMasks);
-    out.cares = bits(*grid, gpu::resource::kHostCares);
+    out.valid_bits = bits(*grid, gpu::resource::kHostValidBits);
     return out;
   }
 
@@ -127,7 +127,7 @@ std::vector<client::PredictionError> count(const PathPlan& plan, const std::vect
   std::vector<client::PredictionError> errors;
   for (const Border& border : borders)
     errors.push_back(compare(seen.masks, sources, window_of(plan, border, seen, now.number - seen.number),
-                             now.masks, now.cares.pixels, shown));
+                             now.masks, now.valid_bits.pixels, shown));
   return errors;
 }
 

@@ -28,12 +28,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::span<const uint8_t> input(data, size);
   const TileGrid grid{1 + take_number(input, 150), 1 + take_number(input, 80), 1 + take_number(input, 4)};
   const size_t room = protocol::kMinPayloadBytes + take_number(input, 600);
-  std::vector<uint64_t> words(grid.word_count()), cares(grid.word_count());
+  std::vector<uint64_t> words(grid.word_count()), valid_bits(grid.word_count());
   for (size_t i = 0; i < words.size(); ++i) {
-    cares[i] = take_word(input);
-    words[i] = take_word(input) & cares[i];
+    valid_bits[i] = take_word(input);
+    words[i] = take_word(input) & valid_bits[i];
   }
-  const PackedMask packed(TileMaskView{grid, words}, cares);
+  const PackedMask packed(TileMaskView{grid, words}, valid_bits);
   protocol::FrameEncoder encoder;
   protocol::EncodedFrame frame;
   for (const protocol::CodecId codec : protocol::kCodecs) {
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
               "a slice decodes");
     }
     for (size_t i = 0; i < words.size(); ++i) {
-      require((decoded[i] & cares[i]) == words[i], "bits that matter are what they were");
+      require((decoded[i] & valid_bits[i]) == words[i], "bits that matter are what they were");
     }
   }
   return 0;

@@ -77,7 +77,7 @@ def beside_a_flood(args, experiment, policy, steady_priority):
         cost = frame_seconds(args, daemon, "steady")
         rate = round(min(args.rate, 0.25 / cost), 2)
         slice_ms = max(4.0, 3300 * cost)
-        daemon.reload(slice_us=int(1000 * slice_ms))
+        daemon.reload(quantum_us=int(1000 * slice_ms))
         alone = daemon.load({"steady": 1}, args.size, rate, args.seconds).tenant_rows()["steady"]
         flood = daemon.load({"flood": args.sessions}, args.large, 0, args.seconds + 600)
         connected(daemon, args.sessions)

@@ -161,8 +161,8 @@ void RemoteServer::State::send(const Unit& unit) {
 void RemoteServer::State::pump() {
   const TimePoint now = Clock::now();
   while (const auto out = link.next(now)) {
-    seal.seal(out->kind, out->body, datagram[0]);
-    link.sent(protocol::decode_header(datagram[0])->sequence, datagram[0].size(), now);
+    const uint64_t sequence = seal.seal(out->kind, out->body, datagram[0]);
+    link.sent(sequence, datagram[0].size(), now);
     figures.datagram_bytes += datagram[0].size();
     asio::error_code lost_as_on_any_link;
     if (client) socket->send(datagram, *client, lost_as_on_any_link);

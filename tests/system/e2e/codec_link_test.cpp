@@ -91,7 +91,7 @@ class Judge {
     gpu::RendererOptions options;
     options.device = "cpu";
     options.tracer_options.cache_folder = kept_light_buffers();  // of those that e2e_exact checks
-    auto made = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_cares"},
+    auto made = gpu::BlockingFrame::create(options, {"gbuffer", "trace", "readback_masks", "readback_valid_bits"},
                                            scenes::load_scene(living_room_file()).value());
     EXPECT_TRUE(made) << made.error().message;
     frame_ = std::move(*made);
@@ -99,11 +99,11 @@ class Judge {
   }
   size_t wrong_bits(const Seen& seen) {
     EXPECT_TRUE(frame_->render(client::to_gpu(seen.camera), grid_));
-    const auto words = words_of(gpu::resource::kHostMasks), cares = words_of(gpu::resource::kHostCares);
+    const auto words = words_of(gpu::resource::kHostMasks), valid_bits = words_of(gpu::resource::kHostValidBits);
     EXPECT_EQ(seen.words.size(), words.size());
     size_t wrong = 0;
     for (size_t i = 0; i < words.size(); ++i)
-      wrong += static_cast<size_t>(std::popcount((words[i] ^ seen.words[i]) & cares[i]));
+      wrong += static_cast<size_t>(std::popcount((words[i] ^ seen.words[i]) & valid_bits[i]));
     return wrong;
   }
 

@@ -12,7 +12,7 @@ namespace {
 // Words like a renderer's: uniform ones, borders and noise; and whether they matter in whole, in part or not.
 struct Frame {
   TileGrid grid;
-  std::vector<uint64_t> words, cares;
+  std::vector<uint64_t> words, valid_bits;
 
   TileMaskView mask() const { return {grid, words}; }
 };
@@ -31,8 +31,8 @@ Frame random_frame(std::mt19937_64& random) {
   const auto side = [&] { return static_cast<uint32_t>(1 + random() % 150); };
   Frame frame{{side(), side(), static_cast<uint32_t>(random() % 6)}, {}, {}};
   for (size_t i = 0; i < frame.grid.word_count(); ++i) {
-    frame.cares.push_back(some_word(random) | some_word(random));
-    if (random() % 3 == 0) frame.cares.back() = 0;
+    frame.valid_bits.push_back(some_word(random) | some_word(random));
+    if (random() % 3 == 0) frame.valid_bits.back() = 0;
     frame.words.push_back(some_word(random));
   }
   return frame;
@@ -43,12 +43,12 @@ TEST(PackedMask, KeepsEveryBitThatMatters) {
   size_t mattering = 0;
   for (int i = 0; i < 300; ++i) {
     const Frame frame = random_frame(random);
-    const PackedMask packed(frame.mask(), frame.cares);
+    const PackedMask packed(frame.mask(), frame.valid_bits);
     const std::vector<uint64_t> words = unpacked(packed.view());
     ASSERT_EQ(words.size(), frame.words.size());
     for (size_t w = 0; w < words.size(); ++w) {
-      ASSERT_EQ((words[w] ^ frame.words[w]) & frame.cares[w], 0u) << "frame " << i << ", word " << w;
-      mattering += static_cast<size_t>(std::popcount(frame.cares[w]));
+      ASSERT_EQ((words[w] ^ frame.words[w]) & frame.valid_bits[w], 0u) << "frame " << i << ", word " << w;
+      mattering += static_cast<size_t>(std::popcount(frame.valid_bits[w]));
     }
   }
   EXPECT_GT(mattering, 100000u);
@@ -58,11 +58,11 @@ TEST(PackedMask, OnlyTilesWithBothValuesAreMixed) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 100; ++i) {
     const Frame frame = random_frame(random);
-    const PackedMask packed(frame.mask(), frame.cares);
+    const PackedMask packed(frame.mask(), frame.valid_bits);
     const PackedMaskView view = packed.view();
     size_t mixed = 0;
     for (size_t w = 0; w < frame.words.size(); ++w) {
-      const uint64_t lit = frame.words[w] & frame.cares[w], dark = ~frame.words[w] & frame.cares[w];
+      const uint64_t lit = frame.words[w] & frame.valid_bits[w], dark = ~frame.words[w] & frame.valid_bits[w];
       const PackedClass expected = lit && dark ? PackedClass::mixed
                                    : lit       ? PackedClass::lit
                                    : dark      ? PackedClass::dark
@@ -111,7 +111,7 @@ TEST(PackedMask, FreeTilesFollowTheLastUniformOneOfTheirLight) {
   const uint64_t lit = ~uint64_t{0}, mixed = 0xff;
   // Two lights of five tiles: free, lit, free, mixed, free; then free, dark, free, lit, free.
   const Frame frame{{40, 8, 2}, {0, lit, 0, mixed, 0, 0, 0, 0, lit, 0}, {0, lit, 0, lit, 0, 0, lit, 0, lit, 0}};
-  const PackedMask packed(frame.mask(), frame.cares);
+  const PackedMask packed(frame.mask(), frame.valid_bits);
   EXPECT_EQ(unpacked(packed.view()), (std::vector<uint64_t>{0, lit, lit, mixed, lit, 0, 0, 0, lit, lit}));
 }
 

@@ -1,4 +1,4 @@
-// Which bits a frame cares about: exactly those of the segments that exact.glsl traces, for every tracer.
+// Which bits a frame valid_bits about: exactly those of the segments that exact.glsl traces, for every tracer.
 #include <gtest/gtest.h>
 
 #include "gpu/scene/resident_scene.h"
@@ -52,7 +52,7 @@ TEST(Care, MasksAreZeroElsewhereAndBeyondThePicture) {
     ASSERT_TRUE(frame) << frame.error().message;
     const uint32_t tiles_x = frame->grid.tiles_x(), tiles = frame->grid.tile_count();
     for (size_t i = 0; i < frame->words.size(); ++i) {
-      const uint64_t care = frame->cares[i];
+      const uint64_t care = frame->valid_bits[i];
       ASSERT_EQ(frame->words[i] & ~care, 0u) << "word " << i;
       const bool right = i % tiles_x == tiles_x - 1, below = i % tiles >= tiles - tiles_x;
       const uint64_t beyond = (right ? 0xf0f0f0f0f0f0f0f0 : 0) | (below ? 0xffffffff00000000 : 0);

@@ -112,7 +112,7 @@ TEST_F(FirstBuild, EveryFrameIsExactBeforeDuringAndAfterIt) {
   ASSERT_TRUE(renderer_->submit(begun, deliver(in_bands)));
 
   std::optional<Result<void>> settled;
-  renderer_->settle_lights(
+  renderer_->rebuild_lights(
       kScene, [&](Result<void> built) { settled = built; }, bell_.ring());
   EXPECT_EQ(renderer_->build_progress(kScene).lights.size(), kLights);
   while (!settled) {
@@ -140,7 +140,7 @@ TEST_F(FirstBuild, EveryFrameIsExactBeforeDuringAndAfterIt) {
 TEST_F(FirstBuild, ALightThatIsChangedMeanwhileIsExactToo) {
   bring();
   std::optional<Result<void>> settled;
-  renderer_->settle_lights(
+  renderer_->rebuild_lights(
       kScene, [&](Result<void> built) { settled = built; }, bell_.ring());
   std::vector<scenes::Light> lights = scene_->lights;
   lights[1].position += glm::vec3(0.2f, -0.1f, 0.3f);
@@ -166,7 +166,7 @@ TEST_F(FirstBuild, ALightThatIsChangedMeanwhileIsExactToo) {
 TEST_F(FirstBuild, ASceneThatLeavesEndsItsBuild) {
   bring();
   std::optional<Result<void>> settled;
-  renderer_->settle_lights(
+  renderer_->rebuild_lights(
       kScene, [&](Result<void> built) { settled = built; }, bell_.ring());
   renderer_->evict(kScene);
   EXPECT_TRUE(renderer_->build_progress(kScene).lights.empty());

@@ -74,7 +74,7 @@ TEST_P(InMotion, SurfacesAndCaresAreThoseOfTheSceneStopped) {
     EXPECT_GT(shown, 500u);
     EXPECT_EQ(of_what_moves > 50, GetParam().body);
     EXPECT_EQ(a->words, b->words);
-    EXPECT_EQ(a->cares, b->cares);
+    EXPECT_EQ(a->valid_bits, b->valid_bits);
     EXPECT_TRUE(has_stage(*a, "trace_moving"));
     EXPECT_FALSE(has_stage(*b, "trace_moving"));
     EXPECT_FALSE(has_stage(*b, "pose"));
@@ -140,7 +140,7 @@ TEST(Motion, FramesInFlightHaveTheirOwnTimes) {
   for (size_t i = 0; i < arrivals.size(); ++i) {
     const auto frame = probe->render(camera(), kWidth, kHeight, job(i).time);
     ASSERT_TRUE(frame);
-    EXPECT_EQ(arrivals[i].get_future().get(), unpacked(PackedMask(frame->mask(), frame->cares).view())) << i;
+    EXPECT_EQ(arrivals[i].get_future().get(), unpacked(PackedMask(frame->mask(), frame->valid_bits).view())) << i;
   }
 }
 
@@ -161,7 +161,7 @@ TEST(Motion, LightsThatWereMovedAreExactAndRestAgainWhenRebuilt) {
     ASSERT_TRUE(rested);
     EXPECT_FALSE(has_stage(*rested, "trace_moving"));
     EXPECT_EQ(moved->words, rested->words) << tracer;
-    EXPECT_EQ(moved->cares, rested->cares) << tracer;
+    EXPECT_EQ(moved->valid_bits, rested->valid_bits) << tracer;
   }
 }
 

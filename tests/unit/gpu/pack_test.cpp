@@ -22,7 +22,7 @@ Bytes compare(BlockingFrame& frame, uint32_t width, uint32_t height) {
   const auto words_of = [&](std::string_view resource) {
     return std::span(reinterpret_cast<const uint64_t*>(frame.host(resource).data()), grid->word_count());
   };
-  const PackedMask here({*grid, words_of(resource::kHostMasks)}, words_of(resource::kHostCares));
+  const PackedMask here({*grid, words_of(resource::kHostMasks)}, words_of(resource::kHostValidBits));
   const PackedMaskView expected = here.view(), packed = frame.packed(*grid);
   EXPECT_TRUE(
       std::equal(packed.classes.begin(), packed.classes.end(), expected.classes.begin(), expected.classes.end()));
@@ -32,7 +32,7 @@ Bytes compare(BlockingFrame& frame, uint32_t width, uint32_t height) {
 
 std::unique_ptr<BlockingFrame> packing(const scenes::ScenePtr& scene) {
   auto frame = BlockingFrame::create(
-      device_options(), {"gbuffer", "trace", "pack", "readback", "readback_masks", "readback_cares"}, scene);
+      device_options(), {"gbuffer", "trace", "pack", "readback", "readback_masks", "readback_valid_bits"}, scene);
   EXPECT_TRUE(frame) << frame.error().message;
   return std::move(*frame);
 }

@@ -101,7 +101,7 @@ TEST(ReferenceViewTest, MaterialOfALightIsBlackWhereItDoesNotShine) {
       std::make_shared<scenes::Scene>(*square_over_floor(spot_light({0.7f, 3.0f, -0.4f}, {0, -1, 0}, 0.8f)));
   Given given(scene);
   std::vector<uint64_t> any = given.frame.words;  // what does not matter may be 1
-  for (size_t i = 0; i < any.size(); ++i) any[i] |= ~given.frame.cares[i];
+  for (size_t i = 0; i < any.size(); ++i) any[i] |= ~given.frame.valid_bits[i];
   ShadeOptions options = linear_options();
   options.view = ShadeOptions::View::material;
   options.only_light = 0;

@@ -16,7 +16,7 @@ std::vector<T> copied(std::span<const std::byte> bytes, size_t count) {
 
 Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const scenes::ScenePtr& scene) {
   auto frame = BlockingFrame::create(
-      options, {"gbuffer", "trace", "surface", "readback_masks", "readback_cares", "readback_surface"}, scene);
+      options, {"gbuffer", "trace", "surface", "readback_masks", "readback_valid_bits", "readback_surface"}, scene);
   if (!frame) return frame.error();
   SurfaceProbe probe;
   probe.frame_ = std::move(*frame);
@@ -25,10 +25,10 @@ Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const 
 
 Result<void> SurfaceProbe::set_lights(const std::vector<scenes::Light>& lights) {
   ResidentScene& scene = frame_->scene();
-  if (scene.needs_still_bvh(lights)) {
-    auto bvh = build_still_bvh(frame_->device_ptr(), scene.scene());
+  if (scene.needs_static_bvh(lights)) {
+    auto bvh = build_static_bvh(frame_->device_ptr(), scene.scene());
     if (!bvh) return bvh.error();
-    scene.give_still_bvh(std::move(*bvh));
+    scene.give_static_bvh(std::move(*bvh));
   }
   return scene.set_lights(lights);
 }
@@ -56,7 +56,7 @@ Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t widt
     if (sample.triangle != 0 && sample.triangle <= numbers.size())
       sample.triangle = 1 + numbers[sample.triangle - 1];
   probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
-  probed.cares = copied<uint64_t>(frame_->host(resource::kHostCares), grid->word_count());
+  probed.valid_bits = copied<uint64_t>(frame_->host(resource::kHostValidBits), grid->word_count());
   probed.timing = std::move(*timing);
   return probed;
 }

@@ -13,14 +13,14 @@ namespace gnomon::gpu {
 struct ProbedFrame {
   TileGrid grid;
   std::vector<SurfaceSample>
-      samples;                  // row by row; their triangles by the numbers of scenes::build_world_mesh, then
-                                // those of build_moving_mesh
-  std::vector<uint64_t> words;  // as common/tile_mask.h
-  std::vector<uint64_t> cares;  // of the same layout: which bits were traced
+      samples;                       // row by row; their triangles by the numbers of scenes::build_world_mesh, then
+                                     // those of build_moving_mesh
+  std::vector<uint64_t> words;       // as common/tile_mask.h
+  std::vector<uint64_t> valid_bits;  // of the same layout: which bits were traced
   FrameTiming timing;
 
   TileMaskView mask() const { return {grid, words}; }
-  TileMaskView care() const { return {grid, cares}; }
+  TileMaskView care() const { return {grid, valid_bits}; }
 };
 
 // One thread. Blocking.

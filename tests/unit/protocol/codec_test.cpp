@@ -15,7 +15,6 @@ namespace {
 
 using tests::Mask;
 
-constexpr CodecId kCodecs[] = {CodecId::raw32_lz4, CodecId::tiles_lz4, CodecId::tiles_context};
 constexpr CodecId kPlainCodecs[] = {CodecId::raw32_lz4, CodecId::tiles_lz4};  // of plain bytes, with or without LZ4
 constexpr uint64_t kCanary = 0xdeadbeefcafef00d;
 

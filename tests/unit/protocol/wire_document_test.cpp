@@ -253,8 +253,8 @@ TEST(WireDocument, PayloadsWithLz4AreAsWorkedOut) {
 TEST(WireDocument, PayloadsOfTilesContextAreAsWorkedOut) {
   const TileGrid grid{16, 8, 2};
   const std::vector<uint64_t> words = {0x00000103070f1f3f, ~uint64_t{0}, 0, 0x0000183c3c180000};
-  const std::vector<uint64_t> cares(words.size(), ~uint64_t{0});
-  const PackedMask mask({grid, words}, cares);
+  const std::vector<uint64_t> valid_bits(words.size(), ~uint64_t{0});
+  const PackedMask mask({grid, words}, valid_bits);
   ReferenceShelf shelf;
   shelf.add(std::make_shared<MaskReference>(FrameId{6}, TileMaskView{grid, words}));
   for (const MaskReference* reference : {static_cast<const MaskReference*>(nullptr), shelf.find(FrameId{6})}) {

@@ -53,11 +53,11 @@ TEST_F(Deadlines, TheHopelessAreTakenOutBeforeTheyCostAnything) {
   ready(2, -1s);
   ready(3, 1ms);
   ready(4, 5ms, 6ms);
-  EXPECT_EQ(scheduler_->take_hopeless(kNow), SessionId{2});
-  EXPECT_EQ(scheduler_->take_hopeless(kNow), SessionId{1});
-  EXPECT_FALSE(scheduler_->take_hopeless(kNow));
+  EXPECT_EQ(scheduler_->take_expired(kNow), SessionId{2});
+  EXPECT_EQ(scheduler_->take_expired(kNow), SessionId{1});
+  EXPECT_FALSE(scheduler_->take_expired(kNow));
   EXPECT_EQ(pick(), 3u);
-  EXPECT_EQ(scheduler_->take_hopeless(kNow), SessionId{4});
+  EXPECT_EQ(scheduler_->take_expired(kNow), SessionId{4});
   EXPECT_FALSE(pick());
   EXPECT_EQ(scheduler_->standing(TenantId{0}).service, Nanoseconds(1ms));
 }
@@ -67,7 +67,7 @@ TEST_F(Deadlines, WhatWasBegunIsFinished) {
   EXPECT_EQ(pick(), 1u);
   scheduler_->make_ready(SessionId{1}, {1ms, kNow - 1s, true}, kNow);
   ready(2, 2ms);
-  EXPECT_FALSE(scheduler_->take_hopeless(kNow));
+  EXPECT_FALSE(scheduler_->take_expired(kNow));
   EXPECT_EQ(pick(), 1u);
   EXPECT_EQ(pick(), 2u);
 }
@@ -76,7 +76,7 @@ TEST_F(Deadlines, ANewerViewTakesThePlaceOfTheOneItReplaces) {
   ready(1, 0ms);
   ready(2, 20ms);
   ready(1, 30ms);
-  EXPECT_FALSE(scheduler_->take_hopeless(kNow)) << "the newer one can still be ready in time";
+  EXPECT_FALSE(scheduler_->take_expired(kNow)) << "the newer one can still be ready in time";
   EXPECT_EQ(pick(), 1u);
   EXPECT_EQ(pick(), 2u);
   ready(1, 30ms);

@@ -262,17 +262,27 @@ TEST(ShippedConfig, DocumentsEveryKeyWithItsDefault) {
   EXPECT_EQ(config->render.max_height, defaults.render.max_height);
   EXPECT_EQ(config->encode.threads, defaults.encode.threads);
   EXPECT_EQ(config->log.level, defaults.log.level);
-  EXPECT_EQ(config->scheduler.slice, defaults.scheduler.slice);
+  EXPECT_EQ(config->scheduler.quantum, defaults.scheduler.quantum);
 }
 
-TEST(Config, ASliceIsANumberOrAuto) {
-  const auto parse = [](const char* slice) {
-    return parse_config(std::string("scheduler: {slice_us: ").append(slice).append("}"), "edge.yaml");
+TEST(Config, AQuantumIsANumberOrAuto) {
+  const auto parse = [](const char* quantum) {
+    return parse_config(std::string("scheduler: {quantum_us: ").append(quantum).append("}"), "edge.yaml");
   };
-  EXPECT_EQ(parse("0")->scheduler.slice, std::chrono::microseconds(0));
-  EXPECT_EQ(parse("2500")->scheduler.slice, std::chrono::microseconds(2500));
-  EXPECT_EQ(parse("auto")->scheduler.slice, std::nullopt);
+  EXPECT_EQ(parse("0")->scheduler.quantum, std::chrono::microseconds(0));
+  EXPECT_EQ(parse("2500")->scheduler.quantum, std::chrono::microseconds(2500));
+  EXPECT_EQ(parse("auto")->scheduler.quantum, std::nullopt);
   for (const char* wrong : {"-1", "1000001", "often", "''", "[4]"}) EXPECT_FALSE(parse(wrong)) << wrong;
+}
+
+TEST(Config, TheEarlierNameOfAKeyIsReadAndShownNoMore) {
+  const auto config = parse_config("scheduler: {slice_us: 2500}\n", "edge.yaml");
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->scheduler.quantum, std::chrono::microseconds(2500));
+  EXPECT_FALSE(parse_config("scheduler: {slice_us: often}\n", "edge.yaml"));
+  const auto known = known_keys();
+  EXPECT_EQ(std::count(known.begin(), known.end(), "scheduler.slice_us"), 0);
+  EXPECT_EQ(std::count(known.begin(), known.end(), "scheduler.quantum_us"), 1);
 }
 
 TEST(Config, AnAdminServerWithATokenListensAnywhere) {

@@ -49,7 +49,7 @@ class FarClient : public Served, public testing::WithParamInterface<std::pair<co
 
 TEST_P(FarClient, GetsWhatItAskedForAndNothingWrong) {
   frame_time_ = 3ms;
-  config_.scheduler.slice = 0us;  // each piece of a frame would take that time
+  config_.scheduler.quantum = 0us;  // each piece of a frame would take that time
   start();
   netsim::Profile profile;
   std::stringstream settings(GetParam().first);

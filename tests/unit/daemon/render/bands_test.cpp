@@ -1,4 +1,4 @@
-// Frames that cost more than a slice, and who waits for them.
+// Frames that cost more than a quantum, and who waits for them.
 #include <algorithm>
 #include <random>
 
@@ -8,14 +8,14 @@ namespace gnomon::daemon {
 namespace {
 
 // Frames of 16x800 pixels, 100 rows of tiles, that cost 1 us a row.
-class SlicedTest : public RenderLoopTest {
+class CutFrameTest : public RenderLoopTest {
  protected:
   static constexpr uint32_t kHeight = 800;
 
   void SetUp() override {
     RenderLoopTest::SetUp();
     SharingPolicy terms = sharing_policy_of({});
-    terms.slice = Nanoseconds(0);
+    terms.quantum = Nanoseconds(0);
     loop_->handle(SharingPolicyChanged{terms}, now_);
     loop_->handle(SessionClosed{kA}, now_);
     loop_->handle(SessionClosed{kB}, now_);
@@ -26,7 +26,7 @@ class SlicedTest : public RenderLoopTest {
     fake_->complete(100us);
     rendered_.clear();
     settle();
-    terms.slice = 75us;
+    terms.quantum = 75us;
     loop_->handle(SharingPolicyChanged{terms}, now_);
   }
 
@@ -40,12 +40,12 @@ class SlicedTest : public RenderLoopTest {
   }
 };
 
-// Where the configuration leaves the slice to us. Of 20 ms a frame, 200 us a row.
-class UsualSliceTest : public SlicedTest, public testing::WithParamInterface<bool> {
+// Where the configuration leaves the quantum to us. Of 20 ms a frame, 200 us a row.
+class UsualQuantumTest : public CutFrameTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
     cpu_ = GetParam();
-    SlicedTest::SetUp();
+    CutFrameTest::SetUp();
     loop_->handle(SharingPolicyChanged{sharing_policy_of({})}, now_);
   }
   size_t pieces_of_a_frame(uint32_t frame) {
@@ -58,7 +58,7 @@ class UsualSliceTest : public SlicedTest, public testing::WithParamInterface<boo
   }
 };
 
-TEST_P(UsualSliceTest, OnACpuFramesAreCutLater) {
+TEST_P(UsualQuantumTest, OnACpuFramesAreCutLater) {
   uint32_t frame = 100;
   for (int i = 0; i < 40; ++i) pieces_of_a_frame(frame++);  // teaches what it costs
   const size_t pieces = pieces_of_a_frame(frame);
@@ -68,18 +68,18 @@ TEST_P(UsualSliceTest, OnACpuFramesAreCutLater) {
     EXPECT_GE(pieces, 15u) << "each at most a third of 4 ms";
   }
 }
-INSTANTIATE_TEST_SUITE_P(Kinds, UsualSliceTest, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Kinds, UsualQuantumTest, testing::Bool(),
                          [](const auto& instance) { return instance.param ? "Cpu" : "Gpu"; });
 
-TEST_F(SlicedTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
+TEST_F(CutFrameTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
   view(kA, 2);
-  EXPECT_EQ(run_to_the_end(), 5u) << "100 us in pieces of at most a third of a slice";
+  EXPECT_EQ(run_to_the_end(), 5u) << "100 us in pieces of at most a third of a quantum";
   ASSERT_EQ(rendered_.size(), 1u);
   EXPECT_EQ(rendered_[0].meta.times.gpu, Nanoseconds(100us));
   EXPECT_EQ(rendered_[0].mask.mask().grid.height, kHeight);
 }
 
-TEST_F(SlicedTest, ABandThatCouldNotBeStartedCostsItsFrameAlone) {
+TEST_F(CutFrameTest, ABandThatCouldNotBeStartedCostsItsFrameAlone) {
   view(kA, 2);
   settle();
   view(kA, 3);
@@ -94,7 +94,7 @@ TEST_F(SlicedTest, ABandThatCouldNotBeStartedCostsItsFrameAlone) {
   EXPECT_EQ(loop_->frames_out(), 0u);
 }
 
-TEST_F(SlicedTest, TheLastBandThatCouldNotBeStartedCostsItsFrameOnce) {
+TEST_F(CutFrameTest, TheLastBandThatCouldNotBeStartedCostsItsFrameOnce) {
   view(kA, 2);
   settle();
   for (uint32_t rows = 0; rows + fake_->rows(0) < kHeight / 8; settle()) {
@@ -109,11 +109,11 @@ TEST_F(SlicedTest, TheLastBandThatCouldNotBeStartedCostsItsFrameOnce) {
   EXPECT_EQ(loop_->frames_out(), 0u);
 }
 
-TEST_F(SlicedTest, TheNextJobFollowsWhenTheDeviceIsAboutToRunDry) {
+TEST_F(CutFrameTest, TheNextJobFollowsWhenTheDeviceIsAboutToRunDry) {
   view(kA, 2);
   loop_->start(now_);
   EXPECT_EQ(fake_->waiting(), 1u) << "20 us of work";
-  EXPECT_EQ(loop_->wake_at(), now_ + Nanoseconds(1250)) << "a quarter of the slice before";
+  EXPECT_EQ(loop_->wake_at(), now_ + Nanoseconds(1250)) << "a quarter of the quantum before";
   now_ = loop_->wake_at();
   loop_->start(now_);
   EXPECT_EQ(fake_->waiting(), 2u);
@@ -123,7 +123,7 @@ TEST_F(SlicedTest, TheNextJobFollowsWhenTheDeviceIsAboutToRunDry) {
   EXPECT_EQ(run_to_the_end(), 5u);
 }
 
-TEST_F(SlicedTest, RasterisingThatCostsMoreThanAPieceStandsAlone) {
+TEST_F(CutFrameTest, RasterisingThatCostsMoreThanAPieceStandsAlone) {
   for (uint32_t frame = 2; frame < 60; ++frame) {
     view(kA, frame);
     for (settle(); fake_->waiting() > 0; settle()) {
@@ -139,12 +139,12 @@ TEST_F(SlicedTest, RasterisingThatCostsMoreThanAPieceStandsAlone) {
   EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{60});
 }
 
-TEST_F(SlicedTest, OthersPassBetweenBands) {
+TEST_F(CutFrameTest, OthersPassBetweenBands) {
   view(kA, 2);
   settle();
   open(SessionId{44}, {.width = 8, .height = 8});
   SharingPolicy two = sharing_policy_of({});
-  two.slice = 75us;
+  two.quantum = 75us;
   two.tenants.push_back({});
   loop_->handle(SharingPolicyChanged{two}, now_);
   open(SessionId{55}, {.tenant = TenantId{1}, .width = 8, .height = 8});
@@ -157,7 +157,7 @@ TEST_F(SlicedTest, OthersPassBetweenBands) {
   EXPECT_EQ(rendered_[0].meta.route.session, SessionId{55});
 }
 
-TEST_F(SlicedTest, ANewerViewWaitsForTheFrameThatWasBegun) {
+TEST_F(CutFrameTest, ANewerViewWaitsForTheFrameThatWasBegun) {
   view(kA, 2);
   settle();
   view(kA, 3);
@@ -165,7 +165,7 @@ TEST_F(SlicedTest, ANewerViewWaitsForTheFrameThatWasBegun) {
   EXPECT_EQ(rendered_frames_of(kA), (std::vector<uint32_t>{2, 3}));
 }
 
-TEST_F(SlicedTest, ASessionThatClosesGivesItsBegunFrameUp) {
+TEST_F(CutFrameTest, ASessionThatClosesGivesItsBegunFrameUp) {
   view(kA, 2);
   settle();
   EXPECT_EQ(fake_->begun(), 1u);
@@ -178,7 +178,7 @@ TEST_F(SlicedTest, ASessionThatClosesGivesItsBegunFrameUp) {
   EXPECT_EQ(rendered_frames_of(kB), std::vector<uint32_t>{1});
 }
 
-TEST_F(SlicedTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
+TEST_F(CutFrameTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
   view(kA, 2);
   settle();
   view(kA, 3);
@@ -190,9 +190,9 @@ TEST_F(SlicedTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
   EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{3});
 }
 
-TEST_F(SlicedTest, TheLastFreeSlotIsForFramesThatAreDoneAtOnce) {
+TEST_F(CutFrameTest, TheLastFreeSlotIsForFramesThatAreDoneAtOnce) {
   SharingPolicy both = sharing_policy_of({});
-  both.slice = 75us;
+  both.quantum = 75us;
   both.policy = "deadline";
   loop_->handle(SharingPolicyChanged{both}, now_);
   view(kA, 2);
@@ -212,7 +212,7 @@ TEST_F(SlicedTest, TheLastFreeSlotIsForFramesThatAreDoneAtOnce) {
 // A device of one queue in virtual time, on which one tenant floods with large frames beside another's small ones.
 class NeighbourTest : public RenderLoopTest {
  protected:
-  static constexpr Nanoseconds kSlice = 21ms;
+  static constexpr Nanoseconds kQuantum = 21ms;
   static constexpr SessionId kSteady{500};
   static constexpr uint32_t kFlood = 32, kInFlight = 3;
 
@@ -225,7 +225,7 @@ class NeighbourTest : public RenderLoopTest {
   void begin(const std::string& policy, uint32_t steady_priority) {
     SharingPolicy terms;
     terms.policy = policy;
-    terms.slice = kSlice;
+    terms.quantum = kQuantum;
     terms.frames_in_flight = kInFlight;
     terms.tenants.resize(2);
     terms.tenants[1].terms.priority = steady_priority;
@@ -298,7 +298,7 @@ TEST_F(NeighbourTest, AFloodCostsASteadyClientNoMoreThanASlice) {
     waits_.clear();
     run(60s);
     EXPECT_GT(waits_.size(), 800u) << policy;
-    EXPECT_LE(*std::max_element(waits_.begin(), waits_.end()), kSlice) << policy << " " << priority;
+    EXPECT_LE(*std::max_element(waits_.begin(), waits_.end()), kQuantum) << policy << " " << priority;
     for (uint32_t i = 0; i < kFlood; ++i) loop_->handle(SessionClosed{SessionId{i}}, now_);
     loop_->handle(SessionClosed{kSteady}, now_);
     while (fake_->waiting() > 0) fake_->complete();

@@ -32,8 +32,13 @@ class FakeRenderer : public gpu::Renderer {
 
   explicit FakeRenderer(uint32_t slots, uint32_t lights = 2) : lights_(lights), free_(slots) {}
 
-  std::string device_name() const override { return "fake"; }
-  bool on_cpu() const override { return cpu; }
+  gpu::DeviceInfo info() const override {
+    gpu::DeviceInfo info;
+    info.name = "fake";
+    info.on_cpu = cpu;
+    return info;
+  }
+  void on_slot_freed(std::function<void()> freed) override { freed_ = std::move(freed); }
   bool cpu = false;  // set before it serves
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr&) override {
@@ -53,7 +58,7 @@ class FakeRenderer : public gpu::Renderer {
     ++brought;
     beside(holds_scenes, [this, id, scene, resident] { resident(make_resident(id, scene)); });
   }
-  void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
+  void rebuild_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
     beside(holds_builds, [this, settled] {
       state_of_lights.unbuilt = 0;
       settled({});
@@ -138,7 +143,7 @@ class FakeRenderer : public gpu::Renderer {
   }
 
   // Completes the oldest frame. The slot is free again when the lease is dropped.
-  // `trace_time`: of its time, the trace pass's; none: nothing is said of passes.
+  // `trace_time`: of its time, the part that grows with the bits; nullopt: all of it.
   void complete(std::chrono::nanoseconds gpu_time = std::chrono::milliseconds(1), bool lost = false,
                 std::optional<std::chrono::nanoseconds> trace_time = std::nullopt, bool out_of_memory = false) {
     Waiting frame;
@@ -150,16 +155,16 @@ class FakeRenderer : public gpu::Renderer {
     gpu::FrameDone done;
     done.id = frame.job.id;
     done.gpu_ns = static_cast<uint64_t>(gpu_time.count());
-    if (trace_time) done.stages = {{"trace", static_cast<uint64_t>(trace_time->count())}};
+    done.trace_ns = static_cast<uint64_t>(trace_time.value_or(gpu_time).count());
+    if (frame.first) frame_gpu_ns_[frame.job.id] = 0;
+    done.frame_gpu_ns = frame_gpu_ns_[frame.job.id] += done.gpu_ns;
+    done.completed_at = Clock::now();
     done.device_lost = lost;
     done.out_of_memory = out_of_memory;
     done.complete = frame.last;
     if (!frame.last) return frame.on_done(std::move(done));
-    if (lost || out_of_memory) {
-      free_slot();
-    } else {
-      done.mask = answer(frame.job);
-    }
+    frame_gpu_ns_.erase(frame.job.id);
+    done.mask = lost || out_of_memory ? gpu::FrameLease({}, [this] { free_slot(); }) : answer(frame.job);
     frame.on_done(std::move(done));
   }
 
@@ -184,8 +189,11 @@ class FakeRenderer : public gpu::Renderer {
   }
 
   void free_slot() {
-    std::lock_guard lock(mutex_);
-    ++free_;
+    {
+      std::lock_guard lock(mutex_);
+      ++free_;
+    }
+    if (freed_) freed_();
   }
 
   mutable std::mutex mutex_;
@@ -195,8 +203,10 @@ class FakeRenderer : public gpu::Renderer {
  private:
   uint32_t lights_;
   uint32_t free_;
+  std::function<void()> freed_;
   std::set<SceneId> resident_;
   std::map<JobId, gpu::RenderJob> begun_;
+  std::map<JobId, uint64_t> frame_gpu_ns_;  // of the bands so far; of whoever completes
 };
 
 // Completes every frame by itself, from a completion thread, each after `delay`. `lose`: when it is true the device is

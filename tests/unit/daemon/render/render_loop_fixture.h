@@ -13,7 +13,7 @@ inline constexpr SceneId kScene{0};
 inline constexpr TenantId kTenant{0};
 inline constexpr SessionId kA{11}, kB{22}, kSilent{33};
 
-class RenderLoopTest : public testing::Test {
+class RenderLoopTest : public testing::Test, private FrameSink {
  protected:
   static constexpr uint32_t kSlots = 2;
 
@@ -27,11 +27,10 @@ class RenderLoopTest : public testing::Test {
           fake_ = made.get();
           return std::unique_ptr<gpu::Renderer>(std::move(made));
         },
-        [] {}));
+        inbox_));
     loop_ = std::make_unique<RenderLoop>(
         SharingPolicy{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_,
-        inbox_, metrics_, [this](RenderedFrame frame) { rendered_.push_back(std::move(frame)); },
-        [this](const SessionDegraded& d) { degraded_.push_back(d); });
+        inbox_, metrics_, static_cast<FrameSink&>(*this));
     loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
                                [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
                   now_);
@@ -43,6 +42,10 @@ class RenderLoopTest : public testing::Test {
     device_.reset();
   }
 
+  void on_rendered(RenderedFrame frame) override { rendered_.push_back(std::move(frame)); }
+  void on_degraded(const SessionDegraded& session) override { degraded_.push_back(session); }
+  void on_lights(const LightsUpdate&) override {}
+
   // A session of kTenant in kScene, of that size, with two lights, unless `grant` says otherwise.
   void open(SessionId session, SessionGrant grant = {.width = 16, .height = 16}) {
     if (grant.lights == 0) grant.lights = 2;
@@ -51,7 +54,7 @@ class RenderLoopTest : public testing::Test {
 
   void view(SessionId session, uint32_t frame) {
     ViewRequest view{session, FrameId{frame}, {}, now_};
-    view.camera.position.x = static_cast<float>(frame);
+    view.camera.position[0] = static_cast<float>(frame);
     loop_->handle(view, now_);
   }
 

@@ -327,7 +327,7 @@ TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
   loop_->handle(ViewRequest{kB, FrameId{1}, {}, now_, now_ + 1s}, now_);
   settle();
   EXPECT_EQ(fake_->waiting(), 1u);
-  EXPECT_EQ(metrics_.count_of(Fault::view_hopeless), 1u);
+  EXPECT_EQ(metrics_.count_of(Fault::deadline_unreachable), 1u);
   EXPECT_NE(metrics_.text().find("gnomon_tenant_frames_dropped_total{reason=\"deadline\",tenant=\"default\"} 1"),
             std::string::npos);
 }

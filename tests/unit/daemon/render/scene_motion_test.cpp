@@ -22,7 +22,7 @@ class LightsFake : public FakeRenderer {
     asked.push_back(std::move(lights));
     waiting.push_back(std::move(changed));
   }
-  void settle_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
+  void rebuild_lights(SceneId, std::function<void(Result<void>)> settled, std::function<void()>) override {
     ++settles;
     waiting.push_back(std::move(settled));
   }
@@ -43,7 +43,7 @@ class LightsFake : public FakeRenderer {
   std::vector<std::function<void(Result<void>)>> waiting;
 };
 
-class SceneMotionTest : public testing::Test {
+class SceneMotionTest : public testing::Test, private FrameSink {
  protected:
   void SetUp() override {
     device_ = std::move(*RenderDevice::open(
@@ -52,11 +52,15 @@ class SceneMotionTest : public testing::Test {
           fake_ = made.get();
           return std::unique_ptr<gpu::Renderer>(std::move(made));
         },
-        [] {}));
-    motion_ = std::make_unique<SceneMotion>(*device_, metrics_, [] {});
-    motion_->configure({10, 2s, start_, [this](const LightsUpdate& update) { announced_.push_back(update); }});
+        inbox_));
+    motion_ = std::make_unique<SceneMotion>(*device_, metrics_, static_cast<FrameSink&>(*this));
+    motion_->configure({10, 2s, start_});
     scene_->lights.resize(2);
   }
+
+  void on_rendered(RenderedFrame) override {}
+  void on_degraded(const SessionDegraded&) override {}
+  void on_lights(const LightsUpdate& lights) override { announced_.push_back(lights); }
 
   void add() { motion_->add(kScene, "hall", {kScene, scene_, 0, 0}); }
 
@@ -68,6 +72,7 @@ class SceneMotionTest : public testing::Test {
 
   const TimePoint start_ = TimePoint(1h);
   Metrics metrics_{{"default"}, {"hall"}, "test"};
+  RenderInbox inbox_;
   LightsFake* fake_ = nullptr;
   std::unique_ptr<RenderDevice> device_;
   std::shared_ptr<scenes::Scene> scene_ = std::make_shared<scenes::Scene>();

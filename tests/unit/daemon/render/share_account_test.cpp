@@ -38,10 +38,10 @@ TEST_F(ShareAccountTest, SharesAreOfTheLastWhileAndServiceOfAll) {
 }
 
 TEST_F(ShareAccountTest, OnlyWhoAlwaysHadWorkIsCompared) {
-  account_.asked(kOne);
-  account_.asked(kTwo);
+  account_.queued(kOne);
+  account_.queued(kTwo);
   account_.report(*policy_);
-  account_.look();
+  account_.sample_backlog();
   account_.finished(kOne, 2ms, 2ms, kNow);
   account_.finished(kTwo, 6ms, 6ms, kNow);
   account_.finished(kThree, 50ms, 50ms, kNow);  // had work now and then
@@ -51,14 +51,14 @@ TEST_F(ShareAccountTest, OnlyWhoAlwaysHadWorkIsCompared) {
   EXPECT_DOUBLE_EQ(report.tenants[1].expected_share, 0.75);
   EXPECT_DOUBLE_EQ(report.tenants[2].expected_share, 0);
 
-  account_.look();
+  account_.sample_backlog();
   account_.finished(kOne, 2ms, 2ms, kNow);
   report = account_.report(*policy_);
   EXPECT_DOUBLE_EQ(report.jain, 0.5) << "one of two got everything";
 }
 
 TEST_F(ShareAccountTest, NobodyIsUnfairlyTreatedAlone) {
-  account_.look();
+  account_.sample_backlog();
   EXPECT_DOUBLE_EQ(account_.report(*policy_).jain, 1);
   EXPECT_EQ(account_.open_at(kOne), TimePoint::min()) << "and nothing limits it";
 }

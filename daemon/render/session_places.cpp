@@ -1,0 +1,103 @@
+#include "daemon/render/session_places.h"
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+namespace {
+
+// Sessions that ask for no rate take what is left: like those of a fast screen.
+constexpr double kRateOfTheGreedy = 60;
+
+double load_of(const SessionGrant& grant) {
+  const double rate = grant.rate_hz > 0 ? grant.rate_hz : kRateOfTheGreedy;
+  return rate * grant.width * grant.height * std::max(grant.lights, 1u);
+}
+
+}  // namespace
+
+SessionPlaces::SessionPlaces(const Devices& devices)
+    : devices_(devices),
+      placement_(static_cast<uint32_t>(devices.size())),
+      drained_(devices.size()),
+      down_(devices.size()) {}
+
+void SessionPlaces::open(const SessionOpened& session) {
+  const TenantId tenant = session.grant.tenant;
+  if (!placement_.add(session.session, tenant, load_of(session.grant))) return;
+  sessions_.emplace(session.session, PlacedSession{session, session.grant.codec});
+  inbox_of(session.session).push(session);
+  tell_parts(tenant);
+}
+
+void SessionPlaces::close(SessionId session) {
+  inbox_of(session).push(SessionClosed{session});
+  placement_.remove(session);
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end()) return;
+  const TenantId tenant = found->second.opened.grant.tenant;
+  sessions_.erase(found);
+  tell_parts(tenant);
+}
+
+void SessionPlaces::choose_codec(const CodecChosen& chosen) {
+  if (const auto found = sessions_.find(chosen.session); found != sessions_.end())
+    found->second.codec = chosen.codec;
+  inbox_of(chosen.session).push(chosen);
+}
+
+RenderInbox& SessionPlaces::inbox_of(SessionId session) const {
+  return devices_[placement_.device_of(session).value_or(0)]->inbox();
+}
+
+std::vector<RenderInbox*> SessionPlaces::open_inboxes() const {
+  std::vector<RenderInbox*> open;
+  for (uint32_t i = 0; i < devices_.size(); ++i)
+    if (placement_.is_open(i)) open.push_back(&devices_[i]->inbox());
+  return open;
+}
+
+void SessionPlaces::set_drained(uint32_t device, bool drained) {
+  drained_[device] = drained;
+  settle(device);
+}
+
+void SessionPlaces::set_down(uint32_t device, bool down) {
+  down_[device] = down;
+  settle(device);
+}
+
+void SessionPlaces::set_gone(uint32_t device) {
+  down_[device] = true;
+  carry_out(placement_.close_for_ever(device));
+}
+
+void SessionPlaces::settle(uint32_t device) {
+  const bool open = !drained_[device] && !down_[device];
+  if (open != placement_.is_open(device)) carry_out(open ? placement_.open(device) : placement_.close(device));
+}
+
+void SessionPlaces::carry_out(const std::vector<Placement::Move>& moves) {
+  std::vector<TenantId> tenants;
+  for (const Placement::Move& move : moves) {
+    const auto& [opened, codec] = sessions_.at(move.session);
+    RenderInbox& to = devices_[move.to]->inbox();
+    to.push(opened);
+    if (codec != opened.grant.codec) to.push(CodecChosen{move.session, codec});
+    devices_[move.from]->inbox().push(SessionLeaves{move.session, &to});
+    tenants.push_back(opened.grant.tenant);
+  }
+  std::sort(tenants.begin(), tenants.end());
+  tenants.erase(std::unique(tenants.begin(), tenants.end()), tenants.end());
+  for (const TenantId tenant : tenants) tell_parts(tenant);
+  if (!moves.empty())
+    log::info("sessions moved", {{"from", moves.front().from}, {"to", moves.front().to}, {"count", moves.size()}});
+}
+
+// A tenant's limits hold for all devices together: each allows the part that its sessions ask of it.
+void SessionPlaces::tell_parts(TenantId tenant) {
+  if (devices_.size() == 1) return;
+  for (uint32_t i = 0; i < devices_.size(); ++i)
+    devices_[i]->inbox().push(TenantPart{tenant, placement_.part(i, tenant)});
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,52 @@
+// Which session lives on which device, and the moves when a device is lost, drained or back.
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "daemon/render/device_thread.h"
+#include "daemon/render/placement.h"
+
+namespace gnomon::daemon {
+
+// Tells the devices' inboxes; a session that moves is opened on the new device before it leaves the old one. Not for
+// several threads at a time: DevicePool guards it.
+class SessionPlaces {
+ public:
+  // `devices` outlive this; they are as many as they will be.
+  using Devices = std::vector<std::unique_ptr<DeviceThread>>;
+  explicit SessionPlaces(const Devices& devices);
+
+  void open(const SessionOpened& session);
+  void close(SessionId session);
+  void choose_codec(const CodecChosen& chosen);
+  // Of the session's device; of the first one if the session is not known.
+  RenderInbox& inbox_of(SessionId session) const;
+
+  // The device's sessions move to others, if there are any, or come back to it.
+  void set_drained(uint32_t device, bool drained);
+  void set_down(uint32_t device, bool down);
+  void set_gone(uint32_t device);  // for ever
+
+  bool drained(uint32_t device) const { return drained_[device]; }
+  uint32_t sessions(uint32_t device) const { return placement_.sessions(device); }
+  std::vector<RenderInbox*> open_inboxes() const;  // of the devices that take sessions
+
+ private:
+  struct PlacedSession {
+    SessionOpened opened;
+    protocol::CodecId codec;  // in force
+  };
+
+  void settle(uint32_t device);
+  void carry_out(const std::vector<Placement::Move>& moves);
+  void tell_parts(TenantId tenant);
+
+  const Devices& devices_;
+  Placement placement_;
+  std::unordered_map<SessionId, PlacedSession> sessions_;
+  std::vector<bool> drained_, down_;
+};
+
+}  // namespace gnomon::daemon

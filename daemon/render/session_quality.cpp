@@ -1,0 +1,132 @@
+#include "daemon/render/session_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "daemon/render/light_importance.h"
+
+namespace gnomon::daemon {
+namespace {
+
+// A camera that comes a little early is no offence.
+scheduler::RateLimit limit_to(double rate_hz) {
+  const std::chrono::duration<double> early(rate_hz > 0 ? 1.5 / rate_hz : 0);
+  return scheduler::RateLimit(rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
+}
+
+}  // namespace
+
+uint32_t shrunk(uint32_t side, double share) {
+  if (share >= 1) return side;
+  return std::max(kTileSize, static_cast<uint32_t>(side * share) / kTileSize * kTileSize);
+}
+
+SessionQuality::SessionQuality(const SessionOpened& opened, FrameSink& sink, Metrics& metrics)
+    : opened_(opened),
+      sink_(sink),
+      metrics_(metrics),
+      width_(opened.grant.width),
+      height_(opened.grant.height),
+      rate_(limit_to(opened.grant.rate_hz)) {}
+
+void SessionQuality::set_terms(const scheduler::DegradationTerms& terms) {
+  degradation_.set_terms(terms);
+  link_.set_terms(terms, opened_.grant.dense_codec != opened_.grant.codec);
+}
+
+void SessionQuality::frame_begun(TimePoint now) {
+  ++answered_;
+  rate_.spend(1, now);
+}
+
+bool SessionQuality::adapt(std::span<const scenes::Light> lights, const glm::vec3& eye, TimePoint now) {
+  if (memory_.recover(now)) metrics_.degraded(false);
+  const bool other_size = adopt_size();
+  const bool other_lights = choose_lights(lights, eye);
+  return other_size || other_lights;
+}
+
+bool SessionQuality::adopt_size() {
+  const TileGrid wanted = wanted_grid();
+  if (wanted == grid()) return false;
+  width_ = wanted.width;
+  height_ = wanted.height;
+  tell_client();
+  return true;
+}
+
+// The lights are chosen for each frame anew, and change seldom.
+bool SessionQuality::choose_lights(std::span<const scenes::Light> lights, const glm::vec3& eye) {
+  const size_t keep = wanted_lights();
+  if (keep >= opened_.grant.lights && untraced_.none()) return false;
+  const gpu::LightSet untraced = least_important(lights, eye, keep, untraced_);
+  if (untraced == untraced_) return false;
+  untraced_ = untraced;
+  tell_client();
+  return true;
+}
+
+bool SessionQuality::shrink(TimePoint now, const Error& why) {
+  do {
+    if (!memory_.refuse(now)) return false;
+  } while (wanted_grid() == grid());
+  metrics_.degraded(true);
+  log::warning("smaller frames for a session", {{"session", opened_.session.value},
+                                                {"tenant", metrics_.name(opened_.grant.tenant)},
+                                                {"width", wanted_grid().width},
+                                                {"height", wanted_grid().height},
+                                                {"why", why.message}});
+  return true;
+}
+
+// A session without a rate of its own sends a view when it is answered: it cannot be overrun.
+void SessionQuality::review(Nanoseconds since_last) {
+  const uint32_t arrived = std::exchange(arrived_, 0), answered = std::exchange(answered_, 0);
+  if (opened_.grant.rate_hz <= 0) return;
+  const auto allowed = static_cast<uint32_t>(rate_hz() * to_seconds(since_last));
+  const scheduler::OperatingPoint before = degradation_.point();
+  if (!degradation_.observe({std::min(arrived, allowed), answered})) return;
+  const scheduler::OperatingPoint after = degradation_.point();
+  metrics_.degraded(after.rate * after.size * after.lights < before.rate * before.size * before.lights);
+  rate_ = limit_to(rate_hz());
+  if (after.rate != before.rate) tell_client();
+}
+
+void SessionQuality::review_link(const LinkWindow& window) {
+  const double before = link_.size() - (link_.dense() ? 1 : 0);
+  if (!link_.observe(window)) return;
+  const double after = link_.size() - (link_.dense() ? 1 : 0);
+  metrics_.degraded(after < before);
+}
+
+TileGrid SessionQuality::wanted_grid() const {
+  const double size = std::min({degradation_.point().size, link_.size(), memory_.size()});
+  return {shrunk(opened_.grant.width, size), shrunk(opened_.grant.height, size), opened_.grant.lights};
+}
+
+// At least one light is traced.
+uint32_t SessionQuality::wanted_lights() const {
+  return std::max(1u, static_cast<uint32_t>(std::ceil(degradation_.point().lights * opened_.grant.lights)));
+}
+
+void SessionQuality::tell_client() const {
+  protocol::Degraded message;
+  message.width = static_cast<uint16_t>(width_);
+  message.height = static_cast<uint16_t>(height_);
+  message.rate_hz = static_cast<float>(rate_hz());
+  for (uint16_t light = 0; light < opened_.grant.lights; ++light) {
+    if (untraced_[light]) message.untraced_lights.push_back(light);
+  }
+  const bool full = degradation_.point() == scheduler::OperatingPoint{};
+  if (memory_.size() < 1) {
+    message.reason = "the device has no memory for more";
+  } else if (link_.size() < 1) {
+    message.reason = "the link cannot carry more";
+  } else {
+    message.reason = full ? "the device keeps up again" : "the device cannot keep up";
+  }
+  sink_.on_degraded({opened_.session, opened_.net_thread, message, opened_.generation});
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,75 @@
+// What one session is served at the moment, between what it was granted and the least that its tenant allows: its rate,
+// the size of its frames and the lights that are traced. Told the time.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+
+#include "daemon/frame/frame_sink.h"
+#include "daemon/metrics/metrics.h"
+#include "daemon/render/link_steps.h"
+#include "daemon/render/memory_steps.h"
+#include "daemon/render/render_inbox.h"
+#include "scheduler/degradation.h"
+#include "scheduler/rate_limit.h"
+
+namespace gnomon::daemon {
+
+// Three ladders lead down and up again: the device's (scheduler::Degradation), the link's and the memory's. The client
+// is told of each change of its rate, size and lights, through the sink. The render thread's.
+class SessionQuality {
+ public:
+  // At first all that was granted. References outlive this.
+  SessionQuality(const SessionOpened& opened, FrameSink& sink, Metrics& metrics);
+
+  // Other limits from the next step on.
+  void set_terms(const scheduler::DegradationTerms& terms);
+
+  // In force now.
+  TileGrid grid() const { return {width_, height_, opened_.grant.lights}; }
+  bool has_granted_size() const { return width_ == opened_.grant.width && height_ == opened_.grant.height; }
+  const gpu::LightSet& untraced() const { return untraced_; }
+  uint32_t traced_lights() const { return opened_.grant.lights - static_cast<uint32_t>(untraced_.count()); }
+  bool wants_dense_codec() const { return link_.dense(); }
+  TimePoint open_at() const { return rate_.open_at(); }  // from when the session may start a frame
+
+  // What happened since the last review.
+  void view_arrived() { ++arrived_; }
+  void frame_begun(TimePoint now);
+
+  // Before each frame: takes over the size and the lights that the ladders want, as frames change between two and never
+  // within one. `lights` are the scene's, `eye` is where the camera stands. True: a frame costs something else now.
+  bool adapt(std::span<const scenes::Light> lights, const glm::vec3& eye, TimePoint now);
+
+  // The device has no memory for a frame of this size. True: the next frame is smaller. False: it cannot be smaller.
+  bool shrink(TimePoint now, const Error& why);
+
+  // Once in a while: the session gets less if the device did not keep up with it, or more again.
+  void review(Nanoseconds since_last);
+  // The same for its link.
+  void review_link(const LinkWindow& window);
+
+ private:
+  double rate_hz() const { return opened_.grant.rate_hz * degradation_.point().rate; }
+  TileGrid wanted_grid() const;
+  uint32_t wanted_lights() const;
+  bool adopt_size();
+  bool choose_lights(std::span<const scenes::Light> lights, const glm::vec3& eye);
+  void tell_client() const;
+
+  const SessionOpened& opened_;
+  FrameSink& sink_;
+  Metrics& metrics_;
+  uint32_t width_, height_;
+  gpu::LightSet untraced_;
+  scheduler::RateLimit rate_;
+  scheduler::Degradation degradation_;
+  LinkSteps link_;
+  MemorySteps memory_;
+  uint32_t arrived_ = 0, answered_ = 0;  // views since the last review
+};
+
+// That share of a side; in whole tiles, unless it is all of the side.
+uint32_t shrunk(uint32_t side, double share);
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,40 @@
+#include "gpu/frame/plan_variants.h"
+
+namespace gnomon::gpu {
+
+Result<PlanVariants> PlanVariants::create(const DevicePtr& device, const std::vector<std::string>& passes,
+                                          const Tracer* tracer, uint32_t slots) {
+  PlanVariants variants;
+  variants.device_ = device;
+  variants.passes_ = passes;
+  variants.tracer_ = tracer;
+  variants.slots_ = slots;
+  auto rest = variants.make(false);
+  if (!rest) return rest.error();
+  variants.rest_ = std::move(*rest);
+  return variants;
+}
+
+Result<PlanVariant*> PlanVariants::variant_for(const PosedScene& posed) {
+  if (posed.at_rest()) return rest_.get();
+  if (!motion_) {
+    auto motion = make(true);
+    if (!motion) return motion.error();
+    motion_ = std::move(*motion);
+  }
+  return motion_.get();
+}
+
+Result<std::unique_ptr<PlanVariant>> PlanVariants::make(bool motion) const {
+  auto plan = FramePlan::compile(device_, passes_, tracer_, motion);
+  if (!plan) return plan.error();
+  auto variant = std::make_unique<PlanVariant>(PlanVariant{std::move(*plan), {}});
+  for (uint32_t i = 0; i < slots_; ++i) {
+    auto slot = FrameSlot::create(device_, variant->plan, i);
+    if (!slot) return slot.error();
+    variant->slots.push_back(std::move(*slot));
+  }
+  return variant;
+}
+
+}  // namespace gnomon::gpu

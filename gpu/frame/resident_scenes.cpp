@@ -1,0 +1,115 @@
+#include "gpu/frame/resident_scenes.h"
+
+#include <utility>
+
+#include "common/freed_memory.h"
+
+namespace gnomon::gpu {
+
+Error not_resident(SceneId id) { return Error{"scene " + std::to_string(id.value) + " is not resident"}; }
+
+const ResidentScene* ResidentScenes::find(SceneId id) const {
+  const auto found = scenes_.find(id);
+  return found == scenes_.end() ? nullptr : found->second.get();
+}
+
+Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& scene) {
+  if (scenes_.contains(id)) return {};
+  auto resident =
+      ResidentScene::create(pool_->device(), scene, &pool_->tracer(), pool_->variants().slots(), built_);
+  if (!resident) return resident.error();
+  scenes_[id] = std::move(*resident);
+  give_back_freed_memory();
+  return {};
+}
+
+void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
+                           std::function<void()> wake) {
+  light_builds_.hold();  // until the scene can be looked at, if only by way of a hierarchy
+  background_.run(
+      [this, id, scene, pool = pool_, built = built_, variant_is_there = pool_->variants().has_motion(), resident] {
+        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, variant_is_there));
+        return [this, id, made, resident] {
+          resident(settle_in(id, *made));
+          light_builds_.release();
+        };
+      },
+      std::move(wake));
+}
+
+void ResidentScenes::evict(SceneId id) {
+  scenes_.erase(id);
+  light_builds_.stop(id);
+}
+
+void ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights,
+                                std::function<void(Result<void>)> changed, std::function<void()> wake) {
+  const auto found = scenes_.find(id);
+  if (found == scenes_.end()) return changed(not_resident(id));
+  if (!found->second->needs_static_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
+  background_.run(
+      [this, id, scene = found->second->scene_ptr(), device = pool_->device(), lights = std::move(lights),
+       changed] {
+        const auto bvh = build_static_bvh(device, *scene);
+        return [this, id, scene, bvh, lights, changed] {
+          ResidentScene* resident = same_scene(id, scene);
+          if (!resident) return changed(not_resident(id));
+          if (!bvh) return changed(bvh.error());
+          resident->give_static_bvh(*bvh);
+          changed(resident->set_lights(lights));
+        };
+      },
+      std::move(wake));
+}
+
+void ResidentScenes::rebuild_lights(SceneId id, std::function<void(Result<void>)> settled,
+                                    std::function<void()> wake) {
+  const auto found = scenes_.find(id);
+  if (found == scenes_.end()) return settled(not_resident(id));
+  if (!pool_->tracer().builds_for_lights()) return settled({});
+  light_builds_.start(
+      id, found->second->light_count(),
+      [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = found->second->lights(),
+       settled](const BuildWatch& watch) {
+        const auto built = build_for_lights(pool->tracer(), *scene, lights, watch);
+        return [this, id, scene, built, settled] {
+          ResidentScene* resident = same_scene(id, scene);
+          if (!resident) return settled(not_resident(id));
+          if (!built) return settled(built.error());
+          resident->give_traced(*built);
+          settled({});
+        };
+      },
+      std::move(wake));
+}
+
+void ResidentScenes::finish_background() {
+  background_.finish();
+  light_builds_.finish();
+}
+
+// Any thread may call this.
+ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
+                                               bool variant_is_there) {
+  Arrived made{ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built),
+               nullptr};
+  if (!made.scene || variant_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
+  if (auto variant = pool.variants().make_motion())
+    made.motion = std::move(*variant);  // else the first frame says why
+  return made;
+}
+
+Result<void> ResidentScenes::settle_in(SceneId id, Arrived& made) {
+  if (!made.scene) return made.scene.error();
+  if (made.motion) pool_->variants().give_motion(std::move(made.motion));
+  scenes_[id] = std::move(*made.scene);
+  return {};
+}
+
+// Null: the scene was evicted meanwhile, or is another one by now.
+ResidentScene* ResidentScenes::same_scene(SceneId id, const scenes::ScenePtr& scene) const {
+  const auto found = scenes_.find(id);
+  return found != scenes_.end() && found->second->scene_ptr() == scene ? found->second.get() : nullptr;
+}
+
+}  // namespace gnomon::gpu

@@ -1,0 +1,56 @@
+// The scenes on a device: made resident, given other lights and taken away; what takes long is done beside the frames.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "gpu/frame/slot_pool.h"
+#include "gpu/scene/background.h"
+#include "gpu/scene/light_builds.h"
+
+namespace gnomon::gpu {
+
+// The render loop's. The contracts are those of Renderer.
+class ResidentScenes {
+ public:
+  // `built`: what a scene waits for before it is resident.
+  ResidentScenes(std::shared_ptr<SlotPool> pool, Built built) : pool_(std::move(pool)), built_(built) {}
+
+  // Null: the scene is not resident.
+  const ResidentScene* find(SceneId id) const;
+
+  Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene);
+  void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
+             std::function<void()> wake);
+  // Precondition: all recorded frames of the scene were started.
+  void evict(SceneId id);
+
+  void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
+                  std::function<void()> wake);
+  void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake);
+  BuildProgress build_progress(SceneId id) const { return light_builds_.progress(id); }
+  void finish_background();
+
+ private:
+  // A scene made beside the frames, and the variant for motion if the scene is the first that needs it.
+  struct Arrived {
+    Result<std::unique_ptr<ResidentScene>> scene;
+    std::unique_ptr<PlanVariant> motion;
+  };
+
+  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built, bool variant_is_there);
+  Result<void> settle_in(SceneId id, Arrived& made);
+  ResidentScene* same_scene(SceneId id, const scenes::ScenePtr& scene) const;
+
+  const std::shared_ptr<SlotPool> pool_;
+  const Built built_;
+  std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;
+  Background background_;  // these end first
+  LightBuilds light_builds_;
+};
+
+Error not_resident(SceneId id);
+
+}  // namespace gnomon::gpu

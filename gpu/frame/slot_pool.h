@@ -1,0 +1,66 @@
+// The frame slots of a renderer, and what frames on the device refer to. Leases share the pool, and keep it alive after
+// the renderer.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "gpu/frame/plan_variants.h"
+#include "gpu/tracers/tracer.h"
+
+namespace gnomon::gpu {
+
+class SlotPool {
+ public:
+  SlotPool(DevicePtr device, std::unique_ptr<Tracer> tracer, PlanVariants variants)
+      : device_(std::move(device)), tracer_(std::move(tracer)), variants_(std::move(variants)) {
+    for (size_t i = 0; i < variants_.slots(); ++i) free_.push_back(i);
+  }
+
+  const DevicePtr& device() const { return device_; }
+  const Tracer& tracer() const { return *tracer_; }
+  // The render loop's; a slot that was taken belongs to its taker.
+  PlanVariants& variants() { return variants_; }
+  const PlanVariants& variants() const { return variants_; }
+
+  // `freed` is called at the end of each lease, on the thread that dropped it. Precondition: no lease was made yet.
+  void on_freed(std::function<void()> freed) { freed_ = std::move(freed); }
+
+  // Any thread.
+  uint32_t free_count() const {
+    std::lock_guard lock(mutex_);
+    return static_cast<uint32_t>(free_.size());
+  }
+  // Precondition: a slot is free.
+  size_t take() {
+    std::lock_guard lock(mutex_);
+    const size_t slot = free_.back();
+    free_.pop_back();
+    return slot;
+  }
+  // Precondition: the slot was taken, and the device has passed its frame.
+  void give_back(size_t slot) {
+    std::lock_guard lock(mutex_);
+    free_.push_back(slot);
+  }
+  // A lease that gives the slot back. The same precondition.
+  static FrameLease lease(std::shared_ptr<SlotPool> pool, size_t slot, const PackedMaskView& mask) {
+    return FrameLease(mask, [pool = std::move(pool), slot] {
+      pool->give_back(slot);
+      if (pool->freed_) pool->freed_();
+    });
+  }
+
+ private:
+  DevicePtr device_;
+  std::unique_ptr<Tracer> tracer_;
+  PlanVariants variants_;
+  std::function<void()> freed_;
+  mutable std::mutex mutex_;
+  std::vector<size_t> free_;  // guarded by mutex_
+};
+
+}  // namespace gnomon::gpu
