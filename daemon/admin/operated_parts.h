@@ -6,8 +6,8 @@
 
 #include "common/published.h"
 #include "common/result.h"
-#include "daemon/config/tenant_directory.h"
 #include "daemon/config/sharing_policy.h"
+#include "daemon/config/tenant_directory.h"
 #include "daemon/metrics/health.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/net/server.h"

@@ -1,5 +1,5 @@
 // What a session was granted: the one value that goes from the handshake to the session's record, the net thread that
-// serves it and the device that renders for it. It does not change during the session's generation; what is in force at a
+// serves it and the device that renders for it. It does not change during the session's life; what is in force at a
 // moment (a smaller size, another codec) is the owner's own field.
 #pragma once
 

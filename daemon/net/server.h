@@ -22,7 +22,10 @@ class Server {
   void run();
 
   // Any thread.
-  void deliver(EncodedFrame frame) { threads_[frame.meta.route.net_thread]->deliver(std::move(frame)); }
+  void deliver(EncodedFrame frame) {
+    NetThread& thread = *threads_[frame.meta.route.net_thread];
+    thread.deliver(std::move(frame));
+  }
   void notify(const SessionDegraded& session);
   bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
   void announce_drain(std::chrono::milliseconds deadline);

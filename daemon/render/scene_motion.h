@@ -31,7 +31,7 @@ class SceneMotion {
   // References outlive this. `sink` hears of other lights as soon as frames are of them.
   SceneMotion(RenderDevice& device, Metrics& metrics, FrameSink& sink)
       : device_(device), metrics_(metrics), sink_(sink) {}
-  void configure(Settings settings) { settings_ = std::move(settings); }
+  void configure(const Settings& settings) { settings_ = settings; }
 
   // The scene was made resident. If the tracer has not built for its lights yet, it does so from now on. Idempotent.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);

@@ -99,13 +99,13 @@ std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
   return answered->get_future();
 }
 
-void SceneHost::keep_lights(const LightsUpdate& news) {
+void SceneHost::keep_lights(const LightsUpdate& update) {
   std::lock_guard lock(mutex_);
-  const auto found = resident_.find(news.scene);
+  const auto found = resident_.find(update.scene);
   // Of several devices the slower ones announce older versions.
   if (found == resident_.end()) return;
   LightsUpdate& known = found->second.scene.lights;
-  if (news.version >= known.version) known = news;
+  if (update.version >= known.version) known = update;
 }
 
 LightsUpdate SceneHost::lights_of(const std::string& name) const {

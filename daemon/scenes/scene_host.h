@@ -53,7 +53,7 @@ class SceneHost {
   std::map<std::string, HostedScene> resident() const;
 
   // Any thread. The lights of a resident scene from now on, for those who are still to come.
-  void keep_lights(const LightsUpdate& news);
+  void keep_lights(const LightsUpdate& update);
   LightsUpdate lights_of(const std::string& name) const;
 
  private:
