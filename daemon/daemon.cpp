@@ -20,6 +20,21 @@ std::vector<std::string> names_of(const std::vector<T>& items) {
   return names;
 }
 
+SceneHost::Fetches fetch_scenes(const std::vector<SceneFile>& scenes, SceneHost& host) {
+  SceneHost::Fetches fetches;
+  for (const SceneFile& scene : scenes) fetches.push_back(host.fetch_later(scene.name));
+  return fetches;
+}
+
+Result<void> wait_for_scenes(const std::vector<SceneFile>& scenes, SceneHost::Fetches& fetches) {
+  for (size_t i = 0; i < fetches.size(); ++i) {
+    if (auto fetched = fetches[i].get(); !fetched) {
+      return Error{scenes[i].place + ": scene " + scenes[i].name + ": " + fetched.error().message};
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Daemon::Daemon(Options options, SceneCatalog catalog)
@@ -66,9 +81,10 @@ Result<void> Daemon::bring_up() {
   server_ = std::move(*server);
   if (auto opened = open_admin(); !opened) return opened;
   if (auto opened = open_devices(); !opened) return opened;
-  SceneHost::Fetches fetches = fetch_scenes();  // before any that a client asks for
+  const std::vector<SceneFile>& list = options_.config.scenes.list;
+  SceneHost::Fetches fetches = fetch_scenes(list, *scenes_);  // before any that a client asks for
   server_->run();
-  if (auto loaded = wait_for_scenes(fetches); !loaded) return loaded;
+  if (auto loaded = wait_for_scenes(list, fetches); !loaded) return loaded;
   health_.scenes_loaded = true;
   return {};
 }
@@ -135,22 +151,6 @@ void Daemon::open_encoders() {
             {{"threads", threads}, {"cores", usable.size()}, {"cores_near_device_0", near.front().size()}});
   encode_pool_ = std::make_unique<EncodePool>(threads, std::move(near), metrics_,
                                               [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
-}
-
-SceneHost::Fetches Daemon::fetch_scenes() {
-  SceneHost::Fetches fetches;
-  for (const SceneFile& scene : options_.config.scenes.list) fetches.push_back(scenes_->fetch_later(scene.name));
-  return fetches;
-}
-
-Result<void> Daemon::wait_for_scenes(SceneHost::Fetches& fetches) const {
-  for (size_t i = 0; i < fetches.size(); ++i) {
-    const SceneFile& scene = options_.config.scenes.list[i];
-    if (auto fetched = fetches[i].get(); !fetched) {
-      return Error{scene.place + ": scene " + scene.name + ": " + fetched.error().message};
-    }
-  }
-  return {};
 }
 
 std::string Daemon::summary() const {

@@ -70,8 +70,6 @@ class Daemon final : private FrameSink {
   void on_degraded(const SessionDegraded& session) override;
   void on_lights(const LightsUpdate& lights) override;
   void open_encoders();
-  SceneHost::Fetches fetch_scenes();
-  Result<void> wait_for_scenes(SceneHost::Fetches& fetches) const;
   Result<void> open_store();
   Result<void> open_admin();
   void stop();

@@ -222,17 +222,34 @@ Result<Views> make_views(const Arguments& a, const scenes::ScenePtr& scene, cons
   return Views{std::move(*own), std::move(*debug), std::move(*video)};
 }
 
+void print_files(const Arguments& a, const std::optional<Gallery>& gallery) {
+  if (gallery) {
+    for (const auto& file : gallery->files()) std::printf("picture     %s\n", file.c_str());
+  }
+  if (!a.record.empty()) std::printf("video       %s\n", a.record.c_str());
+}
+
+Result<std::optional<Gallery>> open_gallery(const Arguments& a) {
+  if (a.out.empty()) return std::optional<Gallery>();
+  auto opened = Gallery::open(a.out, a.frames, a.pictures);
+  if (!opened) return opened.error();
+  return std::optional<Gallery>(std::move(*opened));
+}
+
+Result<void> check_answers(const FlightFigures& figures) {
+  if (figures.frames() == 0) return Error{"no camera was answered"};
+  if (figures.counters.wrong_frames > 0) return Error{"slices came that answer no camera or do not decode"};
+  return {};
+}
+
 Result<void> run(const Arguments& a) {
   const auto options = flight_options(a);
   if (!options) return options.error();
   auto scene = load_own_scene(a.scene, a.scene_folder);
   if (!scene) return scene.error();
-  std::optional<Gallery> gallery;
-  if (!a.out.empty()) {
-    auto opened = Gallery::open(a.out, a.frames, a.pictures);
-    if (!opened) return opened.error();
-    gallery = std::move(*opened);
-  }
+  auto opened_gallery = open_gallery(a);
+  if (!opened_gallery) return opened_gallery.error();
+  std::optional<Gallery>& gallery = *opened_gallery;
   auto views = make_views(a, *scene, options->size);
   if (!views) return views.error();
 
@@ -277,18 +294,13 @@ Result<void> run(const Arguments& a) {
 
   const FlightFigures figures = flight.figures();
   print_figures(figures);
-  if (gallery) {
-    for (const auto& file : gallery->files()) std::printf("picture     %s\n", file.c_str());
-  }
-  if (!a.record.empty()) std::printf("video       %s\n", a.record.c_str());
+  print_files(a, gallery);
   if (!a.json.empty()) {
     const auto written =
         write_report(a.json, report_of(a, figures, views->own.covered_words(), flight.welcome().tracer));
     if (!written) return written;
   }
-  if (figures.frames() == 0) return Error{"no camera was answered"};
-  if (figures.counters.wrong_frames > 0) return Error{"slices came that answer no camera or do not decode"};
-  return {};
+  return check_answers(figures);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "daemon/metrics/link_metrics.h"
 
+#include "daemon/metrics/prometheus_families.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -7,12 +9,12 @@ using prometheus::Counter;
 using prometheus::Histogram;
 
 Counter& counter(prometheus::Registry& registry, const char* name, const char* help) {
-  return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+  return counter_family(registry, name, help).Add({});
 }
 
 Histogram& histogram(prometheus::Registry& registry, const char* name, const char* help,
                      const Histogram::BucketBoundaries& buckets) {
-  return prometheus::BuildHistogram().Name(name).Help(help).Register(registry).Add({}, buckets);
+  return histogram_family(registry, name, help).Add({}, buckets);
 }
 
 const Histogram::BucketBoundaries kRates{125e3, 500e3, 2e6, 8e6};

@@ -203,6 +203,12 @@ class TileWalk {
     return any == 0 ? 0 : all == 0xfff ? 0xff : 1;
   }
 
+  // The windows of the reference's five rows around the pixel row `y` of a tile.
+  void look_up_reference(int x, int y, uint32_t (&reference)[5]) const {
+    const Place at = in_reference(x);
+    for (int i = 0; i < 5; ++i) reference[i] = light_.reference->window(at.x - 8, at.y + y + i - 2);
+  }
+
   // One pixel row of a mixed tile.
   void code_pixels(int x, int y) {
     const int line = row_ * 8 + y;
@@ -211,10 +217,7 @@ class TileWalk {
     const uint32_t above1 = window(rows, x, line - 1), above2 = window(rows, x, line - 2),
                    above3 = window(rows, x, line - 3), above4 = window(rows, x, line - 4);
     uint32_t reference[5] = {};
-    if constexpr (kReferenced) {
-      const Place at = in_reference(x);
-      for (int i = 0; i < 5; ++i) reference[i] = light_.reference->window(at.x - 8, at.y + y + i - 2);
-    }
+    if constexpr (kReferenced) look_up_reference(x, y, reference);
     uint32_t left = rows.at(x, line)[-1];
     uint8_t source = 0;
     if constexpr (!Coder::kDecodes) source = static_cast<uint8_t>(word(x) >> 8 * y);

@@ -1,0 +1,224 @@
+// The series behind Metrics: every family with its name and help, and those that are made at the start. For metrics.cpp
+// alone.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <map>
+
+#include "daemon/metrics/link_metrics.h"
+#include "daemon/metrics/metrics.h"
+#include "daemon/metrics/process_figures.h"
+#include "daemon/metrics/prometheus_families.h"
+
+namespace gnomon::daemon {
+
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+using prometheus::Registry;
+
+// Few, since each tenant has them: frames of a fast GPU, of one that is shared, of one that is overrun.
+inline const Histogram::BucketBoundaries kFrameBuckets{0.01, 0.03, 0.1, 0.3};
+inline const Histogram::BucketBoundaries kStageBuckets{0.002, 0.01, 0.05};
+
+struct Stages {
+  Histogram *queue, *gpu, *readback, *encode, *send;
+
+  explicit Stages(Family<Histogram>& family) {
+    const auto stage = [&](const char* name) { return &family.Add({{"stage", name}}, kStageBuckets); };
+    queue = stage("queue");
+    gpu = stage("gpu");
+    readback = stage("readback");
+    encode = stage("encode");
+    send = stage("send");
+  }
+
+  void observe(const FrameMeta& meta, TimePoint sent) {
+    queue->Observe(to_seconds(meta.times.submitted - meta.times.arrival));
+    gpu->Observe(to_seconds(meta.times.gpu - meta.times.readback));
+    readback->Observe(to_seconds(meta.times.readback));
+    encode->Observe(to_seconds(meta.times.encoded - meta.times.encode_began));
+    send->Observe(to_seconds(sent - meta.times.encoded));
+  }
+};
+
+struct DeviceSeries {
+  Counter& busy;
+  Gauge& up;
+  Counter& losses;
+  Gauge* sessions;
+};
+
+struct TenantSeries {
+  Histogram& frame;
+  Counter& buffers;
+  Counter& bits;
+  Counter& coalesced;
+  Counter& bytes_sent;
+  Counter& queue_seconds;
+  Counter& gpu_seconds;
+  Counter& late;
+  Gauge& share;
+  Gauge& expected_share;
+  Gauge& lag;
+  Gauge& sessions;
+};
+
+struct Metrics::Families {
+  Registry registry;
+  Family<Counter>& buffers = counter_family(registry, "gnomon_visibility_buffers_total",
+                                            "Visibility buffers sent; vbps is the rate of this.");
+  Family<Counter>& bits = counter_family(registry, "gnomon_visibility_values_total",
+                                         "Visibility values sent: pixels times lights, a bit each.");
+  Family<Counter>& coalesced = counter_family(registry, "gnomon_frames_coalesced_total",
+                                              "Views replaced by a newer one before they were rendered.");
+  Family<Counter>& bytes =
+      counter_family(registry, "gnomon_bytes_sent_total", "Bytes of datagrams sent to clients.");
+  Family<Counter>& codec_bytes =
+      counter_family(registry, "gnomon_codec_bytes_sent_total", "Bytes of frames sent to clients, by codec.");
+  Family<Counter>& dropped =
+      counter_family(registry, "gnomon_frames_dropped_total", "Views and frames dropped, by reason.");
+  Counter& datagrams =
+      counter_family(registry, "gnomon_datagrams_received_total", "Datagrams received, good or not.").Add({});
+  Family<Counter>& rejected = counter_family(registry, "gnomon_datagrams_rejected_total",
+                                             "Datagrams that were not a view of a session, by reason.");
+  Family<Counter>& refusals =
+      counter_family(registry, "gnomon_refusals_total", "Connections that got no session, by reason.");
+  Family<Counter>& admin_closed = counter_family(registry, "gnomon_admin_connections_closed_total",
+                                                 "Admin connections closed before they had asked, by reason.");
+  Family<Counter>& queue_seconds = counter_family(
+      registry, "gnomon_tenant_queue_seconds_total",
+      "Time that the tenant's frames waited from their camera's arrival to their start; divide by buffers.");
+  Family<Counter>& gpu_seconds =
+      counter_family(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
+  Family<Counter>& late = counter_family(registry, "gnomon_frames_late_total",
+                                         "Frames sent after the time until which they were of use.");
+  // Its series are made when there is something to count: most tenants never lose a frame.
+  Family<Counter>& tenant_dropped = counter_family(registry, "gnomon_tenant_frames_dropped_total",
+                                                   "Views and frames of the tenant that were dropped, by reason.");
+  Family<Counter>& scene_buffers =
+      counter_family(registry, "gnomon_scene_visibility_buffers_total", "Visibility buffers sent, by scene.");
+  Family<Counter>& degradations = counter_family(
+      registry, "gnomon_degradations_total", "Steps down and up of sessions that the device did not keep up with.");
+  Counter& degraded = degradations.Add({{"direction", "down"}});
+  Counter& restored = degradations.Add({{"direction", "up"}});
+  Family<Gauge>& share = gauge_family(registry, "gnomon_tenant_share_ratio",
+                                      "The tenant's part of the device time of the last second.");
+  Family<Gauge>& expected_share = gauge_family(registry, "gnomon_tenant_expected_share_ratio",
+                                               "Its part by weight, if it had work all through the last second.");
+  Family<Gauge>& lag =
+      gauge_family(registry, "gnomon_tenant_lag_seconds",
+                   "Device time that the policy owes the tenant; negative: it had some in advance.");
+  Gauge& cost_error = gauge_family(registry, "gnomon_cost_error_ratio",
+                                   "Mean error of predicted costs, relative to real ones, in the last second.")
+                          .Add({});
+  Gauge& jain =
+      gauge_family(registry, "gnomon_fairness_jain_index",
+                   "Jain's index of device time by weight, of the tenants that always had work: 1 is fair.")
+          .Add({});
+  Gauge& worst_lag =
+      gauge_family(registry, "gnomon_fairness_worst_lag_seconds", "The largest lag of any tenant, either way.")
+          .Add({});
+  Family<Gauge>& sessions = gauge_family(registry, "gnomon_sessions", "Open sessions.");
+  Family<Gauge>& resident =
+      gauge_family(registry, "gnomon_scene_resident", "1: the scene is on the device, 0: it is not.");
+  Family<Gauge>& load_seconds = gauge_family(registry, "gnomon_scene_load_seconds",
+                                             "Time that reading the scene took, when it was last loaded.");
+  Family<Gauge>& scene_bytes =
+      gauge_family(registry, "gnomon_scene_memory_bytes", "Host memory that the scene occupies.");
+  Family<Gauge>& build_seconds =
+      gauge_family(registry, "gnomon_scene_build_seconds", "Time that building what the tracer needs took.");
+  Family<Gauge>& device_bytes =
+      gauge_family(registry, "gnomon_scene_device_memory_bytes", "Device memory that the scene occupies.");
+  Family<Gauge>& tracer_bytes = gauge_family(registry, "gnomon_scene_tracer_memory_bytes",
+                                             "Device memory of what the tracer built, as light buffers.");
+  Family<Gauge>& from_cache = gauge_family(registry, "gnomon_scene_light_buffer_cached",
+                                           "1: the light buffers were read from the cache, 0: built.");
+  Family<Gauge>& built = gauge_family(registry, "gnomon_scene_light_buffers_built_ratio",
+                                      "Share of the light buffers' build that is done; until 1, frames cost more.");
+  Family<Gauge>& lights = gauge_family(
+      registry, "gnomon_scene_lights",
+      "Lights, by state: resting where the tracer built for them, moving, or waiting for the first build.");
+  Family<Counter>& rebuilds = counter_family(registry, "gnomon_scene_light_rebuilds_total",
+                                             "Times that light buffers were built anew for changed lights.");
+  Family<Gauge>& build = gauge_family(registry, "gnomon_build_info", "Always 1; the version is the label.");
+  Family<Histogram>& stages =
+      histogram_family(registry, "gnomon_stage_seconds", "Time that frames of all tenants spent in a stage.");
+  Stages stage{stages};
+  Family<Histogram>& frames =
+      histogram_family(registry, "gnomon_frame_seconds", "Time from a camera's arrival until its frame was sent.");
+  Family<Counter>& device_busy =
+      counter_family(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.");
+  Family<Gauge>& device_up =
+      gauge_family(registry, "gnomon_device_up", "1: the device takes work, 0: it is being made anew.");
+  Family<Counter>& device_losses =
+      counter_family(registry, "gnomon_device_losses_total", "Times that the device was lost.");
+  Family<Gauge>& device_sessions = gauge_family(registry, "gnomon_device_sessions",
+                                                "Open sessions that live on the device, where there are several.");
+  Gauge& ready = gauge_family(registry, "gnomon_ready", "1: new clients are served.").Add({});
+  Gauge& resident_memory =
+      gauge_family(registry, "gnomon_process_resident_memory_bytes", "Memory of the process, as the system has it.")
+          .Add({});
+  Gauge& open_files = gauge_family(registry, "gnomon_process_open_fds", "Open file descriptors.").Add({});
+  Gauge& threads = gauge_family(registry, "gnomon_process_threads", "Threads of the process.").Add({});
+
+  Family<Counter>& all_reloads =
+      counter_family(registry, "gnomon_config_reloads_total", "Configurations read while running, taken or not.");
+  Counter& reloads = all_reloads.Add({{"result", "done"}});
+  Counter& failed_reloads = all_reloads.Add({{"result", "failed"}});
+  Family<Counter>& limit_refusals = counter_family(registry, "gnomon_tenant_refusals_total",
+                                                   "Sessions refused a tenant, by the limit that they met.");
+
+  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; null: not used yet
+  // Reserved once: growing moves nothing, so that others may look at the series that were there before.
+  LinkMetrics links{registry};
+  std::vector<DeviceSeries> devices;
+  std::vector<std::string> names;  // of the tenants
+  std::vector<std::unique_ptr<TenantSeries>> tenants;
+  std::map<std::string, Counter*> scenes;  // by label
+  std::vector<Counter*> faults;            // by Fault; null: made when there is something to count
+
+  Family<Counter>& family_of(FaultKind kind) {
+    switch (kind) {
+      case FaultKind::datagram_rejected: return rejected;
+      case FaultKind::frame_dropped: return dropped;
+      case FaultKind::refusal: return refusals;
+      case FaultKind::admin_closed: return admin_closed;
+    }
+    return dropped;
+  }
+
+  // Made when a codec is used first, and kept: a frame never waits for a scrape that walks the family.
+  Counter& bytes_of(protocol::CodecId codec) {
+    std::atomic<Counter*>& kept = codecs[static_cast<size_t>(codec)];
+    if (!kept) kept = &codec_bytes.Add({{"codec", std::string(protocol::to_string(codec))}});
+    return *kept;
+  }
+
+  // One device needs no label.
+  void add_devices(size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      const prometheus::Labels label =
+          count == 1 ? prometheus::Labels{} : prometheus::Labels{{"device", std::to_string(i)}};
+      devices.push_back({device_busy.Add(label), device_up.Add(label), device_losses.Add(label),
+                         count == 1 ? nullptr : &device_sessions.Add(label)});
+    }
+  }
+
+  Counter& counter_of(const FaultRow& row) { return family_of(row.kind).Add({{"reason", row.label}}); }
+
+  void add_tenant(const std::string& name) {
+    auto series = std::make_unique<TenantSeries>(TenantSeries{
+        frames.Add({{"tenant", name}}, kFrameBuckets), buffers.Add({{"tenant", name}}),
+        bits.Add({{"tenant", name}}), coalesced.Add({{"tenant", name}}), bytes.Add({{"tenant", name}}),
+        queue_seconds.Add({{"tenant", name}}), gpu_seconds.Add({{"tenant", name}}), late.Add({{"tenant", name}}),
+        share.Add({{"tenant", name}}), expected_share.Add({{"tenant", name}}), lag.Add({{"tenant", name}}),
+        sessions.Add({{"tenant", name}})});
+    tenants.push_back(std::move(series));
+    names.push_back(name);
+  }
+};
+
+}  // namespace gnomon::daemon

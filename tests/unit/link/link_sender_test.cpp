@@ -1,0 +1,218 @@
+// What a session's link sends when, and what it sends again.
+#include <gtest/gtest.h>
+
+#include "daemon/link/link_sender.h"
+#include "tests/unit/link/made_frame.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr TimePoint kStart{10s};
+
+protocol::Feedback all_arrived(uint64_t first, uint64_t last, uint64_t time_us) {
+  protocol::Feedback said;
+  said.first = first;
+  said.count = static_cast<uint16_t>(last - first + 1);
+  said.time_us = time_us;
+  for (uint64_t i = 0; i < said.count; ++i) said.ages[static_cast<size_t>(i)] = 1;
+  return said;
+}
+
+struct Probed {
+  uint64_t sent = 0;
+  TimePoint now;
+};
+
+// Frames of one small slice, and the probes between them, all of which arrive up to that size.
+Probed probe_up_to(LinkSender& link, size_t bytes) {
+  Probed path{0, kStart};
+  for (uint32_t frame = 1000; link.datagram_bytes() < bytes && frame < 1100; ++frame) {
+    link.add(frame_of(frame, 1), TimePoint::max(), path.now);
+    for (const TimePoint until = path.now + 20ms; path.now < until; path.now += 1ms) {
+      while (const auto out = link.next(path.now)) {
+        link.sent(++path.sent, out->body.size() + protocol::kHeaderBytes + protocol::kTagBytes, path.now);
+        const auto now_us = static_cast<uint64_t>(to_microseconds(path.now.time_since_epoch()));
+        link.hear(all_arrived(path.sent, path.sent, now_us), path.now + 1ms);
+      }
+    }
+  }
+  return path;
+}
+
+TEST(LinkSender, WithoutFeedbackEverythingGoesAtOnce) {
+  LinkSender link(0);
+  link.add(frame_of(1, 50), TimePoint::max(), kStart);
+  uint64_t sent = 0;
+  while (link.next(kStart)) link.sent(++sent, 200, kStart);
+  EXPECT_EQ(sent, 50u);
+  EXPECT_EQ(link.wake_at(kStart), TimePoint::max());
+  EXPECT_TRUE(link.takes_view(kStart));
+}
+
+TEST(LinkSender, ADatagramThatItDidNotOfferIsOnlyCounted) {
+  LinkSender link(0);
+  link.add(frame_of(1, 3), TimePoint::max(), kStart);
+  ASSERT_TRUE(link.next(kStart));
+  link.sent(1, 168, kStart);
+  link.sent(2, 168, kStart);
+  EXPECT_EQ(link.counters().sent, 2u);
+  for (uint64_t slice = 1; slice < 3; ++slice) {
+    const auto out = link.next(kStart);
+    ASSERT_TRUE(out);
+    EXPECT_EQ(protocol::decode_frame_slice(out->body)->header.slice, slice);
+    link.sent(2 + slice, 168, kStart);
+  }
+}
+
+TEST(LinkSender, OfWhatAClientCountedBeforeItWasResumedNothingCounts) {
+  for (const bool resumed : {false, true}) {
+    LinkSender link(protocol::kFeatureFeedback, resumed);
+    protocol::Feedback said;
+    said.recovered = 7;
+    said.incomplete = 9;
+    link.hear(said, kStart);
+    EXPECT_EQ(link.counters().recovered, resumed ? 0u : 7u);
+    EXPECT_EQ(link.counters().incomplete, resumed ? 0u : 9u);
+    said.recovered = 8;
+    said.incomplete = 11;
+    link.hear(said, kStart + 10ms);
+    EXPECT_EQ(link.counters().recovered, resumed ? 1u : 8u);
+    EXPECT_EQ(link.counters().incomplete, resumed ? 2u : 11u);
+  }
+}
+
+TEST(LinkCounters, ADifferenceIsOneOfEachCount) {
+  const LinkCounters before{1, 2, 3, 4, 5, 6, 7, 8}, after{2, 4, 6, 8, 10, 12, 14, 16};
+  const LinkCounters since = after - before;
+  EXPECT_EQ(since.sent, 1u);
+  EXPECT_EQ(since.arrived, 2u);
+  EXPECT_EQ(since.lost, 3u);
+  EXPECT_EQ(since.retransmitted, 4u);
+  EXPECT_EQ(since.parity, 5u);
+  EXPECT_EQ(since.recovered, 6u);
+  EXPECT_EQ(since.incomplete, 7u);
+  EXPECT_EQ(since.too_late, 8u);
+}
+
+TEST(LinkSender, PacesAFrame) {
+  LinkSender link(protocol::kFeatureFeedback);
+  link.add(frame_of(1, 50, 1000), TimePoint::max(), kStart);
+  uint64_t sent = 0;
+  while (link.next(kStart)) link.sent(++sent, 1068, kStart);
+  EXPECT_LT(sent, 10u);
+  EXPECT_GT(link.wake_at(kStart), kStart);
+  for (TimePoint now = kStart; sent < 50; now = link.wake_at(now)) {
+    ASSERT_LT(now, kStart + 1s);
+    while (link.next(now)) link.sent(++sent, 1068, now);
+  }
+}
+
+// The path takes long datagrams no more, and the client asks for nothing new before it has its answer.
+TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
+  LinkSender link(protocol::kFeatureFeedback);
+  const Probed path = probe_up_to(link, 1472);
+  ASSERT_EQ(link.datagram_bytes(), 1472u);
+  uint64_t sent = path.sent;
+  link.add(frame_of(1, 4, 1300), TimePoint::max(), path.now);
+  TimePoint now = path.now;
+  for (; now < path.now + 150ms; now += 1ms) {
+    EXPECT_FALSE(link.take_lost(FrameId{1}, now)) << "it may still come";
+    while (link.next(now)) link.sent(++sent, 1368, now);
+  }
+  now = path.now + 2s;
+  EXPECT_FALSE(link.take_lost(FrameId{2}, now)) << "never answered";
+  ASSERT_TRUE(link.take_lost(FrameId{1}, now));
+  EXPECT_FALSE(link.take_lost(FrameId{1}, now)) << "once";
+  EXPECT_TRUE(link.takes_view(now));
+  EXPECT_EQ(link.datagram_bytes(), protocol::kMaxDatagramBytes);
+
+  // What was known of the first answer's slices says nothing of the second's.
+  link.add(frame_of(1, 1), TimePoint::max(), now);
+  link.hear(all_arrived(path.sent + 1, sent, 1000), now + 1ms);
+  EXPECT_FALSE(link.take_lost(FrameId{2}, now + 1ms));
+  const auto out = link.next(now + 1ms);
+  ASSERT_TRUE(out);
+  const auto slice = protocol::decode_frame_slice(out->body);
+  ASSERT_TRUE(slice);
+  EXPECT_EQ(slice->header.slice_count, 1u);
+}
+
+// 90 ms away, a tenth lost: frames have parity.
+TEST(LinkSender, AnAnswerWithParityIsNotMadeAnew) {
+  LinkSender link(protocol::kFeatureFeedback | protocol::kFeatureParity);
+  uint64_t sent = 0;
+  TimePoint now = kStart;
+  const auto fly = [&](uint32_t frame) {
+    link.add(frame_of(frame, 20), now + 100ms, now);
+    const uint64_t first = sent + 1;
+    for (const TimePoint until = now + 16ms; now < until; now += 1ms) {
+      while (link.next(now)) link.sent(++sent, 168, now);
+    }
+    return first;
+  };
+  for (uint32_t frame = 1; frame < 200 && link.counters().parity == 0; ++frame) {
+    const uint64_t first = fly(frame);
+    if (sent < first) continue;
+    auto said = all_arrived(first, sent, static_cast<uint64_t>(to_microseconds(now.time_since_epoch())));
+    for (size_t i = 0; i < said.count; i += 10) said.ages[i] = 0;
+    link.hear(said, now + 90ms);
+  }
+  ASSERT_GT(link.counters().parity, 0u);
+  fly(1000);
+  EXPECT_FALSE(link.take_lost(FrameId{1000}, now + 10s));
+}
+
+TEST(LinkSender, AnAnswerOfWhichSomethingCameIsNotMadeAnew) {
+  LinkSender link(protocol::kFeatureFeedback);
+  link.add(frame_of(1, 4), TimePoint::max(), kStart);
+  uint64_t sent = 0;
+  TimePoint now = kStart;
+  for (; sent < 4; now += 1ms) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  link.hear(all_arrived(1, 1, 1000), now);
+  EXPECT_FALSE(link.take_lost(FrameId{1}, now + 10s));
+}
+
+TEST(LinkSender, NothingGoesAfterItsDeadline) {
+  LinkSender link(protocol::kFeatureFeedback);
+  link.add(frame_of(1, 50, 1000), kStart + 20ms, kStart);
+  uint64_t sent = 0;
+  while (link.next(kStart)) link.sent(++sent, 1068, kStart);
+  EXPECT_FALSE(link.next(kStart + 20ms));
+  EXPECT_EQ(link.counters().too_late, 50 - sent);
+}
+
+// Sends all of a frame, loses slice 2, and tells so at `heard`.
+uint64_t sent_again(TimePoint deadline, TimePoint heard) {
+  LinkSender link(protocol::kFeatureFeedback);
+  link.add(frame_of(1, 12), deadline, kStart);
+  uint64_t sent = 0;
+  TimePoint now = kStart;
+  for (; sent < 12; now += 100us) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  protocol::Feedback said;
+  said.first = 1;
+  said.count = 12;
+  said.time_us = 1000000;
+  for (size_t i = 0; i < 12; ++i) said.ages[i] = i == 2 ? 0 : 1;
+  link.hear(said, heard);
+  said.time_us += 30000;
+  link.hear(said, heard + 30ms);
+  while (link.next(heard + 31ms)) link.sent(++sent, 168, heard + 31ms);
+  EXPECT_EQ(link.take_extra_bytes(), 168 * (sent - 12)) << "somebody pays for what goes again, and for probes";
+  EXPECT_EQ(link.take_extra_bytes(), 0u);
+  return link.counters().retransmitted;
+}
+
+TEST(LinkSender, ALostSliceGoesAgainIfItCanStillBeOfUse) {
+  EXPECT_EQ(sent_again(TimePoint::max(), kStart + 25ms), 1u);
+  EXPECT_EQ(sent_again(kStart + 150ms, kStart + 25ms), 1u);
+  EXPECT_EQ(sent_again(kStart + 40ms, kStart + 25ms), 0u);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
