@@ -184,7 +184,7 @@ Result<void> Daemon::apply(const Config& next) {
   const SharingPolicy sharing = sharing_policy_of(by_id);
   sharing_policy_.publish(sharing);
   session_limits_.set_limits(by_id);
-  metrics_.know_tenants(names_of(by_id.tenants));
+  metrics_.add_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
   devices_.set_terms(sharing);
   tls_.publish(*tls);

@@ -7,13 +7,20 @@ namespace gnomon::client {
 namespace {
 
 constexpr Nanoseconds kRepeatInterval = std::chrono::milliseconds(250);
-constexpr size_t kLightVersions = 16;  // kept for frames that are still on their way
 
 StreamOptions with_features(StreamOptions options) {
   using namespace protocol;
   options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity | kFeatureSizes;
   if (options.keep_references) options.connect.hello.features |= kFeatureReferences;
   return options;
+}
+
+// Slices of a new size may overtake the message that announces it, and slices of the former size may follow it.
+bool has_size_of(const TileGrid& grid, const protocol::SliceHeader& header, const protocol::Welcome& granted) {
+  if ((granted.features & protocol::kFeatureSizes) == 0) return true;
+  const bool has_size = (header.flags & protocol::kSliceHasSize) != 0;
+  return grid.width == (has_size ? header.width : granted.width) &&
+         grid.height == (has_size ? header.height : granted.height);
 }
 
 }  // namespace
@@ -41,7 +48,7 @@ VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events eve
       report_timer_(loop, [this] { report_arrivals(); }),
       connection_(loop, options_.connect,
                   {.opened = [this] { start(); },
-                   .resumed = [this] { go_on(); },
+                   .resumed = [this] { continue_resumed(); },
                    .message = [this](const protocol::Message& message) { on_message(message); },
                    .datagram = [this](const protocol::Opened& datagram,
                                       TimePoint arrived) { on_datagram(datagram, arrived); },
@@ -54,41 +61,41 @@ VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events eve
 
 void VisibilityStream::start() {
   const auto& welcome = connection_.welcome();
-  take_up(welcome);
+  adopt(welcome);
   const auto silence = std::chrono::milliseconds(welcome.silence_timeout_ms);
   repeat_interval_ = silence.count() > 0 ? std::min<Nanoseconds>(kRepeatInterval, silence / 4) : kRepeatInterval;
   upkeep(Clock::now());
   if (events_.opened) events_.opened();
 }
 
-void VisibilityStream::take_up(const protocol::Welcome& welcome) {
+void VisibilityStream::adopt(const protocol::Welcome& welcome) {
   scene_ = welcome.scene;
   lights_.clear();
-  keep_lights(welcome.lights_version, scene_.lights);
+  lights_.add(welcome.lights_version, scene_.lights);
   restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
 }
 
-// A camera that was under way is asked for anew: its answer may be lost, or begun and never to be ended.
-void VisibilityStream::go_on() {
+// A camera in flight is requested again: its answer may be lost, or begun by a process that did not end it.
+void VisibilityStream::continue_resumed() {
   ++counters_.resumed;
   assembler_.reset();
   recovery_ = {};
-  take_up(connection_.welcome());
-  first_of_use_ = FrameId{newest_asked_.value + 1};
+  adopt(connection_.welcome());
+  first_of_grid_ = FrameId{requested_.newest().value + 1};
   if (in_flight() == 0) return;
   const protocol::CameraView camera = newest_.camera;
   ask(camera, std::chrono::microseconds(newest_.display_deadline_us));
   if (events_.asked_again) events_.asked_again();
 }
 
-// Frames asked for before this may have another shape. Where slices do not say which, they are of no use any more: they
-// say their size to whom wants it, and nothing of lights.
+// Frames requested before this may have another grid. Their slices can still be used if only the size differs and
+// slices carry it (kFeatureSizes); they never carry the number of lights.
 void VisibilityStream::restart_with(TileGrid grid) {
   if (assembler_ && assembler_->grid() == grid) return;
   const bool tell_apart = has(protocol::kFeatureSizes) && assembler_ && assembler_->grid().lights == grid.lights;
   assembler_.emplace(grid);
   if (connection_.welcome().features & protocol::kFeatureReferences) assembler_->keep_references();
-  if (!tell_apart) first_of_use_ = FrameId{newest_asked_.value + 1};
+  if (!tell_apart) first_of_grid_ = FrameId{requested_.newest().value + 1};
 }
 
 void VisibilityStream::on_message(const protocol::Message& message) {
@@ -102,7 +109,7 @@ void VisibilityStream::on_message(const protocol::Message& message) {
     lights_.clear();
   } else if (const auto* lights = std::get_if<protocol::LightsChanged>(&message)) {
     scene_.lights = lights->lights;
-    keep_lights(lights->version, scene_.lights);
+    lights_.add(lights->version, scene_.lights);
   }
   changed.lights = static_cast<uint32_t>(std::min<size_t>(scene_.lights.size(), protocol::kMaxLights));
   restart_with(changed);
@@ -111,15 +118,13 @@ void VisibilityStream::on_message(const protocol::Message& message) {
 
 FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds display_deadline) {
   const TimePoint now = Clock::now();
-  newest_asked_ = FrameId{newest_asked_.value + 1};
-  newest_.frame = newest_asked_;
+  newest_.frame = requested_.add(camera, now);
   newest_.camera = camera;
   newest_.client_time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
   newest_.display_deadline_us = static_cast<uint32_t>(to_microseconds(display_deadline));
-  asked_.push_back({camera, now, {}, false});
   ++counters_.asked;
   send_newest();
-  return newest_asked_;
+  return newest_.frame;
 }
 
 void VisibilityStream::send_newest() {
@@ -138,11 +143,11 @@ void VisibilityStream::on_datagram(const protocol::Opened& datagram, TimePoint a
     arrivals_.received(datagram.header.sequence, arrived);
     plan_report();
   }
-  if (connection_.resuming()) return;  // it may be of the session as it is after the Welcome that is still to come
+  if (connection_.resuming()) return;  // the datagram may assume what a Welcome says that has not come yet
   if (datagram.header.kind == protocol::DatagramKind::frame_slice) return on_slice(datagram.body);
   if (datagram.header.kind != protocol::DatagramKind::frame_parity) return;
   if (const auto parity = protocol::decode_parity(datagram.body)) {
-    if (may_be_asked_for(parity->header.frame)) add_rebuilt(recovery_.add_parity(*parity));
+    if (requested_.ever_requested(parity->header.frame)) add_rebuilt(recovery_.add_parity(*parity));
   } else {
     ++counters_.wrong_frames;
   }
@@ -150,7 +155,7 @@ void VisibilityStream::on_datagram(const protocol::Opened& datagram, TimePoint a
 
 void VisibilityStream::on_slice(std::span<const uint8_t> body) {
   const auto slice = protocol::decode_frame_slice(body);
-  if (!slice || !may_be_asked_for(slice->header.frame)) {
+  if (!slice || !requested_.ever_requested(slice->header.frame)) {
     ++counters_.wrong_frames;
     return;
   }
@@ -166,8 +171,6 @@ void VisibilityStream::add_rebuilt(const std::vector<std::vector<uint8_t>>& bodi
     add_slice(*slice);
   }
 }
-
-bool VisibilityStream::may_be_asked_for(FrameId frame) const { return frame.value != 0 && frame <= newest_asked_; }
 
 void VisibilityStream::plan_report() {
   if (report_planned_ || connection_.state() != Connection::State::open) return;
@@ -190,45 +193,37 @@ void VisibilityStream::report_arrivals() {
 void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
   const FrameId frame = slice.header.frame;
   if (!has(protocol::kFeatureFeedback)) acks_.received(frame, slice.header.slice);
-  Asked* asked = find(frame);
-  if (!asked || asked->answered || frame < first_of_use_ || !is_of_grid(slice.header)) {
+  RequestedFrames::Request* request = requested_.find(frame);
+  if (!request || request->answered || frame < first_of_grid_ ||
+      !has_size_of(grid(), slice.header, connection_.welcome())) {
     ++counters_.late_slices;
     return;
   }
   switch (assembler_->add(slice)) {
     case SliceOutcome::stored:
-    case SliceOutcome::completed: asked->last_slice = Clock::now(); break;
+    case SliceOutcome::completed: request->last_slice = Clock::now(); break;
     case SliceOutcome::duplicate: ++counters_.duplicate_slices; break;
     case SliceOutcome::late: ++counters_.late_slices; break;
     case SliceOutcome::unreadable:
       ++counters_.unreadable_slices;
-      asked->last_slice = Clock::now();
+      request->last_slice = Clock::now();
       break;
     case SliceOutcome::malformed: ++counters_.wrong_frames; break;
   }
   deliver_finished();
 }
 
-// Slices of a new size may overtake the news of it, and those of the former one come after it.
-bool VisibilityStream::is_of_grid(const protocol::SliceHeader& header) const {
-  if (!has(protocol::kFeatureSizes)) return true;
-  const auto& granted = connection_.welcome();
-  const bool says = (header.flags & protocol::kSliceHasSize) != 0;
-  return grid().width == (says ? header.width : granted.width) &&
-         grid().height == (says ? header.height : granted.height);
-}
-
 void VisibilityStream::deliver_finished() {
   while (auto frame = assembler_->take_finished()) {
-    Asked* asked = find(frame->frame);
-    if (asked && !asked->answered && asked->last_slice) {
-      asked->answered = true;
-      newest_answered_ = std::max(newest_answered_, frame->frame);
+    const RequestedFrames::Request* request = requested_.find(frame->frame);
+    if (request && !request->answered && request->last_slice) {
+      requested_.answered(frame->frame);
       ++(frame->complete() ? counters_.complete : counters_.incomplete);
       counters_.lost_slices += frame->slice_count - frame->slices_received;
-      // A copy: the call back may ask for another camera, which moves the records.
-      const Answer answer{asked->camera, *frame, lights_of(frame->moment.lights_version),
-                          *asked->last_slice - asked->sent};
+      const std::vector<protocol::LightInfo>* lights = lights_.find(frame->moment.lights_version);
+      // The camera is copied, as the callback may ask for another one, which moves the requests.
+      const Answer answer{request->camera, *frame, lights ? *lights : scene_.lights,
+                          *request->last_slice - request->sent};
       if (events_.answer) events_.answer(answer);
     }
     if (frame->grid == assembler_->grid()) assembler_->recycle(std::move(*frame));
@@ -238,40 +233,16 @@ void VisibilityStream::deliver_finished() {
 void VisibilityStream::upkeep(TimePoint now) {
   expire(now);
   if (connection_.state() != Connection::State::open) return;
-  if (newest_asked_.value > 0 && now - last_sent_ >= repeat_interval_) send_newest();
+  if (requested_.newest().value > 0 && now - last_sent_ >= repeat_interval_) send_newest();
   upkeep_timer_.arm(now + std::min(options_.patience / 2, repeat_interval_));
 }
 
 void VisibilityStream::expire(TimePoint now) {
-  for (size_t i = 0; i < asked_.size(); ++i) {
-    const Asked& asked = asked_[i];
-    if (asked.answered || !asked.last_slice || now - *asked.last_slice < options_.patience) continue;
-    assembler_->give_up(FrameId{newest_asked_.value - static_cast<uint32_t>(asked_.size() - 1 - i)});
-  }
+  for (const FrameId frame : requested_.overdue(now, options_.patience)) assembler_->give_up(frame);
   deliver_finished();
-  while (!asked_.empty() && (asked_.front().answered || now - asked_.front().sent >= options_.answer_timeout)) {
-    const FrameId frame{newest_asked_.value - static_cast<uint32_t>(asked_.size() - 1)};
-    if (!asked_.front().answered) {
-      ++(frame < newest_answered_ ? counters_.superseded : counters_.unanswered);
-    }
-    asked_.pop_front();
-  }
-}
-
-void VisibilityStream::keep_lights(uint32_t version, const std::vector<protocol::LightInfo>& lights) {
-  lights_[version] = lights;
-  if (lights_.size() > kLightVersions) lights_.erase(lights_.begin());
-}
-
-// Slices may overtake the news of their lights.
-const std::vector<protocol::LightInfo>& VisibilityStream::lights_of(uint32_t version) const {
-  const auto found = lights_.find(version);
-  return found == lights_.end() ? scene_.lights : found->second;
-}
-
-VisibilityStream::Asked* VisibilityStream::find(FrameId frame) {
-  const uint32_t back = newest_asked_.value - frame.value;
-  return back < asked_.size() ? &asked_[asked_.size() - 1 - back] : nullptr;
+  const RequestedFrames::Dropped dropped = requested_.drop_old(now, options_.answer_timeout);
+  counters_.superseded += dropped.superseded;
+  counters_.unanswered += dropped.unanswered;
 }
 
 }  // namespace gnomon::client

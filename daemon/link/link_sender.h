@@ -1,21 +1,22 @@
-// Everything that a session's link to its client decides: what goes out next and when, what goes again, how much
-// parity a frame gets, how fast, how long datagrams may be, and whether another view is worth rendering.
+// Congestion control and reliability of a session's link: which datagram goes next and when, what is retransmitted, how
+// much parity a frame gets, the sending rate, the datagrams' length, and whether another view is worth rendering.
 //
-// Pure: no socket, no clock, no seal. The owner asks next() for a body, seals and sends it, says sent(), and comes
-// back at wake_at(). One thread: the net thread that owns the session.
+// Pure: no socket, no clock, no seal. The owner takes a body from next(), seals and sends it, calls sent(), and calls
+// next() again at wake_at(). One thread: the net thread that owns the session.
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <utility>
 
+#include "daemon/link/delivery_rate.h"
 #include "daemon/link/loss_detection.h"
 #include "daemon/link/mtu_discovery.h"
 #include "daemon/link/pacer.h"
 #include "daemon/link/queue_delay.h"
 #include "daemon/link/rate_controller.h"
 #include "daemon/link/request_gate.h"
-#include "daemon/link/stored_frame.h"
+#include "daemon/link/send_queue.h"
+#include "daemon/link/stored_frames.h"
 #include "protocol/datagram.h"
 
 namespace gnomon::daemon {
@@ -23,12 +24,6 @@ namespace gnomon::daemon {
 struct Outgoing {
   protocol::DatagramKind kind = protocol::DatagramKind::frame_slice;
   std::span<const uint8_t> body;  // borrowed until the next call
-};
-
-// The first sending of a frame is over.
-struct FrameEnd {
-  FrameId frame;
-  bool whole = false;  // else some of it came to nothing: its deadline was over, or newer frames took its place
 };
 
 // Since the session began.
@@ -56,24 +51,26 @@ struct LinkCounters {
 
 class LinkSender {
  public:
-  // `features`: granted ones. Without kFeatureFeedback everything goes at once and nothing is known of the path.
-  // `resumed`: the client has counted before.
+  // `features`: the granted ones. Without kFeatureFeedback every datagram goes at once and nothing is known of the path.
+  // `resumed`: the client's counters began before this session's.
   explicit LinkSender(uint64_t features, bool resumed = false);
 
-  // A frame to send. Nothing of it goes after the deadline; max: the client has said none. Returns the bytes of its
-  // datagrams, parity included.
+  // Queues a frame. None of its datagrams is sent after `deadline`; TimePoint::max() if the client has named none.
+  // Returns the bytes of its datagrams, parity included.
   size_t add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
 
   void hear(const protocol::Feedback& feedback, TimePoint now);
 
-  // The next body that may go now, retransmissions first. After it: sent().
+  // The next body that may be sent now, retransmissions first; nullopt if there is none. sent() follows it.
   std::optional<Outgoing> next(TimePoint now);
   void sent(uint64_t sequence, size_t datagram_bytes, TimePoint now);
   TimePoint wake_at(TimePoint now) const;
-  std::optional<FrameEnd> take_end();
-  size_t take_extra_bytes() { return std::exchange(extra_bytes_, 0); }  // beside frames' first sending
+  std::optional<FrameEnd> take_end() { return queue_.take_end(); }
+  // Bytes of retransmissions and probes since the last call: what was sent beside the frames' first sending.
+  size_t take_extra_bytes() { return std::exchange(extra_bytes_, 0); }
 
-  // A frame of which nothing is known to have arrived has lost its use: it may be made anew. True once a frame.
+  // True, once a frame, if no slice of the frame is known to have arrived and none can arrive in time any more: its
+  // camera may be answered by a second frame.
   bool take_lost(FrameId frame, TimePoint now);
 
   bool takes_view(TimePoint now);
@@ -81,58 +78,34 @@ class LinkSender {
   TimePoint takes_view_at(TimePoint now) const;
 
   size_t datagram_bytes() const { return mtu_.bytes(); }
-  // Of a slice, with its header: parity needs some room too.
+  // The longest body of a slice, with its header, that leaves room for parity's overhead.
   size_t slice_body_bytes() const;
 
-  double rate() const { return rate_.rate(); }
-  double loss() const { return rate_.loss(); }
+  double rate() const { return rate_.rate(); }  // bytes a second
   Nanoseconds rtt() const { return loss_detection_.rtt(); }
-  Nanoseconds queue_delay() const { return queue_.now(); }
-  bool competing(TimePoint now) const { return rate_.competing(now); }
+  Nanoseconds queue_delay() const { return queue_delay_.now(); }
   const LinkCounters& counters() const { return counters_; }
 
  private:
-  struct Item {
-    uint64_t answer = 0;
-    FrameId frame;
-    Cargo cargo = Cargo::slice;
-    uint16_t number = 0;
-    size_t bytes = 0;
-  };
-
-  bool feedback() const { return (features_ & protocol::kFeatureFeedback) != 0; }
-  bool parity() const { return (features_ & protocol::kFeatureParity) != 0; }
   bool worth_parity(TimePoint deadline, TimePoint now) const;
-  void push(std::deque<Item>& queue, const Item& item);
-  void pop(std::deque<Item>& queue);
-  void pop_fresh(bool sent);
-  StoredFrame* find(uint64_t answer);
-  std::optional<Outgoing> offer(const Item& item, TimePoint now);
+  std::optional<Outgoing> offer(const QueuedDatagram& datagram, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
   void handle_tail(const SentDatagram& tail, TimePoint now);
   void send_again(const SentDatagram& datagram, TimePoint now);  // if it can still arrive in time
   void handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now);
-  double delivered() const;
   double pace() const;
-  void expire(TimePoint now);
 
-  static constexpr size_t kFrames = 4;
-
-  uint64_t features_;
+  bool feedback_, parity_;  // the features
   TimePoint newest_arrived_sent_{};
-  bool counts_from_here_;  // what the client has counted until its next report is none of ours
+  bool counts_from_here_;  // the client's counters in its next report are the base of those after it
   uint32_t recovered_before_ = 0, incomplete_before_ = 0;
-  std::deque<StoredFrame> frames_;
-  uint64_t answers_ = 0;
-  std::optional<FrameId> made_anew_;  // the last one: its second answer goes without parity, as the first
-  std::deque<Item> again_, fresh_;
-  size_t backlog_ = 0;  // bytes of both
+  StoredFrames frames_;
+  SendQueue queue_;
+  std::optional<FrameId>
+      answered_twice_;  // the last such frame: its second answer goes without parity, as the first
   double spread_rate_ = 0;
   size_t extra_bytes_ = 0;
-  bool whole_ = true;  // the first of fresh_, so far
-  std::deque<FrameEnd> ends_;
-  std::optional<Item> offered_;  // by next()
-  bool offered_again_ = false;   // from again_
+  std::optional<QueuedDatagram> offered_;  // by next()
   std::vector<uint8_t> probe_;
   bool limited_ = false;                                  // by the rate, since the last feedback
   Nanoseconds interval_ = std::chrono::milliseconds(16);  // between frames, smoothed
@@ -140,15 +113,11 @@ class LinkSender {
 
   Pacer pacer_;
   LossDetection loss_detection_;
-  QueueDelay queue_;
+  QueueDelay queue_delay_;
   RateController rate_;
   MtuDiscovery mtu_;
   RequestGate gate_;
-  struct Bytes {
-    Nanoseconds arrived;  // the client's clock
-    size_t bytes;
-  };
-  std::deque<Bytes> deliveries_;
+  DeliveryRate delivery_;
   LinkCounters counters_;
 };
 

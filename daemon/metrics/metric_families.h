@@ -4,7 +4,6 @@
 
 #include <array>
 #include <atomic>
-#include <map>
 
 #include "daemon/metrics/link_metrics.h"
 #include "daemon/metrics/metrics.h"
@@ -44,13 +43,6 @@ struct Stages {
   }
 };
 
-struct DeviceSeries {
-  Counter& busy;
-  Gauge& up;
-  Counter& losses;
-  Gauge* sessions;
-};
-
 struct TenantSeries {
   Histogram& frame;
   Counter& buffers;
@@ -67,6 +59,9 @@ struct TenantSeries {
 };
 
 struct Metrics::Families {
+  Families(const std::vector<std::string>& scene_names, size_t device_count)
+      : scenes(registry, scene_names), devices(registry, device_count) {}
+
   Registry registry;
   Family<Counter>& buffers = counter_family(registry, "gnomon_visibility_buffers_total",
                                             "Visibility buffers sent; vbps is the rate of this.");
@@ -98,8 +93,6 @@ struct Metrics::Families {
   // Its series are made when there is something to count: most tenants never lose a frame.
   Family<Counter>& tenant_dropped = counter_family(registry, "gnomon_tenant_frames_dropped_total",
                                                    "Views and frames of the tenant that were dropped, by reason.");
-  Family<Counter>& scene_buffers =
-      counter_family(registry, "gnomon_scene_visibility_buffers_total", "Visibility buffers sent, by scene.");
   Family<Counter>& degradations = counter_family(
       registry, "gnomon_degradations_total", "Steps down and up of sessions that the device did not keep up with.");
   Counter& degraded = degradations.Add({{"direction", "down"}});
@@ -122,41 +115,12 @@ struct Metrics::Families {
       gauge_family(registry, "gnomon_fairness_worst_lag_seconds", "The largest lag of any tenant, either way.")
           .Add({});
   Family<Gauge>& sessions = gauge_family(registry, "gnomon_sessions", "Open sessions.");
-  Family<Gauge>& resident =
-      gauge_family(registry, "gnomon_scene_resident", "1: the scene is on the device, 0: it is not.");
-  Family<Gauge>& load_seconds = gauge_family(registry, "gnomon_scene_load_seconds",
-                                             "Time that reading the scene took, when it was last loaded.");
-  Family<Gauge>& scene_bytes =
-      gauge_family(registry, "gnomon_scene_memory_bytes", "Host memory that the scene occupies.");
-  Family<Gauge>& build_seconds =
-      gauge_family(registry, "gnomon_scene_build_seconds", "Time that building what the tracer needs took.");
-  Family<Gauge>& device_bytes =
-      gauge_family(registry, "gnomon_scene_device_memory_bytes", "Device memory that the scene occupies.");
-  Family<Gauge>& tracer_bytes = gauge_family(registry, "gnomon_scene_tracer_memory_bytes",
-                                             "Device memory of what the tracer built, as light buffers.");
-  Family<Gauge>& from_cache = gauge_family(registry, "gnomon_scene_light_buffer_cached",
-                                           "1: the light buffers were read from the cache, 0: built.");
-  Family<Gauge>& built = gauge_family(registry, "gnomon_scene_light_buffers_built_ratio",
-                                      "Share of the light buffers' build that is done; until 1, frames cost more.");
-  Family<Gauge>& lights = gauge_family(
-      registry, "gnomon_scene_lights",
-      "Lights, by state: resting where the tracer built for them, moving, or waiting for the first build.");
-  Family<Counter>& rebuilds = counter_family(registry, "gnomon_scene_light_rebuilds_total",
-                                             "Times that light buffers were built anew for changed lights.");
   Family<Gauge>& build = gauge_family(registry, "gnomon_build_info", "Always 1; the version is the label.");
   Family<Histogram>& stages =
       histogram_family(registry, "gnomon_stage_seconds", "Time that frames of all tenants spent in a stage.");
   Stages stage{stages};
   Family<Histogram>& frames =
       histogram_family(registry, "gnomon_frame_seconds", "Time from a camera's arrival until its frame was sent.");
-  Family<Counter>& device_busy =
-      counter_family(registry, "gnomon_device_busy_seconds_total", "Time that the device spent on frames.");
-  Family<Gauge>& device_up =
-      gauge_family(registry, "gnomon_device_up", "1: the device takes work, 0: it is being made anew.");
-  Family<Counter>& device_losses =
-      counter_family(registry, "gnomon_device_losses_total", "Times that the device was lost.");
-  Family<Gauge>& device_sessions = gauge_family(registry, "gnomon_device_sessions",
-                                                "Open sessions that live on the device, where there are several.");
   Gauge& ready = gauge_family(registry, "gnomon_ready", "1: new clients are served.").Add({});
   Gauge& resident_memory =
       gauge_family(registry, "gnomon_process_resident_memory_bytes", "Memory of the process, as the system has it.")
@@ -172,13 +136,13 @@ struct Metrics::Families {
                                                    "Sessions refused a tenant, by the limit that they met.");
 
   std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; null: not used yet
-  // Reserved once: growing moves nothing, so that others may look at the series that were there before.
   LinkMetrics links{registry};
-  std::vector<DeviceSeries> devices;
+  SceneMetrics scenes;
+  DeviceMetrics devices;
+  // Reserved once: adding a tenant moves no series that other threads may be counting in.
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
-  std::map<std::string, Counter*> scenes;  // by label
-  std::vector<Counter*> faults;            // by Fault; null: made when there is something to count
+  std::vector<Counter*> faults;  // by Fault; null: made when there is something to count
 
   Family<Counter>& family_of(FaultKind kind) {
     switch (kind) {
@@ -195,16 +159,6 @@ struct Metrics::Families {
     std::atomic<Counter*>& kept = codecs[static_cast<size_t>(codec)];
     if (!kept) kept = &codec_bytes.Add({{"codec", std::string(protocol::to_string(codec))}});
     return *kept;
-  }
-
-  // One device needs no label.
-  void add_devices(size_t count) {
-    for (size_t i = 0; i < count; ++i) {
-      const prometheus::Labels label =
-          count == 1 ? prometheus::Labels{} : prometheus::Labels{{"device", std::to_string(i)}};
-      devices.push_back({device_busy.Add(label), device_up.Add(label), device_losses.Add(label),
-                         count == 1 ? nullptr : &device_sessions.Add(label)});
-    }
   }
 
   Counter& counter_of(const FaultRow& row) { return family_of(row.kind).Add({{"reason", row.label}}); }

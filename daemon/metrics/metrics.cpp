@@ -9,14 +9,10 @@ namespace gnomon::daemon {
 
 Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
                  const std::string& version, size_t devices)
-    : families_(std::make_unique<Families>()) {
-  families_->add_devices(devices);
+    : families_(std::make_unique<Families>(scenes, devices)) {
   families_->names.reserve(kMostTenants);
   families_->tenants.reserve(kMostTenants);
-  for (const std::string& scene : scenes)
-    families_->scenes[scene] = &families_->scene_buffers.Add({{"scene", scene}});
-  families_->scenes[kOtherScenes] = &families_->scene_buffers.Add({{"scene", kOtherScenes}});
-  know_tenants(tenants);
+  add_tenants(tenants);
   for (const FaultRow& row : fault_table()) {
     // Refusals are rare and there are many reasons.
     const bool rare = row.kind == FaultKind::refusal || row.kind == FaultKind::admin_closed;
@@ -27,7 +23,7 @@ Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std:
 
 Metrics::~Metrics() = default;
 
-void Metrics::know_tenants(const std::vector<std::string>& tenants) {
+void Metrics::add_tenants(const std::vector<std::string>& tenants) {
   for (size_t i = families_->tenants.size(); i < tenants.size(); ++i) families_->add_tenant(tenants[i]);
 }
 
@@ -47,8 +43,7 @@ void Metrics::report(Fault fault, log::Fields fields) {
 void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameMeta& meta, TimePoint sent,
                          size_t bytes) {
   TenantSeries& series = *families_->tenants[tenant.value];
-  const auto known = families_->scenes.find(scene);
-  (known != families_->scenes.end() ? known->second : families_->scenes.at(kOtherScenes))->Increment();
+  families_->scenes.frame_sent(scene);
   series.buffers.Increment();
   series.bits.Increment(static_cast<double>(meta.spec.traced_bits()));
   series.bytes_sent.Increment(static_cast<double>(bytes));
@@ -59,13 +54,16 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   if (sent > meta.times.deadline) series.late.Increment();
 }
 
+SceneMetrics& Metrics::scenes() { return families_->scenes; }
+DeviceMetrics& Metrics::devices() { return families_->devices; }
+
 void Metrics::datagram_received() { families_->datagrams.Increment(); }
 void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coalesced.Increment(); }
 void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]->sessions.Increment(); }
 void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
 
 void Metrics::device_busy(uint32_t device, TenantId tenant, Nanoseconds gpu_time) {
-  families_->devices[device].busy.Increment(to_seconds(gpu_time));
+  families_->devices.busy(device, gpu_time);
   families_->tenants[tenant.value]->gpu_seconds.Increment(to_seconds(gpu_time));
 }
 
@@ -85,14 +83,6 @@ void Metrics::dropped(TenantId tenant, SessionId session, Fault fault, const std
 void Metrics::reloaded(bool done) { (done ? families_->reloads : families_->failed_reloads).Increment(); }
 
 void Metrics::degraded(bool down) { (down ? families_->degraded : families_->restored).Increment(); }
-
-void Metrics::device_lost(uint32_t device) { families_->devices[device].losses.Increment(); }
-
-void Metrics::device_up(uint32_t device, bool up) { families_->devices[device].up.Set(up ? 1 : 0); }
-
-void Metrics::device_sessions(uint32_t device, uint32_t sessions) {
-  if (Gauge* gauge = families_->devices[device].sessions) gauge->Set(sessions);
-}
 
 void Metrics::ready(bool ready) { families_->ready.Set(ready ? 1 : 0); }
 
@@ -118,46 +108,6 @@ void Metrics::shares(const ShareReport& report) {
   families_->cost_error.Set(served > 0 ? error / served : 0);
   families_->jain.Set(report.jain);
   families_->worst_lag.Set(to_seconds(report.worst_lag));
-}
-
-void Metrics::scene_resident(const std::string& scene, const scenes::LoadedScene& loaded,
-                             const gpu::SceneFootprint& on_device) {
-  if (!families_->scenes.contains(scene)) return;
-  const prometheus::Labels labels{{"scene", scene}};
-  families_->resident.Add(labels).Set(1);
-  families_->load_seconds.Add(labels).Set(loaded.load_seconds);
-  families_->build_seconds.Add(labels).Set(on_device.tracer_build_seconds);
-  families_->scene_bytes.Add(labels).Set(static_cast<double>(loaded.memory_bytes));
-  families_->device_bytes.Add(labels).Set(static_cast<double>(on_device.memory_bytes));
-  families_->tracer_bytes.Add(labels).Set(static_cast<double>(on_device.tracer_memory_bytes));
-  families_->from_cache.Add(labels).Set(on_device.tracer_from_cache ? 1 : 0);
-}
-
-void Metrics::scene_unloaded(const std::string& scene) {
-  if (!families_->scenes.contains(scene)) return;
-  const prometheus::Labels labels{{"scene", scene}};
-  for (auto* family :
-       {&families_->resident, &families_->scene_bytes, &families_->device_bytes, &families_->tracer_bytes}) {
-    family->Add(labels).Set(0);
-  }
-}
-
-void Metrics::scene_lights(const std::string& scene, const gpu::LightState& lights) {
-  if (!families_->scenes.contains(scene)) return;
-  families_->lights.Add({{"scene", scene}, {"state", "resting"}}).Set(lights.resting);
-  families_->lights.Add({{"scene", scene}, {"state", "moving"}}).Set(lights.moving);
-  families_->lights.Add({{"scene", scene}, {"state", "unbuilt"}}).Set(lights.unbuilt);
-  families_->rebuilds.Add({{"scene", scene}});
-}
-
-void Metrics::scene_built(const SceneReport& scene) {
-  if (families_->scenes.contains(scene.name))
-    families_->built.Add({{"scene", scene.name}}).Set(scene.built_share());
-}
-
-void Metrics::lights_rebuilt(const std::string& scene) {
-  if (!families_->scenes.contains(scene)) return;
-  families_->rebuilds.Add({{"scene", scene}}).Increment();
 }
 
 TenantTotals Metrics::totals(TenantId tenant) const {

@@ -77,7 +77,7 @@ void SessionLinks::finish(Session& session, const FramesUnderWay::Ended& ended, 
   const FrameMeta& meta = ended.meta;
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
   shared_.devices.sent(meta.route.device, {tenant, meta.route.scene, meta.spec.traced_bits(), bytes});
-  if (!ended.whole) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
+  if (!ended.complete) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
   session.totals().add(meta, now);
   shared_.metrics.frame_sent(tenant, session.grant().scene_name, meta, now, bytes);
 }

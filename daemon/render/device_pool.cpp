@@ -39,7 +39,7 @@ Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, co
   failed_ = std::move(failed);
   for (uint32_t i = 0; i < devices_.size(); ++i) {
     if (auto started = devices_[i]->start(factories[i], terms, motion, sink); !started) return started;
-    metrics_.device_up(i, true);
+    metrics_.devices().up(i, true);
   }
   health_.device_up = true;
   return {};
@@ -176,7 +176,7 @@ bool DevicePool::set_drained(size_t device, bool drained) {
 void DevicePool::device_changed(uint32_t device, bool up) {
   std::lock_guard lock(mutex_);
   places_.set_down(device, !up);
-  metrics_.device_up(device, up);
+  metrics_.devices().up(device, up);
   health_.device_up = any_up(devices_);
 }
 
@@ -192,10 +192,10 @@ void DevicePool::device_failed(uint32_t device, const Error& why) {
 // Once a second from each device: the figures of all of them together.
 void DevicePool::device_reported() {
   metrics_.shares(shares());
-  for (const auto& [id, scene] : scenes()) metrics_.scene_built(scene);
+  for (const auto& [id, scene] : scenes()) metrics_.scenes().built(scene);
   if (devices_.size() == 1) return;
   std::lock_guard lock(mutex_);
-  for (uint32_t i = 0; i < devices_.size(); ++i) metrics_.device_sessions(i, places_.sessions(i));
+  for (uint32_t i = 0; i < devices_.size(); ++i) metrics_.devices().sessions(i, places_.sessions(i));
 }
 
 }  // namespace gnomon::daemon

@@ -5,7 +5,7 @@
 namespace gnomon::daemon {
 
 void DeviceRecovery::lose() {
-  if (!lost_) metrics_.device_lost(device_.number());
+  if (!lost_) metrics_.devices().lost(device_.number());
   lost_ = true;
 }
 

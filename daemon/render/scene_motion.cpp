@@ -108,7 +108,7 @@ void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {
   if (std::exchange(state.unbuilt, false)) {
     built_.push_back(id);
   } else {
-    metrics_.lights_rebuilt(state.name);
+    metrics_.scenes().lights_rebuilt(state.name);
   }
   count(id, state);
 }
@@ -132,8 +132,8 @@ void SceneMotion::restore() {
 }
 
 void SceneMotion::count(SceneId id, const State& state) {
-  metrics_.scene_resident(state.name, state.loaded, device_.renderer().footprint(id));
-  metrics_.scene_lights(state.name, device_.renderer().light_state(id));
+  metrics_.scenes().resident(state.name, state.loaded, device_.renderer().footprint(id));
+  metrics_.scenes().lights(state.name, device_.renderer().light_state(id));
 }
 
 }  // namespace gnomon::daemon

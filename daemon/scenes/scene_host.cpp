@@ -86,7 +86,7 @@ Result<void> SceneHost::unload(const std::string& name) {
     resident_.erase(found);
   }
   registry_.forget(name);
-  metrics_.scene_unloaded(name);
+  metrics_.scenes().unloaded(name);
   log::info("scene unloaded", {{"scene", name}});
   return {};
 }

@@ -1,4 +1,4 @@
-// Signs of life of the render thread, for a watchdog on another thread.
+// The render thread's beats, read by a watchdog on another thread.
 #pragma once
 
 #include <atomic>
@@ -11,17 +11,17 @@ namespace gnomon::daemon {
 
 class Heartbeat {
  public:
-  // The render thread: something was finished, or there is nothing to do.
+  // The render thread has finished something or has nothing to do.
   void beat() {
     excused_until_ = TimePoint::min().time_since_epoch().count();
     beats_.fetch_add(1);
   }
-  // Until then it may say nothing: it does what takes long.
+  // The render thread starts something that takes long: until then it counts as alive without a beat.
   void excuse_until(TimePoint time) { excused_until_ = time.time_since_epoch().count(); }
-  // It ended, as it should.
+  // The render thread has ended in order: from now on it counts as alive.
   void end() { ended_ = true; }
 
-  // One other thread: whether there was a sign since the last call.
+  // For one other thread: true if the render thread has beaten since the last call, is excused or has ended.
   bool lives(TimePoint now) {
     const uint64_t beats = beats_;
     const bool moved = beats != seen_;

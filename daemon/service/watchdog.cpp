@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// An idle render thread beats once a second: short of that a look may find nothing new, which is no harm. A hang is
-// noticed by the supervisor at most this long after its own patience.
+// An idle render thread beats once a second, so that a check may find no new beat. The supervisor notices a hang at most
+// this long after its own patience.
 constexpr auto kLongestInterval = 500ms;
 constexpr auto kStatusInterval = 5s;
 
@@ -19,7 +19,7 @@ constexpr auto kStatusInterval = 5s;
 
 Watchdog::Watchdog(std::vector<Heartbeat*> heartbeats, std::function<void(TimePoint)> alive,
                    std::function<std::string()> status)
-    : heartbeats_(std::move(heartbeats)), alive_(std::move(alive)), status_(std::move(status)) {
+    : liveness_(std::move(heartbeats)), alive_(std::move(alive)), status_(std::move(status)) {
   const auto patience = supervisor::patience().value_or(std::chrono::hours(1));
   const auto interval = std::min<std::chrono::microseconds>(patience / 4, kLongestInterval);
   thread_ = std::thread([this, interval] { watch(interval); });
@@ -36,16 +36,12 @@ Watchdog::~Watchdog() {
 
 void Watchdog::watch(std::chrono::microseconds interval) {
   TimePoint next_status = Clock::now() + kStatusInterval;
-  std::vector<bool> shown(heartbeats_.size());
   std::unique_lock lock(mutex_);
   while (!ending_.wait_for(lock, interval, [this] { return ended_; })) {
     const TimePoint now = Clock::now();
-    // Idle ones beat at different moments: a sign of one counts until all have given one.
-    for (size_t i = 0; i < heartbeats_.size(); ++i) shown[i] = heartbeats_[i]->lives(now) || shown[i];
-    if (std::find(shown.begin(), shown.end(), false) == shown.end()) {
+    if (liveness_.check(now)) {
       supervisor::alive();
       alive_(now);
-      shown.assign(shown.size(), false);
     }
     if (now < next_status) continue;
     next_status = now + kStatusInterval;

@@ -1,5 +1,5 @@
-// Tells the supervisor, and who asks for our health, that we live, as long as every render thread does: a hung device
-// ends in a restart.
+// Notifies the supervisor and the health page as long as every render thread is alive, so that a hung device ends in a
+// restart of the daemon.
 #pragma once
 
 #include <condition_variable>
@@ -9,14 +9,14 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/service/heartbeat.h"
+#include "daemon/service/liveness.h"
 
 namespace gnomon::daemon {
 
 class Watchdog {
  public:
-  // `alive`: told when each of them gave a sign. `status`: a line for the supervisor, asked for once in a while. All are
-  // used from a thread of its own. Outlived by the heartbeats: each must beat.
+  // `alive` is called when all heartbeats have beaten since its last call; `status` returns a line for the supervisor
+  // and is called every few seconds; both from a thread of the watchdog's own. The heartbeats outlive the watchdog.
   Watchdog(std::vector<Heartbeat*> heartbeats, std::function<void(TimePoint)> alive,
            std::function<std::string()> status);
   ~Watchdog();
@@ -24,7 +24,7 @@ class Watchdog {
  private:
   void watch(std::chrono::microseconds interval);
 
-  std::vector<Heartbeat*> heartbeats_;
+  Liveness liveness_;
   std::function<void(TimePoint)> alive_;
   std::function<std::string()> status_;
   std::mutex mutex_;

@@ -20,7 +20,7 @@ class FramesUnderWay {
   struct Ended {
     FrameMeta meta;
     size_t bytes = 0;
-    bool whole = false;  // every part of it was sent in time
+    bool complete = false;  // every part of it was sent in time
   };
 
   // A frame whose sending has ended since the last call; nullopt if there is none.
@@ -29,7 +29,7 @@ class FramesUnderWay {
       while (!frames_.empty()) {
         const Frame frame = frames_.front();
         frames_.pop_front();
-        if (frame.meta.route.frame == end->frame) return Ended{frame.meta, frame.bytes, end->whole};
+        if (frame.meta.route.frame == end->frame) return Ended{frame.meta, frame.bytes, end->complete};
       }
     }
     return std::nullopt;

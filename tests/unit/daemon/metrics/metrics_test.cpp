@@ -130,12 +130,12 @@ TEST(Metrics, AScenesLightBuffersAreDescribed) {
   on_device.tracer_memory_bytes = 3000;
   on_device.tracer_build_seconds = 1.5;
   on_device.tracer_from_cache = true;
-  metrics.scene_resident("room", {}, on_device);
-  metrics.scene_resident("some/file.glb", {}, on_device);
+  metrics.scenes().resident("room", {}, on_device);
+  metrics.scenes().resident("some/file.glb", {}, on_device);
   for (const char* scene : {"room", "some/file.glb"}) {
     SceneReport built{scene, on_device, {0, 0, 2}, {{1.0f, 0.5f}}};
-    metrics.scene_lights(scene, built.lights);
-    metrics.scene_built(built);
+    metrics.scenes().lights(scene, built.lights);
+    metrics.scenes().built(built);
   }
   const std::string text = metrics.text();
   for (const char* line :
