@@ -1,10 +1,10 @@
 // gnomon-load: many clients in one process, to see what a server carries and that every answer is right.
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 
+#include "client/cli/program.h"
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
 
@@ -31,27 +31,24 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& a) {
-  app.add_option("--server", a.server, "the daemon's control address")->required()->type_name("HOST:PORT");
+  declare_server(app, a.server);
   declare_trust(app, a.trust);
   declare_transport(app, a.transport);
   app.add_option("--scene", a.scene, "scene that the server knows")->required()->type_name("NAME");
   app.add_option("--scene-dir", a.scene_folder, "folder of scene files, for their camera paths")->type_name("DIR");
   app.add_option("--size", a.size, "of the traced buffer")->required()->type_name("WxH");
   app.add_option("--clients", a.clients, "how many clients, if no --tenant says it")->type_name("N");
-  app.add_option("--rate", a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("HZ");
+  declare_rate(app, a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered");
   app.add_flag("--still", a.still, "each client asks for one frame and then stands still")->excludes("--rate");
   app.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 1e6))->type_name("S");
-  app.add_option("--codec", a.codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
-      ->type_name("NAME");
+  declare_codec(app, a.codec);
   app.add_option("--deadline-ms", a.deadline_ms, "how long after its camera an answer is of use; 0: not said")
       ->check(CLI::Range(0.0, 1e6))
       ->type_name("MS");
   app.add_option("--tenant", a.tenants, "clients of a tenant; may be given several times, TOKENFILE may be empty")
       ->allow_extra_args(false)
       ->type_name("NAME:TOKENFILE:CLIENTS");
-  app.add_option("--json", a.json, "where to write the figures")->type_name("FILE");
+  declare_json(app, a.json);
 }
 
 // Each client has two sockets.
@@ -63,6 +60,8 @@ void allow_many_files() {
 }
 
 Result<void> run(const Arguments& a) {
+  allow_many_files();
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupted = 1; });
   const auto server = parse_address(a.server);
   if (!server) return server.error();
   const auto size = parse_size(a.size);
@@ -115,12 +114,5 @@ Result<void> run(const Arguments& a) {
 
 int main(int argc, char** argv) {
   CLI::App app("Many Gnomon clients in one process: checks every answer and measures.", "gnomon-load");
-  Arguments arguments;
-  declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  allow_many_files();
-  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupted = 1; });
-  const auto done = run(arguments);
-  if (!done) std::fprintf(stderr, "gnomon-load: %s\n", done.error().message.c_str());
-  return done ? 0 : 1;
+  return run_program(app, argc, argv, declare, run);
 }

@@ -5,6 +5,7 @@
 #include "client/media/montage.h"
 #include "client/view/own_view.h"
 #include "gpu/tracers/light_buffer/builder.h"
+#include "gpu/wire/translate.h"
 
 namespace gnomon::client {
 
@@ -31,7 +32,7 @@ Result<std::vector<Picture>> DebugView::pictures(const Received& frame) {
   const scenes::SceneTime time(frame.mask.moment.scene_time_us);
   const auto grid = frame_->reserve(frame.mask.grid.width, frame.mask.grid.height, time);
   if (!grid) return grid.error();
-  if (auto rendered = frame_->render(to_gpu(frame.camera), *grid); !rendered) return rendered.error();
+  if (auto rendered = frame_->render(gpu::from_wire(frame.camera), *grid); !rendered) return rendered.error();
   const auto bytes = frame_->host(gpu::resource::kHostSurface);
   const auto* samples = reinterpret_cast<const gpu::SurfaceSample*>(bytes.data());
   std::vector<Picture> pictures;

@@ -1,9 +1,9 @@
 // gnomon-client: the thin reference client. Flies through a scene with the server's visibility, shades every frame
 // itself, leaves pictures and says how long answers took.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "client/cli/options.h"
+#include "client/cli/program.h"
 #include "client/cli/report.h"
 #include "client/media/montage.h"
 #include "client/media/scene_file.h"
@@ -32,7 +32,7 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& a) {
-  app.add_option("--server", a.server, "the daemon's control address")->required()->type_name("HOST:PORT");
+  declare_server(app, a.server);
   app.add_option("--tenant", a.tenant, "whose session this is")->type_name("NAME");
   app.add_option("--token-file", a.token_file, "file with the tenant's token")->type_name("FILE");
   declare_trust(app, a.trust);
@@ -44,8 +44,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--frames", a.frames, "steps in which the camera path is flown")
       ->check(CLI::Range(1u, 1000000u))
       ->type_name("N");
-  app.add_option("--codec", a.codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
-      ->type_name("NAME");
+  declare_codec(app, a.codec);
   app.add_option(
          "--mode", a.mode,
          "sequential; queued: several cameras in flight; predicted: shows cameras whose masks have not come; "
@@ -58,9 +57,7 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("SHARE");
   app.add_flag("--border-by-motion", a.border_by_motion, "more of the border on the side that the camera turns to");
-  app.add_option("--rate", a.rate_hz, "cameras a second at most; 0: as the mode allows")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("HZ");
+  declare_rate(app, a.rate_hz, "cameras a second at most; 0: as the mode allows");
   app.add_option("--out", a.out, "folder for pictures")->type_name("DIR");
   app.add_option("--pictures", a.pictures, "how many frames to keep")
       ->check(CLI::Range(1u, 10000u))
@@ -75,7 +72,7 @@ void declare(CLI::App& app, Arguments& a) {
       ->type_name("VIEW");
   app.footer(debug_legend());
   app.add_option("--device", a.device, "this client's own Vulkan device: name, index or type")->type_name("NAME");
-  app.add_option("--json", a.json, "where to write the figures")->type_name("FILE");
+  declare_json(app, a.json);
 }
 
 Result<FlightOptions> flight_options(const Arguments& a) {
@@ -308,10 +305,5 @@ Result<void> run(const Arguments& a) {
 int main(int argc, char** argv) {
   CLI::App app("A thin client: rasterises and shades with visibility that a Gnomon daemon traced.",
                "gnomon-client");
-  Arguments arguments;
-  declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  const auto done = run(arguments);
-  if (!done) std::fprintf(stderr, "gnomon-client: %s\n", done.error().message.c_str());
-  return done ? 0 : 1;
+  return run_program(app, argc, argv, declare, run);
 }

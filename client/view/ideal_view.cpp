@@ -2,6 +2,8 @@
 
 #include <future>
 
+#include "gpu/wire/translate.h"
+
 namespace gnomon::client {
 namespace {
 
@@ -28,7 +30,7 @@ Result<AssembledFrame> IdealView::masks(const protocol::CameraView& camera, scen
   gpu::RenderJob job;
   job.id = JobId{++pictures_};
   job.scene = kScene;
-  job.camera = to_gpu(camera);
+  job.camera = gpu::from_wire(camera);
   job.width = size_.traced_width();
   job.height = size_.traced_height();
   job.time = time;

@@ -4,6 +4,7 @@
 
 #include "client/media/montage.h"
 #include "client/prediction/prediction_error.h"
+#include "gpu/wire/translate.h"
 
 namespace gnomon::client {
 namespace {
@@ -11,36 +12,6 @@ namespace {
 constexpr uint32_t kTrialStep = 4;  // every 16th pixel says how wrong a prediction was
 
 }  // namespace
-
-gpu::CameraView to_gpu(const protocol::CameraView& camera) {
-  const auto& p = camera.position;
-  const auto& q = camera.orientation;
-  return {.position = {p[0], p[1], p[2]},
-          .orientation = glm::quat(q[3], q[0], q[1], q[2]),
-          .tan_left = camera.tan_left,
-          .tan_right = camera.tan_right,
-          .tan_up = camera.tan_up,
-          .tan_down = camera.tan_down,
-          .near_plane = camera.near_plane};
-}
-
-scenes::Light to_scene(const protocol::LightInfo& info) {
-  const auto vec3 = [](const protocol::Vec3& v) { return glm::vec3(v[0], v[1], v[2]); };
-  scenes::Light light;
-  switch (info.kind) {
-    case protocol::LightKind::point: light.type = scenes::LightType::point; break;
-    case protocol::LightKind::spot: light.type = scenes::LightType::spot; break;
-    case protocol::LightKind::directional: light.type = scenes::LightType::directional; break;
-  }
-  light.position = vec3(info.position);
-  light.direction = vec3(info.direction);
-  light.color = vec3(info.color);
-  light.intensity = info.intensity;
-  light.range = info.range;
-  light.inner_cone_cos = info.inner_cone_cos;
-  light.outer_cone_cos = info.outer_cone_cos;
-  return light;
-}
 
 Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device) {
   gpu::RendererOptions options;
@@ -55,7 +26,7 @@ Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const ViewSize& s
 
 Result<PictureView> OwnView::draw(const Showing& showing) {
   if (!exposure_) {
-    const auto exposure = view_->suggest_exposure(to_gpu(showing.camera));
+    const auto exposure = view_->suggest_exposure(gpu::from_wire(showing.camera));
     if (!exposure) return exposure.error();
     exposure_ = *exposure;
   }
@@ -95,12 +66,13 @@ Result<PictureView> OwnView::render(const Showing& showing, gpu::ShadeOptions op
   if (showing.reprojected) {
     const auto masks = seen();
     if (!masks) return masks.error();
-    const auto shown = view_->show_predicted(to_gpu(shown_part(showing.camera, size_)), size_.width, size_.height,
-                                             **masks, options);
+    const auto shown = view_->show_predicted(gpu::from_wire(shown_part(showing.camera, size_)), size_.width,
+                                             size_.height, **masks, options);
     if (!shown) return shown.error();
     return view_of(*shown);
   }
-  const auto shown = view_->show(to_gpu(showing.camera), grid.width, grid.height, masks_->mask.mask(), options);
+  const auto shown =
+      view_->show(gpu::from_wire(showing.camera), grid.width, grid.height, masks_->mask.mask(), options);
   if (!shown) return shown.error();
   const BorderPlace place = place_of(showing.camera, size_);
   return crop(view_of(*shown), place.left, place.top, size_.width, size_.height);
@@ -123,7 +95,7 @@ Result<void> OwnView::take(const ReceivedPtr& received) {
 Result<void> OwnView::take_lights(const std::vector<protocol::LightInfo>& given) {
   if (given == lights_ || given.empty()) return {};
   std::vector<scenes::Light> lights;
-  for (const protocol::LightInfo& light : given) lights.push_back(to_scene(light));
+  for (const protocol::LightInfo& light : given) lights.push_back(gpu::from_wire(light));
   if (auto set = view_->set_lights(lights); !set) return set;
   lights_ = given;
   return {};
@@ -136,7 +108,7 @@ Result<void> OwnView::cover(Received& received) {
   const auto before = seen();
   if (!before) return before.error();
   gpu::Reprojection& reprojection = **view_->reprojection();
-  const auto raster = reprojection.rasterise(to_gpu(received.camera), mask.grid.width, mask.grid.height,
+  const auto raster = reprojection.rasterise(gpu::from_wire(received.camera), mask.grid.width, mask.grid.height,
                                              scenes::SceneTime(mask.moment.scene_time_us));
   if (!raster) return raster.error();
   const auto sources = reprojection.sources(*raster, (*before)->raster);
@@ -154,9 +126,9 @@ Result<const gpu::SeenMasks*> OwnView::seen() {
   if (seen_) return &*seen_;
   const auto reprojection = view_->reprojection();
   if (!reprojection) return reprojection.error();
-  auto seen =
-      (*reprojection)
-          ->see(to_gpu(masks_->camera), masks_->mask.mask(), scenes::SceneTime(masks_->mask.moment.scene_time_us));
+  auto seen = (*reprojection)
+                  ->see(gpu::from_wire(masks_->camera), masks_->mask.mask(),
+                        scenes::SceneTime(masks_->mask.moment.scene_time_us));
   if (!seen) return seen.error();
   seen_ = std::move(*seen);
   return &*seen_;
@@ -175,8 +147,8 @@ Result<std::optional<OwnView::Outcome>> OwnView::outcome(const Showing& showing)
   trial_.reset();
   if (trial.seen.grid != masks_->mask.grid) return std::optional<Outcome>();
   gpu::Reprojection& reprojection = **view_->reprojection();
-  const auto raster = reprojection.rasterise(to_gpu(shown_part(masks_->camera, size_)), size_.width, size_.height,
-                                             trial.seen.raster.time);
+  const auto raster = reprojection.rasterise(gpu::from_wire(shown_part(masks_->camera, size_)), size_.width,
+                                             size_.height, trial.seen.raster.time);
   if (!raster) return raster.error();
   const auto sources = reprojection.sources(*raster, trial.seen.raster);
   if (!sources) return sources.error();

@@ -60,7 +60,4 @@ class OwnView {
   uint64_t covered_words_ = 0;
 };
 
-gpu::CameraView to_gpu(const protocol::CameraView& camera);
-scenes::Light to_scene(const protocol::LightInfo& light);  // without a name
-
 }  // namespace gnomon::client

@@ -3,11 +3,11 @@
 #include <asio/co_spawn.hpp>
 #include <asio/detached.hpp>
 
-#include "daemon/frame/translate.h"
 #include "daemon/net/answer.h"
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/credentials.h"
 #include "daemon/session/resumption.h"
+#include "gpu/wire/translate.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -242,11 +242,11 @@ void Admission::send_welcome(ControlStream& stream, const Session& session,
   welcome.passes = shared_.config.render.passes;
   welcome.tracer = shared_.tracer;
   welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
-  welcome.scene = manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
+  welcome.scene = gpu::manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
   const LightsUpdate update = shared_.scenes.lights_of(grant.scene_name);
-  welcome.scene.lights = to_wire(update.lights);
+  welcome.scene.lights = gpu::to_wire(update.lights);
   welcome.lights_version = update.version;
-  welcome.motions = to_wire(shared_.catalog.motions(grant.scene_name));
+  welcome.motions = gpu::to_wire(shared_.catalog.motions(grant.scene_name));
   stream.send(welcome);
 }
 

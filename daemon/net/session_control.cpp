@@ -2,7 +2,8 @@
 
 #include <asio/post.hpp>
 
-#include "daemon/frame/translate.h"
+#include "gpu/wire/translate.h"
+
 
 namespace gnomon::daemon {
 namespace {
@@ -136,7 +137,7 @@ void SessionControl::announce_drain(std::chrono::milliseconds deadline) {
 }
 
 void SessionControl::announce_lights(const LightsUpdate& update) {
-  const protocol::LightsChanged message{to_wire(update.lights), update.version};
+  const protocol::LightsChanged message{gpu::to_wire(update.lights), update.version};
   for (const auto& [id, stream] : sessions_.streams()) {
     if (sessions_.find(id)->grant().scene_name == update.scene) stream->send(message);
   }

@@ -2,7 +2,8 @@
 
 #include <utility>
 
-#include "daemon/frame/translate.h"
+#include "gpu/wire/translate.h"
+
 
 namespace gnomon::daemon {
 namespace {
@@ -45,7 +46,7 @@ void FrameJobs::submit(RenderSession& session, const scheduler::Ticket& ticket, 
 void FrameJobs::begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   const ViewRequest view = *std::exchange(session.newest, std::nullopt);
   const SceneId scene = session.grant().scene;
-  const glm::vec3 eye = to_gpu(view.camera).position;
+  const glm::vec3 eye = gpu::from_wire(view.camera).position;
   if (session.quality.adapt(motion_.lights_of(scene), eye, now)) queue_.cut_next_job(session);
   // A frame that is cut holds a slot for long: the last one is for those that are done at once.
   const bool cut = session.next.rows.count < session.quality.grid().tiles_y();
@@ -71,7 +72,7 @@ gpu::RenderJob FrameJobs::job_of(const RenderSession& session, const PartialFram
   gpu::RenderJob job;
   job.id = frame.job;
   job.scene = session.grant().scene;
-  job.camera = to_gpu(frame.meta.spec.camera);
+  job.camera = gpu::from_wire(frame.meta.spec.camera);
   job.width = grid.width;
   job.height = grid.height;
   job.time = motion_.time_of(job.scene, now);

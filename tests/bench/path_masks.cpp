@@ -5,6 +5,7 @@
 
 #include "gpu/passes/passes.h"
 #include "gpu/picture/blocking_frame.h"
+#include "gpu/wire/translate.h"
 #include "tests/bench/report.h"
 
 namespace gnomon::bench {
@@ -36,21 +37,14 @@ std::span<char> bytes_of(std::vector<uint64_t>& words) {
   return {reinterpret_cast<char*>(words.data()), words.size() * sizeof(uint64_t)};
 }
 
-// The cameras are made anew: only what is rendered is worth keeping.
-protocol::CameraView to_wire(const gpu::CameraView& camera) {
-  const glm::vec3& p = camera.position;
-  const glm::quat& q = camera.orientation;
-  return {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}, camera.tan_left,  camera.tan_right,
-          camera.tan_up,   camera.tan_down,      camera.near_plane};
-}
-
+// The cameras are made again, as only what is rendered is worth keeping.
 void place_cameras(const scenes::Scene& scene, const PathPlan& plan, PathMasks& masks) {
   for (uint32_t i = 0; i < plan.spots; ++i) {
     PathSpot& spot = masks.spots[i];
     const double seconds = path_seconds(scene) * (i + 0.5) / plan.spots;
-    spot.now.camera = to_wire(camera_on_path(scene, seconds, plan.size));
+    spot.now.camera = gpu::to_wire(camera_on_path(scene, seconds, plan.size));
     for (size_t age = 0; age < plan.ages_ms.size(); ++age)
-      spot.before[age].camera = to_wire(camera_on_path(scene, seconds - plan.ages_ms[age] / 1e3, plan.size));
+      spot.before[age].camera = gpu::to_wire(camera_on_path(scene, seconds - plan.ages_ms[age] / 1e3, plan.size));
   }
 }
 

@@ -21,6 +21,15 @@ Result<std::vector<Bytes>> frame_bodies() {
   return bodies;
 }
 
+struct Seals {
+  Seal server, client;
+};
+
+Seals seals(CipherId cipher) {
+  return {.server{kBenchSession, cipher, kBenchSecrets, Side::server},
+          .client{kBenchSession, cipher, kBenchSecrets, Side::client}};
+}
+
 size_t bytes_of(const std::vector<Bytes>& datagrams) {
   size_t sum = 0;
   for (const Bytes& datagram : datagrams) sum += datagram.size();
@@ -46,8 +55,7 @@ Result<std::vector<ordered_json>> seal_alone(const TransportOptions& options) {
   const std::vector<Bytes>& bodies = *made;
   std::vector<ordered_json> rows;
   for (const CipherId cipher : kCiphers) {
-    Seal server(kBenchSession, cipher, kBenchSecrets, Side::server),
-        client(kBenchSession, cipher, kBenchSecrets, Side::client);
+    auto [server, client] = seals(cipher);
     std::vector<Bytes> datagrams(bodies.size());
     double open_s = 0;
     size_t opened = 0, frames = 0;
@@ -76,8 +84,7 @@ Result<std::vector<ordered_json>> forgeries(const TransportOptions& options) {
   const std::vector<Bytes>& bodies = *made;
   std::vector<ordered_json> rows;
   for (const CipherId cipher : kCiphers) {
-    Seal server(kBenchSession, cipher, kBenchSecrets, Side::server),
-        client(kBenchSession, cipher, kBenchSecrets, Side::client);
+    auto [server, client] = seals(cipher);
     Bytes datagram;
     server.seal(protocol::DatagramKind::frame_slice, bodies.front(), datagram);
     size_t accepted = 0;

@@ -9,6 +9,7 @@
 #include "gpu/passes/passes.h"
 #include "gpu/passes/seen_view.h"
 #include "gpu/picture/reprojection.h"
+#include "gpu/wire/translate.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/eval/path_errors.h"
 #include "tests/unit/gpu/embree_oracle.h"
@@ -144,9 +145,9 @@ TEST_P(FullSizeError, FourFramesAheadIsAtMostTwoPercentOfEachLight) {
   for (uint32_t pair = 0; pair < kPairs; ++pair) {
     const uint32_t now = (2 * pair + 1) * frames / (2 * kPairs);
     const auto camera = [&](uint32_t frame) { return client::view_of(pose_of(scene, fps, frame), kSize); };
-    const gpu::CameraView seen_camera = client::to_gpu(camera(now - kAhead));
+    const gpu::CameraView seen_camera = gpu::from_wire(camera(now - kAhead));
     const Look seen = eye.look(seen_camera, kSize.traced_width(), kSize.traced_height());
-    const Look fresh = eye.look(client::to_gpu(client::shown_part(camera(now), kSize)), kSize.width, kSize.height);
+    const Look fresh = eye.look(gpu::from_wire(client::shown_part(camera(now), kSize)), kSize.width, kSize.height);
     const auto raster = [&](const Look& look) {
       return reprojection.raster_of(look.camera, look.grid.width, look.grid.height, look.ids).value();
     };

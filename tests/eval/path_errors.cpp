@@ -8,6 +8,7 @@
 #include "client/view/own_view.h"
 #include "gpu/passes/passes.h"
 #include "gpu/picture/reprojection.h"
+#include "gpu/wire/translate.h"
 
 namespace gnomon::eval {
 namespace {
@@ -65,9 +66,9 @@ class PathRenderer {
     const protocol::CameraView view = client::view_of(out.pose, size, centred(size));
     const auto grid = frame_->reserve(size.traced_width(), size.traced_height());
     if (!grid) return grid.error();
-    if (auto rendered = frame_->render(client::to_gpu(view), *grid); !rendered) return rendered.error();
+    if (auto rendered = frame_->render(gpu::from_wire(view), *grid); !rendered) return rendered.error();
     const auto ids = copied<uint32_t>(frame_->host(gpu::resource::kHostIds), size_t{grid->width} * grid->height);
-    auto traced = reprojection_->raster_of(client::to_gpu(view), grid->width, grid->height, ids);
+    auto traced = reprojection_->raster_of(gpu::from_wire(view), grid->width, grid->height, ids);
     if (!traced) return traced.error();
     auto shown = shown_part(ids, view);
     if (!shown) return shown.error();
@@ -92,7 +93,7 @@ class PathRenderer {
     for (uint32_t y = 0; y < size.height; ++y)
       std::copy_n(&traced[size_t{place.top + y} * size.traced_width() + place.left], size.width,
                   &ids[size_t{y} * size.width]);
-    return reprojection_->raster_of(client::to_gpu(client::shown_part(view, size)), size.width, size.height, ids);
+    return reprojection_->raster_of(gpu::from_wire(client::shown_part(view, size)), size.width, size.height, ids);
   }
 
   scenes::ScenePtr scene_;

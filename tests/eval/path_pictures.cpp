@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "client/view/own_view.h"
+#include "gpu/wire/translate.h"
 #include "tests/eval/path_errors.h"
 
 namespace gnomon::eval {
@@ -24,7 +25,7 @@ Result<PathPictures> PathPictures::create(const Plan& plan) {
   if (!view) return view.error();
   made.view_ = std::move(*view);
   const auto first = client::view_of(pose_of(plan.scene, plan.fps, 0), plan.size);
-  const auto exposure = made.view_->suggest_exposure(client::to_gpu(first));
+  const auto exposure = made.view_->suggest_exposure(gpu::from_wire(first));
   if (!exposure) return exposure.error();
   made.exposure_ = *exposure;
   return made;
@@ -34,7 +35,7 @@ Result<PathPictures::Frame> PathPictures::trace(uint32_t number) {
   Frame frame;
   frame.number = number;
   frame.camera = client::view_of(pose_of(plan_.scene, plan_.fps, number), plan_.size, centred(plan_.size));
-  const gpu::CameraView camera = client::to_gpu(frame.camera);
+  const gpu::CameraView camera = gpu::from_wire(frame.camera);
   const auto probed = probe_->render(camera, plan_.size.traced_width(), plan_.size.traced_height());
   if (!probed) return probed.error();
   const auto reprojection = view_->reprojection();
@@ -51,7 +52,7 @@ Result<Picture> PathPictures::shade(const Frame& now, const Frame& seen) {
   options.exposure = exposure_;
   const auto& size = plan_.size;
   auto image =
-      view_->predict(client::to_gpu(shown_part(now.camera, size)), size.width, size.height, seen.seen, options);
+      view_->predict(gpu::from_wire(shown_part(now.camera, size)), size.width, size.height, seen.seen, options);
   if (!image) return image.error();
   Picture picture;
   picture.width = image->width;

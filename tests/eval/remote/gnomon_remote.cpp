@@ -1,6 +1,5 @@
 // gnomon-remote: full remote rendering, for comparison: a server that shades and streams H.264 and a client that
 // only decodes, in one process, with a simulated link between them. Says how good, how late and how large.
-#include <CLI/CLI.hpp>
 #include <asio/io_context.hpp>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include <thread>
 
 #include "client/cli/options.h"
+#include "client/cli/program.h"
 #include "client/cli/report.h"
 #include "client/media/scene_file.h"
 #include "client/media/video_file.h"
@@ -205,10 +205,5 @@ Result<void> run(const Arguments& a) {
 int main(int argc, char** argv) {
   CLI::App app("Full remote rendering over a simulated link, for comparison with visibility streaming.",
                "gnomon-remote");
-  Arguments arguments;
-  declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  const auto done = run(arguments);
-  if (!done) std::fprintf(stderr, "gnomon-remote: %s\n", done.error().message.c_str());
-  return done ? 0 : 1;
+  return client::run_program(app, argc, argv, declare, run);
 }

@@ -7,6 +7,7 @@
 #include "client/view/own_view.h"
 #include "gpu/passes/passes.h"
 #include "gpu/picture/blocking_frame.h"
+#include "gpu/wire/translate.h"
 #include "tests/system/e2e/bad_link.h"
 #include "tests/system/e2e/flier.h"
 
@@ -98,7 +99,7 @@ class Judge {
     grid_ = frame_->reserve(size.width, size.height).value();
   }
   size_t wrong_bits(const Seen& seen) {
-    EXPECT_TRUE(frame_->render(client::to_gpu(seen.camera), grid_));
+    EXPECT_TRUE(frame_->render(gpu::from_wire(seen.camera), grid_));
     const auto words = words_of(gpu::resource::kHostMasks), valid_bits = words_of(gpu::resource::kHostValidBits);
     EXPECT_EQ(seen.words.size(), words.size());
     size_t wrong = 0;

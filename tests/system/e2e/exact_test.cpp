@@ -7,6 +7,7 @@
 #include "client/media/png.h"
 #include "client/view/own_view.h"
 #include "gpu/vulkan_renderer.h"
+#include "gpu/wire/translate.h"
 #include "tests/system/e2e/daemon.h"
 #include "tests/system/e2e/flier.h"
 #include "tests/system/e2e/own_renderer.h"
@@ -68,7 +69,7 @@ TEST(Exact, AFreshFrameIsTheLocalPicturePixelForPixel) {
       received->mask.words = words;
       return view->shade({.index = index, .camera = frame.camera, .seen = received});
     };
-    const auto traced = probe->render(client::to_gpu(frame.camera), size.traced_width(), size.traced_height(), {});
+    const auto traced = probe->render(gpu::from_wire(frame.camera), size.traced_width(), size.traced_height(), {});
     ASSERT_TRUE(traced) << traced.error().message;
     const auto received = picture_of(frame.words), made_here = picture_of(traced->words);
     ASSERT_TRUE(received && made_here);

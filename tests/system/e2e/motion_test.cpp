@@ -8,6 +8,7 @@
 
 #include "client/view/own_view.h"
 #include "gpu/vulkan_renderer.h"
+#include "gpu/wire/translate.h"
 #include "tests/system/e2e/daemon.h"
 #include "tests/system/e2e/flier.h"
 #include "tests/unit/scenes/support/gltf_file.h"
@@ -86,7 +87,7 @@ std::vector<uint64_t> masks_of(const scenes::ScenePtr& scene, const protocol::Ca
   auto renderer = gpu::make_renderer(options).value();
   if (!renderer->make_resident(SceneId{0}, scene)) return {};
   std::promise<std::vector<uint64_t>> words;
-  const gpu::RenderJob job{JobId{0}, SceneId{0}, client::to_gpu(camera), kSmall.width, kSmall.height};
+  const gpu::RenderJob job{JobId{0}, SceneId{0}, gpu::from_wire(camera), kSmall.width, kSmall.height};
   const auto submitted =
       renderer->submit(job, [&](gpu::FrameDone done) { words.set_value(unpacked(done.mask.mask())); });
   return submitted ? words.get_future().get() : std::vector<uint64_t>{};
@@ -96,7 +97,7 @@ std::vector<uint64_t> masks_of(const scenes::ScenePtr& scene, const protocol::Ca
 std::shared_ptr<scenes::Scene> stopped_at(const scenes::Scene& scene, const FlierFrame& frame) {
   auto with_lights = scene;
   for (size_t i = 0; i < scene.lights.size(); ++i) {
-    with_lights.lights[i] = client::to_scene(frame.lights.at(i));
+    with_lights.lights[i] = gpu::from_wire(frame.lights.at(i));
     with_lights.lights[i].moved_by = scene.lights[i].moved_by;
   }
   return scenes::frozen_at(with_lights, scenes::SceneTime(frame.moment.scene_time_us));
@@ -152,10 +153,10 @@ TEST(Motion, APictureIsThatOfTheSceneStopped) {
     const std::vector<uint64_t> words = masks_of(stopped, frame->camera);
     gpu::ShadeOptions shade;
     const auto expected =
-        (*other)->render(client::to_gpu(frame->camera), grid.width, grid.height, {grid, words}, shade);
+        (*other)->render(gpu::from_wire(frame->camera), grid.width, grid.height, {grid, words}, shade);
     shade.time = scenes::SceneTime(frame->moment.scene_time_us);
     const auto picture =
-        (*own)->render(client::to_gpu(frame->camera), grid.width, grid.height, {grid, frame->words}, shade);
+        (*own)->render(gpu::from_wire(frame->camera), grid.width, grid.height, {grid, frame->words}, shade);
     ASSERT_TRUE(expected && picture);
     EXPECT_EQ(picture->rgba, expected->rgba) << frame->moment.scene_time_us;
     EXPECT_GT(std::set<uint8_t>(picture->rgba.begin(), picture->rgba.end()).size(), 20u);

@@ -7,6 +7,7 @@
 
 #include "client/view/own_view.h"
 #include "gpu/vulkan_renderer.h"
+#include "gpu/wire/translate.h"
 #include "scenes/loader.h"
 
 namespace gnomon::tests {
@@ -22,7 +23,7 @@ class OwnRenderer {
     if (!renderer_) return {};
     auto words = std::make_shared<std::promise<std::vector<uint64_t>>>();
     gpu::RenderJob job;
-    job.camera = client::to_gpu(camera);
+    job.camera = gpu::from_wire(camera);
     job.width = size.traced_width();
     job.height = size.traced_height();
     const auto submitted =

@@ -7,14 +7,7 @@
 namespace gnomon::client {
 namespace {
 
-using tests::FakeServer;
-using tests::kGrid;
-using tests::kHeight;
-using tests::kLights;
-using tests::kWidth;
-using tests::options_for;
-using tests::Peer;
-using tests::Watched;
+using namespace tests;
 using namespace std::chrono_literals;
 
 TEST(Connection, SaysHelloAndIsWelcomed) {

@@ -9,15 +9,7 @@
 namespace gnomon::client {
 namespace {
 
-using tests::camera_at;
-using tests::FakeServer;
-using tests::kGrid;
-using tests::kHeight;
-using tests::kLights;
-using tests::kWidth;
-using tests::options_for;
-using tests::Peer;
-using tests::Watched;
+using namespace tests;
 using namespace std::chrono_literals;
 
 TEST(Stream, AnswersBelongToTheirCameras) {

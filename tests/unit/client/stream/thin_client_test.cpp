@@ -10,13 +10,7 @@
 namespace gnomon::client {
 namespace {
 
-using tests::camera_at;
-using tests::FakeServer;
-using tests::kGrid;
-using tests::kHeight;
-using tests::kLights;
-using tests::kWidth;
-using tests::Peer;
+using namespace tests;
 using namespace std::chrono_literals;
 
 ThinClientOptions options_for(const Address& server, Mode mode, size_t ahead) {

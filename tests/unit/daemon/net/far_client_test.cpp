@@ -2,6 +2,7 @@
 // is right, and nothing of it is taken for a broken server's.
 #include "client/stream/visibility_stream.h"
 #include "client/view/own_view.h"
+#include "gpu/wire/translate.h"
 #include "protocol/pin.h"
 #include "tests/tools/netsim/relay.h"
 #include "tests/unit/daemon/net/served.h"
@@ -69,7 +70,7 @@ TEST_P(FarClient, GetsWhatItAskedForAndNothingWrong) {
   client::VisibilityStream stream(loop, options, {.answer = [&](const client::Answer& answer) {
                                     if (!answer.mask.complete()) return;
                                     ++whole;
-                                    const auto view = client::to_gpu(answer.camera);
+                                    const auto view = gpu::from_wire(answer.camera);
                                     for (size_t word = 0; word < answer.mask.words.size(); ++word)
                                       other += answer.mask.words[word] != fake_word(view, word);
                                   }});

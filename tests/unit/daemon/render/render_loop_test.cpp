@@ -144,15 +144,7 @@ TEST_F(RenderLoopTest, ATenantsRateIsKept) {
   SharingPolicy terms = sharing_policy_of({});
   terms.tenants[0].rates.buffers_per_second = 50;
   loop_->handle(SharingPolicyChanged{terms}, now_);
-  const TimePoint begin = now_;
-  size_t frames = 0;
-  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
-    view(kA, frame);
-    settle();
-    while (fake_->waiting() > 0) fake_->complete();
-    frames += std::exchange(rendered_, {}).size();
-    settle();
-  }
+  const size_t frames = frames_in_2s(kA);
   EXPECT_NEAR(static_cast<double>(frames), 2 * 50 + 5, 2) << "and a burst of 100 ms";
   EXPECT_LT(loop_->wake_at(), TimePoint::max());
 }
@@ -161,15 +153,7 @@ TEST_F(RenderLoopTest, ATenantsShareOfTheDeviceHasACeiling) {
   SharingPolicy terms = sharing_policy_of({});
   terms.tenants[0].rates.gpu_share = 0.2;
   loop_->handle(SharingPolicyChanged{terms}, now_);
-  const TimePoint begin = now_;
-  size_t frames = 0;
-  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
-    view(kA, frame);
-    settle();
-    while (fake_->waiting() > 0) fake_->complete(1ms);
-    frames += std::exchange(rendered_, {}).size();
-    settle();
-  }
+  const size_t frames = frames_in_2s(kA);
   EXPECT_NEAR(static_cast<double>(frames), 2 * 200 + 20, 5) << "of 1 ms each, and a burst of 100 ms at that share";
 }
 
@@ -189,15 +173,7 @@ TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
 TEST_F(RenderLoopTest, AGrantedRateIsKept) {
   const SessionId slow{77};
   open(slow, {.width = 16, .height = 16, .rate_hz = 20});
-  const TimePoint begin = now_;
-  size_t frames = 0;
-  for (uint32_t frame = 1; now_ - begin < 2s; ++frame) {
-    view(slow, frame);
-    settle();
-    while (fake_->waiting() > 0) fake_->complete();
-    frames += std::exchange(rendered_, {}).size();
-    settle();
-  }
+  const size_t frames = frames_in_2s(slow);
   EXPECT_NEAR(static_cast<double>(frames), 2 * 20 + 1, 2);
 }
 

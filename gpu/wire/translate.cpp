@@ -1,11 +1,13 @@
-#include "daemon/frame/translate.h"
+#include "gpu/wire/translate.h"
 
 #include <cmath>
 
-namespace gnomon::daemon {
+namespace gnomon::gpu {
 namespace {
 
 protocol::Vec3 to_wire(glm::vec3 v) { return {v.x, v.y, v.z}; }
+
+glm::vec3 from_wire(const protocol::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 protocol::LightKind to_wire(scenes::LightType type) {
   switch (type) {
@@ -14,6 +16,15 @@ protocol::LightKind to_wire(scenes::LightType type) {
     case scenes::LightType::directional: return protocol::LightKind::directional;
   }
   return protocol::LightKind::point;
+}
+
+scenes::LightType from_wire(protocol::LightKind kind) {
+  switch (kind) {
+    case protocol::LightKind::point: return scenes::LightType::point;
+    case protocol::LightKind::spot: return scenes::LightType::spot;
+    case protocol::LightKind::directional: return scenes::LightType::directional;
+  }
+  return scenes::LightType::point;
 }
 
 protocol::LightInfo to_wire(const scenes::Light& light) {
@@ -40,11 +51,39 @@ protocol::CameraView to_wire(const scenes::CameraPose& pose, float aspect) {
 
 }  // namespace
 
-gpu::CameraView to_gpu(const protocol::CameraView& camera) {
-  const auto& p = camera.position;
+CameraView from_wire(const protocol::CameraView& camera) {
   const auto& q = camera.orientation;
-  return {{p[0], p[1], p[2]}, {q[3], q[0], q[1], q[2]},  // glm takes w first
-          camera.tan_left,    camera.tan_right,         camera.tan_up, camera.tan_down, camera.near_plane};
+  return {.position = from_wire(camera.position),
+          .orientation = glm::quat(q[3], q[0], q[1], q[2]),  // glm takes w first
+          .tan_left = camera.tan_left,
+          .tan_right = camera.tan_right,
+          .tan_up = camera.tan_up,
+          .tan_down = camera.tan_down,
+          .near_plane = camera.near_plane};
+}
+
+protocol::CameraView to_wire(const CameraView& camera) {
+  const glm::quat& q = camera.orientation;
+  return {.position = to_wire(camera.position),
+          .orientation = {q.x, q.y, q.z, q.w},
+          .tan_left = camera.tan_left,
+          .tan_right = camera.tan_right,
+          .tan_up = camera.tan_up,
+          .tan_down = camera.tan_down,
+          .near_plane = camera.near_plane};
+}
+
+scenes::Light from_wire(const protocol::LightInfo& info) {
+  scenes::Light light;
+  light.type = from_wire(info.kind);
+  light.position = from_wire(info.position);
+  light.direction = from_wire(info.direction);
+  light.color = from_wire(info.color);
+  light.intensity = info.intensity;
+  light.range = info.range;
+  light.inner_cone_cos = info.inner_cone_cos;
+  light.outer_cone_cos = info.outer_cone_cos;
+  return light;
 }
 
 std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights) {
@@ -74,4 +113,4 @@ protocol::SceneManifest manifest_of(const scenes::Scene& scene, const std::strin
   return manifest;
 }
 
-}  // namespace gnomon::daemon
+}  // namespace gnomon::gpu

@@ -1,0 +1,42 @@
+// main() of the command-line programs of client/ and of those of tests/ that use it. The only header here with CLI11.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "common/result.h"
+
+namespace gnomon::client {
+
+// Parses the command line into Arguments and runs with them. Returns the exit status: 0 if done, 1 after an error, which
+// goes to standard error behind the program's name; CLI11's own for --help and wrong usage.
+template <class Arguments>
+int run_program(CLI::App& app, int argc, char** argv, void (*declare)(CLI::App&, Arguments&),
+                Result<void> (*run)(const Arguments&)) {
+  Arguments arguments;
+  declare(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  const auto done = run(arguments);
+  if (!done) std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), done.error().message.c_str());
+  return done ? 0 : 1;
+}
+
+// Options that several programs have in the same words.
+inline void declare_server(CLI::App& app, std::string& server) {
+  app.add_option("--server", server, "the daemon's control address")->required()->type_name("HOST:PORT");
+}
+
+inline void declare_codec(CLI::App& app, std::string& codec) {
+  app.add_option("--codec", codec, "tiles_lz4, tiles_context or raw32_lz4; else as the server likes")
+      ->type_name("NAME");
+}
+
+inline void declare_json(CLI::App& app, std::string& file) {
+  app.add_option("--json", file, "where to write the figures")->type_name("FILE");
+}
+
+inline void declare_rate(CLI::App& app, double& rate_hz, const char* help) {
+  app.add_option("--rate", rate_hz, help)->check(CLI::Range(0.0, 1000.0))->type_name("HZ");
+}
+
+}  // namespace gnomon::client
