@@ -136,7 +136,7 @@ TEST_F(SessionTest, AViewWaitsForTheLinkAndANewerOneTakesItsPlace) {
   const auto ended = session.under_way().take_ended();
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->meta.route.frame, FrameId{1});
-  EXPECT_TRUE(ended->whole);
+  EXPECT_TRUE(ended->complete);
   const auto kept = session.views().take(now);
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->frame, FrameId{3});
@@ -154,7 +154,7 @@ TEST_F(SessionTest, FramesWhoseDeadlineIsOverEndAndAreNotWhole) {
   EXPECT_FALSE(session.link().next(kStart + 20ms));
   const auto ended = session.under_way().take_ended();
   ASSERT_TRUE(ended);
-  EXPECT_FALSE(ended->whole);
+  EXPECT_FALSE(ended->complete);
 }
 
 TEST_F(SessionTest, StatsAreTotalsAndMeansOfTheInterval) {
