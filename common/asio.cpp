@@ -1,3 +1,3 @@
-// Asio's own functions, compiled once for the whole program (ASIO_SEPARATE_COMPILATION).
+// Asio's own functions, compiled once for all translation units (ASIO_SEPARATE_COMPILATION).
 #include <asio/impl/src.hpp>
 #include <asio/ssl/impl/src.hpp>

@@ -1,4 +1,5 @@
-// The one clock. Policy code takes a TimePoint as an argument and never reads the clock itself.
+// The one clock of the program, which is monotonic. Policy code takes a TimePoint as an argument and never reads the
+// clock itself.
 #pragma once
 
 #include <chrono>

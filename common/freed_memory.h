@@ -1,4 +1,4 @@
-// Memory that was freed and that the allocator keeps for each thread that ever had it.
+// Returns memory to the system that was freed but that the allocator keeps in its arenas.
 #pragma once
 
 #include <cstdlib>
@@ -9,8 +9,7 @@
 
 namespace gnomon {
 
-// After something large was made and its scratch memory freed: the system gets that back. Takes some milliseconds. Any
-// thread.
+// To be called after a large build has freed its scratch memory. Blocks for some milliseconds. Any thread.
 inline void give_back_freed_memory() {
 #ifdef __GLIBC__
   malloc_trim(0);

@@ -1,4 +1,4 @@
-// Strong ids: a TenantId is not a SessionId, and neither is a number to calculate with.
+// Strong ids: a TenantId does not convert to a SessionId, and neither supports arithmetic.
 #pragma once
 
 #include <compare>
@@ -20,7 +20,7 @@ struct StrongId {
 using TenantId = StrongId<struct TenantTag, uint32_t>;    // index of a tenant in the configuration
 using SessionId = StrongId<struct SessionTag, uint64_t>;  // random; routes datagrams
 using FrameId = StrongId<struct FrameTag, uint32_t>;      // chosen by the client, increasing within a session
-using JobId = StrongId<struct JobTag, uint64_t>;          // unique within a daemon's life
+using JobId = StrongId<struct JobTag, uint64_t>;          // unique within a daemon process
 using SceneId = StrongId<struct SceneTag, uint32_t>;      // index in the scene registry
 
 }  // namespace gnomon

@@ -1,7 +1,7 @@
-// Inbox<T>: how a value reaches the thread that owns the state it changes. Many threads push, one takes.
+// Inbox<T>: a queue to the thread that owns the state which the values change. Many threads push, one takes.
 //
-// A consumer that sleeps on one inbox needs no other lock. After close() pushes are refused, what is queued is
-// still delivered, and then take() returns an empty batch for ever.
+// A consumer that waits on one inbox needs no other lock. After close(), pushes are refused, queued values are still
+// delivered, and then every take() returns an empty batch at once.
 #pragma once
 
 #include <condition_variable>
@@ -16,7 +16,7 @@ namespace gnomon {
 template <class T>
 class Inbox {
  public:
-  // Any thread. False, and the value dropped, once closed.
+  // Any thread. Returns false and drops the value if the inbox is closed.
   bool push(T value) {
     {
       std::lock_guard lock(mutex_);
@@ -27,8 +27,8 @@ class Inbox {
     return true;
   }
 
-  // The owner's thread. Replaces `batch` with everything queued; waits for the first until `deadline`.
-  // An empty batch means that the deadline passed or that the inbox is closed and drained.
+  // The consumer's thread. Replaces `batch` with all queued values; if there are none, waits for the first one until
+  // `deadline`. An empty batch means that the deadline has passed or that the inbox is closed and drained.
   void take(std::vector<T>& batch, TimePoint deadline) {
     batch.clear();
     std::unique_lock lock(mutex_);
@@ -36,7 +36,7 @@ class Inbox {
     batch.swap(queue_);
   }
 
-  // The same without a deadline. An empty batch means closed and drained.
+  // As above, without a deadline: an empty batch means that the inbox is closed and drained.
   void take(std::vector<T>& batch) {
     batch.clear();
     std::unique_lock lock(mutex_);
@@ -44,6 +44,7 @@ class Inbox {
     batch.swap(queue_);
   }
 
+  // Any thread. Idempotent.
   void close() {
     {
       std::lock_guard lock(mutex_);

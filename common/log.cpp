@@ -35,7 +35,8 @@ spdlog::level::level_enum to_spdlog(Level level) {
   return spdlog::level::info;
 }
 
-// Quotes what would break a line or a JSON document: a log line never spans two lines, whatever a client sent.
+// Escapes the characters that would break a line or a JSON document, so that a log line never spans two lines, whatever
+// a client has sent.
 void append_quoted(std::string& out, std::string_view text) {
   out += '"';
   for (const char c : text) {
@@ -82,7 +83,7 @@ void append_value(std::string& out, const Field& field, Format format) {
   }
 }
 
-// A stranger, or a fault that comes with every frame, does not fill the disk.
+// Limits for each event, so that neither an unauthenticated peer nor a fault in every frame can fill the disk.
 constexpr double kLinesAtOnce = 200, kLinesPerSecond = 20;
 
 std::optional<uint64_t> admit(std::string_view event) {

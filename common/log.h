@@ -1,8 +1,10 @@
-// Structured logging: one event a line, `level event key=value ...`. spdlog stands behind this header alone.
+// Structured logging: one event a line, `time level event key=value ...` or a JSON object. No other header exposes
+// spdlog.
 //
 //   log::info("session opened", {{"session", id.value}, {"tenant", name}});
 //
-// Any thread. Nothing secret is ever passed as a field. Repeated events are rate-limited; `left_out` counts them.
+// Any thread. Callers never pass a secret as a field. Each event is rate-limited; the field `left_out` of its next line
+// counts the lines that were suppressed.
 #pragma once
 
 #include <concepts>
@@ -34,7 +36,8 @@ using Fields = std::initializer_list<Field>;
 
 enum class Format { key_value, json };
 
-// Sends lines to standard error. Called once by main; before that, warnings and errors go out as key=value.
+// Selects what is written to standard error, and how. Called once by main; until then, warnings and errors are written
+// as key=value.
 void configure(Level level, Format format);
 void set_level(Level level);
 

@@ -7,8 +7,8 @@ constexpr uint64_t kNoFirstColumn = 0xfefefefefefefefe;
 constexpr uint64_t kNoFirstTwo = 0xfcfcfcfcfcfcfcfc;
 constexpr uint64_t kNoFirstFour = 0xf0f0f0f0f0f0f0f0;
 
-// Bits not known yet take the value of the known ones that `shift` brings to them. Distances that double, the
-// shortest first, find the nearest.
+// Fills bits that are not known from known ones: each unknown bit takes the value of the known bit that `shift` moves
+// onto it. Shifts by doubling distances, the shortest first, find the nearest known bit in logarithmically many steps.
 struct Fill {
   uint64_t value, known;
 

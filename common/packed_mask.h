@@ -1,13 +1,14 @@
-// How masks leave the GPU: a class for each tile of each light, and the words of those tiles alone that need one.
+// The format in which masks leave the GPU: a class for each tile of each light, and words for the mixed tiles only.
 //
-// A bit matters ("care") where a tracer was asked: elsewhere the light shines on nothing that the pixel shows, and
-// shading multiplies the bit by zero. What does not matter is filled in so that the mask becomes cheap to code, by
-// this rule, which makes the same words of the same input everywhere:
+// A bit matters ("care") where a segment was traced: elsewhere the light does not shine on the surface that the pixel
+// shows, and shading multiplies the bit by zero. Bits that do not matter are filled in so that the mask compresses
+// well, by this rule, which gives the same words for the same input everywhere:
 //
 //   tile      all bits that matter are 0: dark; all are 1: lit; none matters: free; else: mixed
 //   free      takes the class of the last tile before it, in its light, that is dark or lit; dark if there is none
 //   mixed     a bit that does not matter takes the value of the nearest one above it in its column that does, else
-//             of the nearest below; a column in which none matters is that of the nearest to the left, else right
+//             of the nearest below; a column in which none matters is copied from the nearest to the left in which one
+//             does, else from the nearest to the right
 #pragma once
 
 #include <cassert>
@@ -24,7 +25,7 @@ enum class PackedClass : uint8_t { dark = 0, lit = 1, mixed = 2, free = 3 };
 
 inline constexpr uint32_t kClassesInWord = 16;
 
-// Borrowed; valid as long as their owner says.
+// A borrowed view of a packed mask; its owner (a frame lease, a PackedMask) states how long it is valid.
 struct PackedMaskView {
   TileGrid grid;
   std::span<const uint32_t> classes;  // two bits for each word of the TileMaskView, the first in the lowest bits
@@ -39,7 +40,8 @@ struct PackedMaskView {
   size_t bytes() const { return classes.size_bytes() + mixed.size_bytes(); }
 };
 
-// Calls uniform(index, lit) or mixed(index, word) for every word in order, free tiles as what they take.
+// Calls uniform(index, lit) or mixed(index, word) for every word in order. Free tiles are reported as uniform, with the
+// class that they take.
 template <class Uniform, class Mixed>
 void for_each_word(const PackedMaskView& packed, Uniform uniform, Mixed mixed) {
   size_t next = 0, index = 0;
@@ -58,18 +60,18 @@ void for_each_word(const PackedMaskView& packed, Uniform uniform, Mixed mixed) {
   assert(next == packed.mixed.size());
 }
 
-// Into grid.word_count() words.
+// Writes all words of the mask. Precondition: words.size() == packed.grid.word_count().
 void unpack(const PackedMaskView& packed, std::span<uint64_t> words);
 std::vector<uint64_t> unpacked(const PackedMaskView& packed);
 
-// The word of a mixed tile.
+// The word of a mixed tile, filled by the rule above. `care` has a 1 for each bit that matters.
 uint64_t filled(uint64_t lit, uint64_t care);
 
-// The same on the CPU, owning what it makes.
+// Packs a mask on the CPU and owns the result.
 class PackedMask {
  public:
   PackedMask() = default;
-  // `care`: of the same grid as `mask`.
+  // `care`: words of the same grid as `mask`, with a 1 for each bit that matters.
   PackedMask(const TileMaskView& mask, std::span<const uint64_t> care);
 
   PackedMaskView view() const { return {grid_, classes_, mixed_}; }

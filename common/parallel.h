@@ -9,7 +9,8 @@
 
 namespace gnomon {
 
-// Calls body(0) ... body(count - 1), each once, in any order; returns when all have. `body` must not throw.
+// Calls body(0) ... body(count - 1), each once, in any order, on up to `threads` threads including the caller's;
+// returns when all calls have returned. `body` must not throw.
 template <class Body>
 void parallel_for(size_t count, unsigned threads, const Body& body) {
   std::atomic<size_t> next{0};

@@ -1,4 +1,4 @@
-// A value that one thread publishes and others look at.
+// A value that one thread publishes and other threads read.
 #pragma once
 
 #include <memory>
@@ -7,8 +7,8 @@
 
 namespace gnomon {
 
-// The newest value that one thread published, for others to look at. Neither side waits for the other's work: what
-// is locked is the exchange of a pointer.
+// Holds the value that was published last; a default-constructed T before that. The lock covers only the exchange of a
+// pointer, so that neither side waits while the other builds or reads a value. Any thread.
 template <class T>
 class Published {
  public:

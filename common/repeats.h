@@ -1,6 +1,6 @@
-// Keeps a log readable: of each event so many lines at once and so many a second; how many were left out is said.
+// Rate-limits log lines: a token bucket for each event, and a count of the lines that were suppressed.
 //
-// One thread at a time. Told the time.
+// The caller serialises all calls and passes the time.
 #pragma once
 
 #include <algorithm>
@@ -19,11 +19,12 @@ class Repeats {
  public:
   Repeats(double burst, double per_second) : burst_(burst), per_second_(per_second) {}
 
-  // How many lines of this event were left out since the last one; empty: leave this one out too.
+  // Returns how many lines of this event were suppressed since the last admitted one; nullopt if this line is to be
+  // suppressed too.
   std::optional<uint64_t> admit(std::string_view event, TimePoint now) {
     auto found = events_.find(event);
     if (found == events_.end()) {
-      // Events are literals of the program: their number has a bound.
+      // Events are string literals of the program, so the map has a bounded size.
       found = events_.emplace(std::string(event), Event{burst_, now, 0}).first;
     }
     Event& known = found->second;

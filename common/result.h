@@ -1,6 +1,7 @@
-// Result<T>: a value or an Error, with the member names of std::expected (which g++ 12 has only in C++23).
+// Result<T>: a value or an Error, with the member names of std::expected, which C++20 does not have.
 //
-// For errors of start-up (printed once by main) and those expected at run time. A bug is an assert, not a Result.
+// It is used for errors at start-up (printed once by main) and for errors that are expected at run time. A bug is an
+// assert, not a Result.
 #pragma once
 
 #include <cassert>
@@ -10,7 +11,7 @@
 
 namespace gnomon {
 
-// What went wrong, for a person: one sentence that names the file, the key or the number at fault.
+// An error message for a person: one sentence that names the file, the key or the number at fault.
 struct Error {
   std::string message;
 };

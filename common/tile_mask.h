@@ -1,10 +1,10 @@
-// The shape of the product: one bit per light per pixel, kept as 8x8-pixel tiles of 64 bits.
+// A visibility mask: one bit for each light and pixel, stored as 8x8-pixel tiles of 64 bits.
 //
-// A frame of `lights` lights has words()[light * tile_count + tile_y * tiles_x + tile_x]; within a word, the bit of
-// pixel (x, y) of the tile is number y * 8 + x, counted from the least significant. 1: the light sees the surface.
-// Of a tracer, the bits of pixels beyond the right and lower edge of a picture whose size is no multiple of 8, of
-// pixels that show no surface, and of lights that do not shine on it (behind it, out of range or cone) are 0. Once
-// packed they may have any value (common/packed_mask.h).
+// The word of a tile is words[light * tile_count + tile_y * tiles_x + tile_x]; within a word, the bit of pixel (x, y)
+// of the tile is number y * 8 + x, counted from the least significant. 1: the light sees the surface. A tracer leaves 0
+// in the bits of pixels beyond the right and lower edge of a picture whose size is not a multiple of 8, of pixels that
+// show no surface, and of lights that do not shine on the surface (behind it, out of range or cone). After packing,
+// these bits may have any value (common/packed_mask.h).
 #pragma once
 
 #include <cstddef>
@@ -24,11 +24,11 @@ struct TileGrid {
   constexpr uint32_t tiles_y() const { return (height + kTileSize - 1) / kTileSize; }
   constexpr uint32_t tile_count() const { return tiles_x() * tiles_y(); }
   constexpr size_t word_count() const { return size_t{lights} * tile_count(); }
-  constexpr uint64_t bits() const { return uint64_t{width} * height * lights; }  // of pixels
+  constexpr uint64_t bits() const { return uint64_t{width} * height * lights; }  // without those beyond the edges
   friend constexpr bool operator==(const TileGrid&, const TileGrid&) = default;
 };
 
-// Rows of tiles, from the top.
+// A range of rows of tiles, counted from the top.
 struct TileRows {
   uint32_t first = 0;
   uint32_t count = 0;
@@ -37,7 +37,7 @@ struct TileRows {
   friend constexpr bool operator==(const TileRows&, const TileRows&) = default;
 };
 
-// Borrowed words of one frame; valid as long as their owner (a frame lease, a decoder) says.
+// Borrowed words of one frame; their owner (a frame lease, a decoder) states how long they are valid.
 struct TileMaskView {
   TileGrid grid;
   std::span<const uint64_t> words;  // grid.word_count() of them

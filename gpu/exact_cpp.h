@@ -1,4 +1,4 @@
-// gpu/shaders/exact.glsl as C++, for tests and CPU-side builders: the same arithmetic that the shaders do.
+// gpu/shaders/exact.glsl as C++, for tests and CPU-side builders: the same arithmetic as in the shaders.
 //
 // Compile users with -ffp-contract=off, or products and sums may fuse and differ from the shader's in the last bit.
 #pragma once

@@ -7,7 +7,7 @@
 namespace gnomon::gpu {
 namespace {
 
-constexpr uint32_t kTrials = 8;  // of each; the best counts: a card that was idle takes some to wake up
+constexpr uint32_t kTrials = 8;  // of each way; the best counts, because an idle device raises its clock slowly
 constexpr uint32_t kWidth = 1280, kHeight = 720;
 
 // A hilly floor of 2 x 300 x 300 triangles below the camera.
@@ -76,7 +76,7 @@ Result<std::string> choose_raster(const DevicePtr& device, std::string_view want
   if (!possible || device->info().type == VK_PHYSICAL_DEVICE_TYPE_CPU) return hardware;
   const auto scene = ResidentScene::create(device, trial_scene(), nullptr);
   if (!scene) return scene.error();
-  // In turns: what is tried first must not pay for a clock that is still low.
+  // The two ways take turns, so that neither is measured at a lower clock only.
   uint64_t best[2] = {UINT64_MAX, UINT64_MAX};
   for (int turn = 0; turn < 4; ++turn) {
     const auto ns = best_ns(device, **scene, turn % 2 == 0 ? "gbuffer" : "gbuffer_compute");

@@ -47,7 +47,7 @@ class VulkanRenderer : public Renderer {
     scenes_.bring(id, scene, std::move(resident), std::move(wake));
   }
   void evict(SceneId id) override {
-    start_pending();  // what the scene parks is freed when all that was started before has passed
+    start_pending();  // the scene's objects are freed when the device has passed all submits started before
     scenes_.evict(id);
   }
   void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
@@ -134,7 +134,7 @@ class VulkanRenderer : public Renderer {
   void abandon(JobId id) override {
     const auto found = partial_frames_.find(id);
     if (found == partial_frames_.end()) return;
-    start_pending();  // what is recorded of the frame refers to its slot
+    start_pending();  // the frame's pending submits refer to its slot
     queue_of(found->second.slot).give_back_later(found->second.slot);
     partial_frames_.erase(found);
   }

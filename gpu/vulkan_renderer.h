@@ -13,19 +13,19 @@
 namespace gnomon::gpu {
 
 struct RendererOptions {
-  std::string device;           // "" the best one, an index, a type (cpu, discrete, ...) or part of a name
+  std::string device;           // "" for the best one, an index, a type (cpu, discrete, ...) or part of a name
   std::string tracer = "auto";  // see make_tracer
   std::string raster = "auto";  // see choose_raster
   TracerOptions tracer_options;
   std::vector<std::string> passes{"gbuffer", "trace", "pack", "readback"};
   uint32_t frames_in_flight = 3;
-  uint32_t queues = 1;          // that frames are spread over: they overlap on the device; fewer where it has fewer
-  bool wait_for_builds = true;  // before a scene is resident; false: rebuild_lights builds what takes long
+  uint32_t queues = 1;          // that frames are spread over, so that they overlap; at most as the device has
+  bool wait_for_builds = true;  // a scene is resident after all builds; false: rebuild_lights does the long ones
   ValidationOptions validation;
 };
 
-// Error: no such device, tracer or pass; out of memory. Leases may outlive the renderer: the device is closed when
-// the last one is dropped. Destroying the renderer waits for the frames in flight and delivers them.
+// Error: there is no such device, tracer or pass; or out of memory. Leases may outlive the renderer: the device is
+// closed when the last lease is dropped. Destroying the renderer waits for the frames in flight and delivers them.
 Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options);
 
 }  // namespace gnomon::gpu

@@ -12,7 +12,7 @@
 namespace gnomon::scenes {
 namespace {
 
-// Raised when what is hashed changes, so that old caches are not taken for new ones.
+// To be increased whenever the hash covers something else, so that old caches are not mistaken for current ones.
 constexpr uint32_t kVersion = 2;
 
 class Hasher {
@@ -84,7 +84,7 @@ class Walk {
     hasher_.add(count_);
   }
 
-  // Scenes at rest hash as if nothing could move.
+  // Adds nothing for a scene at rest.
   void motion() {
     if (scene_.moving_nodes.empty()) return;
     const std::vector<Instance> moved = moved_instances(scene_, SceneTime(0));
@@ -111,7 +111,7 @@ class Walk {
       const glm::uvec3 t = wound(triangle, mirrored);
       const glm::vec3 corners[3] = {positions[t.x], positions[t.y], positions[t.z]};
       if (!has_area(face_normal(corners[0], corners[1], corners[2]))) continue;
-      if (double_sided != double_sided_) hasher_.add(count_);  // where the sides change
+      if (double_sided != double_sided_) hasher_.add(count_);  // the triangle at which it changes
       double_sided_ = double_sided;
       for (const glm::vec3& p : corners) grow({p, p});
       hasher_.add_bytes(corners, sizeof corners);

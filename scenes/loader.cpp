@@ -23,10 +23,10 @@ namespace {
 using gltf::Document;
 using gltf::PlacedNode;
 
-// Beyond this, areas and distances leave the range of floats.
+// Metres. Beyond this, areas and distances leave the range of floats.
 constexpr float kFarthest = 1e9f;
 
-// Fills a scene from the placed nodes, reading each mesh when the first node uses it.
+// Builds a scene from the placed nodes; each mesh is read when the first node uses it.
 class Assembly {
  public:
   Assembly(Document& document, const LoadLimits& limits, const std::vector<NodeMotion>& motions)
@@ -92,7 +92,7 @@ class Assembly {
     return index;
   }
 
-  // By the corners of the primitives' boxes: an affine image of a box holds that of what is in it.
+  // Tests the corners of the primitives' boxes, because an affine image of a box contains the image of its content.
   Result<void> check_extent(const Mesh& mesh, const Instance& instance) {
     for (const Primitive& primitive : mesh.primitives) {
       Bounds box{primitive.positions.front(), primitive.positions.front()};
@@ -126,7 +126,7 @@ class Assembly {
     return {};
   }
 
-  // What moves is put where it is at time 0; the places in the file were those without animation.
+  // Moves the animated instances and lights to their places at time 0; the file's places are those without animation.
   Result<void> set_in_motion(gltf::MovingNodes& moving) {
     const auto period = moving.fill_period();
     if (!period) return period.error();
@@ -156,7 +156,7 @@ class Assembly {
   std::vector<uint32_t> mesh_index_;  // for each mesh of the file: index into Scene::meshes
 };
 
-// Vertices that move within their mesh: who made the file should know that they do not here.
+// Warns that skins and morph targets are not animated, so that their vertices stay as stored.
 void tell_what_stays_as_stored(const std::filesystem::path& file, const tinygltf::Model& model) {
   const auto warn = [&](std::string_view event, size_t count) {
     if (count > 0) log::warning(event, {{"file", file.string()}, {"count", count}});
@@ -181,7 +181,7 @@ Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, con
   }
 }
 
-// Messages quote names of the file, which may hold anything; they stay one line, and not a long one.
+// Messages quote names from the file, which are untrusted: the result is one line of limited length.
 Error about(const std::filesystem::path& file, std::string message) {
   constexpr size_t kLongest = 400;
   if (message.size() > kLongest) message.replace(kLongest, std::string::npos, "...");

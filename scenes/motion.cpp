@@ -8,10 +8,10 @@
 namespace gnomon::scenes {
 namespace {
 
-constexpr size_t kEvenSamples = 128;          // of a period, beside those at the keys
-constexpr size_t kMaxWork = size_t{1} << 24;  // transforms that sampling may cost
+constexpr size_t kEvenSamples = 128;          // steps of a period that are sampled beside the keys
+constexpr size_t kMaxWork = size_t{1} << 24;  // transforms that sampling may compute
 
-// Of all moving nodes.
+// Node to world of each moving node.
 std::vector<glm::dmat4> transforms_at(const Scene& scene, double seconds) {
   std::vector<glm::dmat4> to_world;
   to_world.reserve(scene.moving_nodes.size());
@@ -26,7 +26,7 @@ std::vector<glm::dmat4> transforms_at(const Scene& scene, double seconds) {
 
 double in_seconds(SceneTime time) { return static_cast<double>(time.count()) * 1e-6; }
 
-// Increasing: all keys, and steps of equal length; thinned out where there are too many.
+// The times to sample, increasing: all keys, and steps of equal length; thinned out if there are too many.
 std::vector<double> sample_times(const Scene& scene) {
   std::vector<double> times;
   for (const MovingNode& node : scene.moving_nodes) {
@@ -48,7 +48,7 @@ std::vector<double> sample_times(const Scene& scene) {
 
 using Corners = std::array<glm::vec3, 8>;
 
-// Of the box around a mesh.
+// The corners of the box around a mesh. Precondition: the mesh has a primitive with positions.
 Corners corners_of(const Mesh& mesh) {
   Bounds box{mesh.primitives[0].positions[0], mesh.primitives[0].positions[0]};
   for (const Primitive& primitive : mesh.primitives) {
@@ -65,12 +65,12 @@ Corners corners_of(const Mesh& mesh) {
   return corners;
 }
 
-// An instance's box on its way.
+// Accumulates the bounds of one instance's box over the samples.
 struct Sweep {
   Corners corners;
   uint32_t moved_by;
   Corners last{};
-  float farthest = 0;  // that a corner moves from one sample to the next
+  float farthest = 0;  // largest distance that a corner moves from one sample to the next
   Bounds bounds{};
 
   void add(const glm::mat4& to_world, bool first) {

@@ -1,8 +1,8 @@
-// What moves in a scene, and where it is at a time.
+// The motion of a scene: where its moving instances and lights are at a given time.
 //
-// All that moves plays on one clock and begins anew together, every Scene::period: after the longest animation. Where
-// things are is a function of the scene and of a time in whole microseconds alone; who has both, has the same floats.
-// Any thread.
+// All animations share one clock and restart together after Scene::period, the duration of the longest animation. All
+// places are a function of the scene and of a time in whole microseconds only, so that daemon and client compute the
+// same floats. Any thread.
 #pragma once
 
 #include <chrono>
@@ -17,20 +17,20 @@ using SceneTime = std::chrono::microseconds;
 
 inline bool moves(const Scene& scene) { return !scene.moving_nodes.empty(); }
 
-// The time within one period; 0 in a scene where nothing moves.
+// The time within one period; 0 if nothing moves in the scene.
 SceneTime within_period(const Scene& scene, SceneTime since_start);
 
-// The instances that move, where they are at that time: as instances at rest, in their order.
+// The moving instances at their places at that time, in their order, as instances at rest. `time`: within a period.
 std::vector<Instance> moved_instances(const Scene& scene, SceneTime time);
 
-// All lights; those that move where they are at that time. `lights`: the scene's, or what became of them.
+// All of `lights`, the moving ones at their places at that time. `lights`: the scene's, or changed ones in their place.
 std::vector<Light> lights_at(const Scene& scene, const std::vector<Light>& lights, SceneTime time);
 
-// The scene as it is at that time, for ever.
+// A copy of the scene in which everything rests at its place at that time.
 std::shared_ptr<Scene> frozen_at(const Scene& scene, SceneTime time);
 
-// Of whatever moves, at any time, and of `bounds`. Found by sampling the animations, and widened by half of what
-// anything moves from one sample to the next.
+// The bounds of `bounds` and of all moving instances at all times. They are found by sampling the animations; each
+// instance's bounds are widened by half of the farthest that it moves from one sample to the next.
 Bounds moved_bounds(const Scene& scene, const Bounds& bounds);
 
 }  // namespace gnomon::scenes

@@ -1,4 +1,4 @@
-// A way to look at any scene: the view of one that has no camera, and the path of one whose camera stands still.
+// Views of any scene: for scenes without a camera, and for paths where the scene's camera does not move.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -14,7 +14,7 @@ bool inside(const Bounds& bounds, const glm::vec3& p) {
   return glm::all(glm::greaterThan(p, bounds.min)) && glm::all(glm::lessThan(p, bounds.max));
 }
 
-// Lamps stand in the rooms that they light.
+// A scene with a lamp inside its bounds is taken for an interior.
 bool is_interior(const Scene& scene) {
   return std::any_of(scene.lights.begin(), scene.lights.end(), [&](const Light& light) {
     return light.type != LightType::directional && inside(scene.bounds, light.position);

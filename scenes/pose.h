@@ -7,18 +7,18 @@
 
 namespace gnomon::scenes {
 
-// Node to parent.
+// The transform from node to parent. A rotation that cannot be normalised counts as none.
 glm::dmat4 local_transform(const NodeTransform& node);
 
-// Sets the animated property to its value at `seconds`, held before the first key and after the last.
+// Sets the animated property to its value at `seconds`; before the first key and after the last, the key's value holds.
 void apply(const Channel& channel, double seconds, NodeTransform& node);
 
-// Puts a light where a node is: it shines along the node's -Z. False: the node is scaled to nothing and has no
-// direction, which the light then keeps.
+// Moves a light to a node; the light shines along the node's -Z. Returns false if the node has no direction, because it
+// is scaled to 0; the light then keeps its direction.
 bool place_light(const glm::dmat4& node_to_world, Light& light);
 
-// Scale, mirroring and shear of the transform do not reach the pose: it keeps the looking direction, and the up
-// vector as far as it is perpendicular to that.
+// The pose of a camera at a transform. Scale, mirroring and shear are dropped: the pose keeps the viewing direction,
+// and the part of the up vector that is perpendicular to it.
 CameraPose pose_from_transform(const glm::dmat4& camera_to_world, float vertical_fov);
 
 }  // namespace gnomon::scenes

@@ -1,4 +1,4 @@
-// Scenes by name, each loaded once however many clients use it.
+// Scenes by name. Each is loaded once, however many clients use it.
 #pragma once
 
 #include <chrono>
@@ -25,19 +25,19 @@ struct SceneSource {
 struct LoadedScene {
   SceneId id;
   ScenePtr scene;
-  double load_seconds = 0;    // what loading cost
-  uint64_t memory_bytes = 0;  // what it occupies in host memory
+  double load_seconds = 0;
+  uint64_t memory_bytes = 0;  // of host memory
 };
 
-// Any thread. A scene is loaded by the first that asks; those who ask meanwhile wait for it and share it.
+// Any thread. The first caller of get() loads the scene and blocks; concurrent callers wait for it and share the scene.
 class Registry {
  public:
   Registry(std::vector<SceneSource> sources, LoadLimits limits);
 
-  // Error: no such scene, or why it could not be loaded (a later call tries again).
+  // Error: there is no such scene, or it could not be loaded; a later call tries again.
   Result<LoadedScene> get(const std::string& name);
 
-  // The next get() reads the file anew; whoever has the scene keeps it.
+  // Makes the next get() read the file again. Scenes that were returned before stay valid.
   void forget(const std::string& name);
 
   bool knows(const std::string& name) const;

@@ -34,7 +34,7 @@ glm::dvec4 on_spline(const Channel& channel, size_t k, double t, double seconds)
          (t3 - t2) * arriving;
 }
 
-// In doubles, so that machines whose libraries round differently still agree on the floats that become of it.
+// Computes in doubles, so that machines whose libraries round differently agree after the conversion to floats.
 glm::dvec4 sample(const Channel& channel, double seconds) {
   const auto& times = channel.times;
   const bool spline = channel.interpolation == Interpolation::cubic_spline;

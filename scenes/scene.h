@@ -1,7 +1,7 @@
-// A loaded scene: plain data, immutable once loaded, shared by every client of every tenant.
+// A loaded scene: plain data, immutable once loaded, shared by all clients of all tenants.
 //
 // Units and axes are glTF's: metres, right-handed, Y up, a camera looks along its own -Z. Colours are linear.
-// Every index in a Scene is in range and every number finite: the loader has checked, its users need not.
+// Every index in a Scene is in range and every number is finite: the loader checks this, so that users need not.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline constexpr uint32_t kNone = 0xffffffff;
 
 enum class Wrap : uint8_t { repeat, mirrored_repeat, clamp_to_edge };
 
-// An image that some material uses as its base colour: RGBA, 8 bits, rows from the top.
+// An image that a material uses as its base colour: RGBA, 8 bits, rows from the top.
 struct Texture {
   uint32_t width = 0;
   uint32_t height = 0;
@@ -42,7 +42,7 @@ struct Material {
   uint32_t base_color_texture = kNone;  // index into Scene::textures
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
-  // Seen from both sides; else the G-buffer leaves out faces that turn their back. Shadows always count both sides.
+  // Visible from both sides; otherwise the G-buffer leaves out back faces. Both sides always cast shadows.
   bool double_sided = false;
 };
 
@@ -50,7 +50,7 @@ struct Material {
 struct Primitive {
   uint32_t material = 0;
   std::vector<glm::vec3> positions;  // object space
-  std::vector<glm::vec3> normals;    // empty, or one for each position: unit length
+  std::vector<glm::vec3> normals;    // empty, or one for each position, of unit length
   std::vector<glm::vec2> uvs;        // empty, or one for each position (the base colour texture's set)
   std::vector<glm::uvec3> triangles;
 };
@@ -60,10 +60,10 @@ struct Mesh {
   std::vector<Primitive> primitives;
 };
 
-// A mesh placed in the world. Meshes used by several nodes are kept once.
+// A mesh placed in the world. A mesh that several nodes use is stored once.
 struct Instance {
   uint32_t mesh = 0;
-  glm::mat4 object_to_world{1.0f};  // of one that moves: at the scene time 0
+  glm::mat4 object_to_world{1.0f};  // at the scene time 0, if the instance moves
   uint32_t moved_by = kNone;        // index into Scene::moving_nodes
 };
 
@@ -79,7 +79,7 @@ struct Light {
   float range = 0.0f;                      // metres; 0: unlimited
   float inner_cone_cos = 1.0f;             // spot: full intensity inside
   float outer_cone_cos = 0.70710678f;      // spot: nothing outside
-  uint32_t moved_by = kNone;               // index into Scene::moving_nodes; the place above is then that at time 0
+  uint32_t moved_by = kNone;               // index into Scene::moving_nodes; the members above are then of time 0
 };
 
 // A pose with a symmetric perspective.
@@ -94,12 +94,13 @@ struct Camera {
   CameraPose rest;
 };
 
-// The samples of a glTF animation of one property of one node.
+// As in glTF 2.0, appendix C.
 enum class Interpolation : uint8_t { step, linear, cubic_spline };
 
+// The keys of a glTF animation of one property of one node.
 struct Channel {
   enum class Path : uint8_t { translation, rotation, scale };
-  uint32_t node = 0;  // of a camera's path: index into CameraPath::chain
+  uint32_t node = 0;  // index into CameraPath::chain; unused in a MovingNode
   Path path = Path::translation;
   Interpolation interpolation = Interpolation::linear;
   std::vector<float> times;       // seconds, increasing
@@ -114,7 +115,7 @@ struct NodeTransform {
   bool has_matrix = false;
 };
 
-// A camera's path through the scene: the animations of its node and the node's ancestors, evaluated through pose_at.
+// A camera's path through the scene: the animations of its node and the node's ancestors. pose_at evaluates it.
 struct CameraPath {
   uint32_t camera = 0;  // index into Scene::cameras
   float duration_seconds = 0.0f;
@@ -122,24 +123,25 @@ struct CameraPath {
   std::vector<Channel> channels;
 };
 
-// Pose of `path` at `seconds`, clamped to [0, duration].
+// The pose of `path` at `seconds`, which is clamped to [0, duration]. `vertical_fov`: radians.
 CameraPose pose_at(const CameraPath& path, float vertical_fov, float seconds);
 
-// A node with meshes, lights or such nodes below it that an animation moves, itself or through an ancestor. See motion.h.
+// A node that an animation moves, itself or through an ancestor, and that carries a mesh or a light, itself or through
+// a descendant. See motion.h.
 struct MovingNode {
-  uint32_t parent = kNone;          // index into Scene::moving_nodes, always a smaller one
-  glm::dmat4 parent_to_world{1.0};  // where the parent does not move
+  uint32_t parent = kNone;          // index into Scene::moving_nodes, less than this node's own
+  glm::dmat4 parent_to_world{1.0};  // used if `parent` is kNone
   NodeTransform local;
   std::vector<Channel> channels;
 };
 
-// A motion that is given to a node beside the animations of its file.
+// A motion of a node that is configured beside the animations of the file.
 struct NodeMotion {
   enum class Kind : uint8_t { spin, shift };
-  std::string node;                     // its name; all nodes of that name
+  std::string node;                     // applies to all nodes of that name
   Kind kind = Kind::spin;               // turns about an axis of its own, or shifts in its parent's axes and back
-  glm::vec3 vector{0.0f, 1.0f, 0.0f};   // the axis, or how far
-  std::chrono::microseconds period{0};  // of one turn, or of the way there and back
+  glm::vec3 vector{0.0f, 1.0f, 0.0f};   // the axis, or the offset in metres
+  std::chrono::microseconds period{0};  // of one turn, or of one shift there and back
   friend bool operator==(const NodeMotion&, const NodeMotion&) = default;
 };
 
@@ -158,14 +160,15 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<Light> lights;
-  std::vector<Camera> cameras;  // never empty: a scene without one gets a view of its bounds
+  std::vector<Camera> cameras;  // never empty: a file without a camera gets a view of the scene's bounds
   std::vector<CameraPath> paths;
   std::vector<MovingNode> moving_nodes;
-  std::chrono::microseconds period{0};  // after which all moving nodes begin anew
-  Bounds bounds;                        // of what is drawn, in the world, wherever it moves
+  std::chrono::microseconds period{0};  // after which all animations restart
+  Bounds bounds;                        // of what is drawn, in the world, at all scene times
   uint64_t triangle_count = 0;          // in the world: a mesh placed twice counts twice
   // 128 bits over what affects visibility: world triangles in their order, alpha tests, lights and what moves them.
-  // Names, colours, cameras and the way a file arranges its triangles into nodes and meshes do not count (see content_hash.h).
+  // Names, colours, cameras and the way a file arranges its triangles into nodes and meshes do not affect it (see
+  // content_hash.h).
   ContentHash content_hash{};
 
   uint32_t mask_words() const { return (static_cast<uint32_t>(lights.size()) + 31) / 32; }
@@ -174,9 +177,9 @@ struct Scene {
 
 using ScenePtr = std::shared_ptr<const Scene>;
 
-// A pose on a circle around the scene's middle, looking towards it; one turn takes kOrbitSeconds. Within the bounds
-// where a lamp is (an interior), else from outside with all of the scene in view. For scenes without a camera, and
-// for those whose camera stands still where one that moves is wanted.
+// A pose on a circle around the scene's middle, looking towards it; one turn takes kOrbitSeconds. The circle lies
+// within the bounds if a lamp does (an interior), else outside with all of the scene in view. It is used for scenes
+// without a camera, and where a moving camera is wanted but the scene's does not move.
 inline constexpr float kOrbitSeconds = 20.0f;
 CameraPose orbit_pose(const Scene& scene, float seconds);
 

@@ -16,7 +16,8 @@ glm::vec3 unit_or_up(const glm::vec3& v) {
   return std::isnormal(length) ? v / length : kUp;
 }
 
-// Normals go through the inverse transpose: here the cofactors, which need no division and know mirroring.
+// The transform of normals: the cofactor matrix, which is the inverse transpose without its division. The sign for
+// mirroring makes it point outwards again.
 glm::mat3 normal_transform(const glm::mat4& object_to_world, bool mirrored) {
   const glm::vec3 x(object_to_world[0]);
   const glm::vec3 y(object_to_world[1]);
@@ -38,7 +39,7 @@ class Builder {
   }
 
  private:
-  // Corners of a face that has its own normal cannot be shared with its neighbours.
+  // Each face has its own normal, so that neighbours cannot share vertices.
   void append_flat(const Placement& placement) {
     const Primitive& primitive = placement.primitive;
     const std::vector<glm::vec3> positions = placement.world_positions();

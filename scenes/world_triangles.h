@@ -1,5 +1,4 @@
-// The triangles of a scene in the world, in the one order that world meshes and content hashes share. Internal to
-// scenes/.
+// The triangles of a scene in the world, in the order that world meshes and content hashes share. Internal to scenes/.
 #pragma once
 
 #include <cmath>
@@ -10,11 +9,11 @@
 
 namespace gnomon::scenes {
 
-// What a surface does to a shadow segment.
+// Whether a surface blocks a shadow segment.
 enum class Blocking { always, by_alpha, never };
 Blocking blocking_of(const Scene& scene, uint32_t material);
 
-// A primitive where an instance puts it.
+// A primitive and its place in the world.
 struct Placement {
   const Primitive& primitive;
   const glm::mat4& object_to_world;
@@ -29,7 +28,7 @@ struct Placement {
   }
 };
 
-// Of those `instances` that do not move.
+// Visits the primitives of those `instances` that do not move whose material blocks in the `wanted` way, in order.
 template <class Visit>
 void for_each_placement(const Scene& scene, std::span<const Instance> instances, Blocking wanted, Visit visit) {
   for (const Instance& instance : instances) {
@@ -40,14 +39,14 @@ void for_each_placement(const Scene& scene, std::span<const Instance> instances,
   }
 }
 
-// Not unit; its length is twice the area.
+// Not a unit vector; its length is twice the area.
 inline glm::vec3 face_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::vec3& p2) {
   const glm::vec3 a = p1 - p0;
   const glm::vec3 b = p2 - p0;
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// Whether the arithmetic of the tracers, in floats, can normalise the face's normal.
+// Whether the tracers, which compute in floats, can normalise the face's normal.
 inline bool has_area(const glm::vec3& normal) {
   return std::isnormal(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
 }

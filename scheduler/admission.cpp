@@ -6,12 +6,12 @@
 namespace gnomon::scheduler {
 namespace {
 
-// On the device, for each session: triangle ids and depth, and the masks there and on the host.
+// What a session holds in memory: triangle id and depth of each pixel on the device; the masks there and on the host.
 constexpr uint64_t kBytesPerPixel = 8;
 constexpr uint64_t kCopiesOfMasks = 2;
 
 constexpr uint32_t kTileSide = 8;
-constexpr int kSizesTried = 15;  // sixteenths of the asked size
+constexpr int kSizesTried = 15;  // in sixteenths of the requested size
 constexpr double kLeastRate = 1;
 
 uint64_t bits_of(const Demand& d) { return uint64_t{d.width} * d.height * d.lights; }
@@ -34,7 +34,7 @@ void add(Booking& sum, const Booking& b, int sign) {
   sum.memory_bytes += sign > 0 ? b.memory_bytes : 0 - b.memory_bytes;
 }
 
-// Sums of what was added and taken off again differ from 0 by roundings.
+// The tolerance covers rounding: a sum to which bookings were added and released again is not exactly 0.
 bool beyond(double sum, double limit) { return limit > 0 && sum > limit * (1 + 1e-9); }
 
 uint32_t scaled(uint32_t side, int sixteenths) {

@@ -1,7 +1,9 @@
-// Whether the device and a tenant's limits leave room for one more session, and if not, what would fit.
+// Admission control: decides whether the device and a tenant's limits leave room for one more session, and what would
+// fit if they do not.
 //
-// Sessions book what they ask for: rate x (frames, bits, predicted bytes and device time), and memory. One that asks for no rate
-// books no rate: it gets what is left. Pure bookkeeping: no clock, no locks, one thread at a time.
+// A session books what it asks for: rate x (frames, bits, predicted bytes and device time), and memory. A session that
+// asks for no rate books memory alone and gets what the others leave. Pure bookkeeping: it reads no clock and takes no
+// locks; the caller serialises all calls.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +17,10 @@
 
 namespace gnomon::scheduler {
 
-// 0: no limit.
+// What all sessions of one tenant may book together; 0: no limit.
 struct TenantLimits {
   uint32_t sessions = 0;
-  uint32_t width = 0, height = 0;  // of one session
+  uint32_t width = 0, height = 0;  // pixels; of each session
   double buffers_per_second = 0;
   double bits_per_second = 0;
   double bytes_per_second = 0;
@@ -26,13 +28,14 @@ struct TenantLimits {
   uint64_t memory_bytes = 0;
 };
 
+// What a client asks for.
 struct Demand {
-  uint32_t width = 0, height = 0;
+  uint32_t width = 0, height = 0;  // pixels
   uint32_t lights = 0;
-  double rate_hz = 0;
+  double rate_hz = 0;  // 0: no rate
 };
 
-// What one session holds.
+// The resources that one session holds until it is released.
 struct Booking {
   double buffers_per_second = 0;
   double bits_per_second = 0;
@@ -44,20 +47,23 @@ struct Booking {
 enum class Limit { sessions, size, buffers, bits, bytes, gpu_share, memory, capacity };
 std::string_view to_string(Limit limit);
 
-// What would be admitted in its place; 0 where nothing of that kind would.
+// A refusal: the first limit that the demand exceeds, and smaller demands that would be admitted instead; 0 if none.
 struct Misfit {
   Limit limit = Limit::capacity;
-  uint32_t fit_width = 0, fit_height = 0;  // at the asked rate
-  double fit_rate_hz = 0;                  // at the asked size
+  uint32_t fit_width = 0, fit_height = 0;  // at the requested rate
+  double fit_rate_hz = 0;                  // at the requested size
 };
 
 class Admission {
  public:
-  // `capacity`: what all sessions may book of the device together, 1: all of it; 0: no limit. Bookings stay.
+  // `capacity`: the share of the device that all sessions may book together; 1: all of it, 0: no limit. `tenants` is
+  // indexed by TenantId. Existing bookings are kept, even if they exceed the new limits.
   void set_limits(double capacity, std::vector<TenantLimits> tenants);
 
-  // `model`: of the scene that it asks for.
+  // Books the demand if it fits. `model`: the costs of the scene that the client asks for; a model without measurements
+  // predicts no load. Precondition: set_limits has named the tenant.
   std::variant<Booking, Misfit> book(TenantId tenant, const Demand& demand, const CostModel& model);
+  // Precondition: `booking` was returned by book() for this tenant and was not released yet.
   void release(TenantId tenant, const Booking& booking);
 
   uint32_t sessions(TenantId tenant) const { return booked_[tenant.value].sessions; }

@@ -6,14 +6,14 @@
 namespace gnomon::scheduler {
 namespace {
 
-constexpr double kForget = 0.98;      // weight of what is one measurement older: about 50 count
-constexpr double kOutlier = 4;        // times the usual error
-constexpr double kLeastError = 0.05;  // of the value itself: what is nearer is usual
-constexpr uint64_t kTrusting = 8;     // measurements that are believed as they are
+constexpr double kForget = 0.98;      // weight of a measurement relative to the next one: about 50 count
+constexpr double kOutlier = 4;        // multiple of the usual error beyond which a measurement is an outlier
+constexpr double kLeastError = 0.05;  // lower bound of the usual error, as a share of the prediction
+constexpr uint64_t kTrusting = 8;     // measurements of a new size that no outlier test is applied to
 constexpr double kGuessPerBit = 0.5;  // ns; between a GPU and a CPU
 
 constexpr double kViewForget = 0.7;
-constexpr double kViewRange = 4;  // a view costs no more and no less than so many times the model's
+constexpr double kViewRange = 4;  // a view's factor stays between 1 / kViewRange and kViewRange
 
 double in_ns(Nanoseconds d) { return static_cast<double>(d.count()); }
 Nanoseconds from_ns(double ns) { return Nanoseconds(static_cast<int64_t>(std::max(0.0, ns))); }
@@ -25,7 +25,8 @@ double mean(double old, double value, uint64_t measurements) {
 
 }  // namespace
 
-// Beyond what was met so far by half, the line is only a guess.
+// Whether the outlier test is skipped for this measurement: more than half as far again beyond the sizes measured so
+// far, the line is an extrapolation, and the next kTrusting measurements are taken as they are.
 bool RobustLine::believes(double x) {
   if (measurements_ == 0) least_x_ = most_x_ = x;
   const bool new_size = x > 1.5 * most_x_ || 1.5 * x < least_x_;
@@ -56,7 +57,7 @@ void RobustLine::learn(double x, double y) {
 void RobustLine::fit() {
   const double spread = n_ * xx_ - x_ * x_;
   const double through_origin = xx_ > 0 ? xy_ / xx_ : 0;
-  if (spread < 0.01 * n_ * xx_) {  // sizes that hardly differ say nothing of a constant
+  if (spread < 0.01 * n_ * xx_) {  // sizes that hardly differ do not determine the constant
     slope_ = std::max(0.0, through_origin);
     constant_ = xx_ > 0 ? 0 : y_ / n_;
     return;
@@ -101,7 +102,7 @@ Nanoseconds ViewFactor::apply(const Cost& predicted) const {
 }
 
 void ViewFactor::learn(const Cost& predicted_by_model, const Cost& real) {
-  // A part that hardly counts in this job says nothing of the view.
+  // A part below a tenth of the job's cost is too small to be measured reliably.
   const Nanoseconds least = predicted_by_model.total() / 10;
   const auto follow = [least](double& factor, Nanoseconds predicted, Nanoseconds measured) {
     if (predicted <= least) return;

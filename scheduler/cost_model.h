@@ -1,12 +1,13 @@
-// What a job will cost, learned from what jobs did cost: device time, and bytes on the wire. One model for each
-// device, scene and tracer.
+// Predicts what a job will cost, in device time and in bytes on the wire, from measurements of earlier jobs. There is
+// one model for each device, scene and tracer. The caller serialises all calls.
 //
 //   cost = (constant + per pixel * pixels of the frame, for the job that begins it)
 //        + (constant + per bit * visibility bits that the job traces)
 //
-// Both parts are lines fitted by least squares with forgetting. A measurement far off the line moves it no more than
-// one at the edge of the usual (Huber): a frame that a busy machine held up teaches little, a real change is learned
-// within some tens of frames. The first ones of a size that the line has not met are believed as they are.
+// Both parts are lines fitted by least squares with exponential forgetting. The residual of an outlier is clipped, as
+// in Huber's M-estimator ("Robust Estimation of a Location Parameter", 1964): a frame that a busy machine delayed
+// hardly moves the line, while a real change is learned within some tens of frames. The first measurements of a size
+// that is new to the line are not clipped.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +16,15 @@
 
 namespace gnomon::scheduler {
 
+// One job: a frame, or a band of one.
 struct Work {
-  uint64_t pixels = 0;  // of the whole frame
+  uint64_t pixels = 0;  // of the complete frame
   uint64_t bits = 0;    // pixels x lights that this job traces
-  bool begins = true;   // the frame: its first band, or all of it
+  bool begins = true;   // the job contains the frame's first band
 };
 
-// A line through measurements, from the origin while they are all alike. Not negative anywhere.
+// A line fitted to measurements. It passes through the origin while the measurements hardly differ in x, and is not
+// negative for any x >= 0.
 class RobustLine {
  public:
   double at(double x) const { return constant_ + slope_ * x; }
@@ -35,14 +38,14 @@ class RobustLine {
   bool believes(double x);
 
   uint64_t measurements_ = 0;
-  uint64_t to_believe_ = 0;          // further ones, as they are
-  double least_x_ = 0, most_x_ = 0;  // met so far
+  uint64_t to_believe_ = 0;          // further measurements to take without the outlier test
+  double least_x_ = 0, most_x_ = 0;  // the range of x measured so far
   double constant_ = 0, slope_ = 0;
-  double usual_error_ = 0;                          // mean of |y - line|, forgetting
-  double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;  // sums, forgetting
+  double usual_error_ = 0;                          // mean of |y - line|, with forgetting
+  double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;  // sums, with forgetting
 };
 
-// Of one job.
+// Device time of one job: the part that begins the frame (rasterisation), and the part that grows with the bits.
 struct Cost {
   Nanoseconds begin{}, trace{};
 
@@ -51,20 +54,20 @@ struct Cost {
 
 class CostModel {
  public:
-  // Before anything was measured: a guess, so that the first job is neither free nor a flood.
+  // Before the first measurement this is a guess of 0.5 ns per bit, so that the first job is charged something.
   Cost predict(const Work& work) const;
 
-  // `trace`: the part of `gpu_time` that depends on the bits.
+  // `trace`: the part of `gpu_time` that grows with the bits. Ignored if `gpu_time` is 0.
   void learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace);
 
-  // Of whole frames; 0 before one was sent.
+  // The encoded size of a complete frame of so many bits; 0 before the first call of learn_bytes.
   double predict_bytes(uint64_t bits) const { return bytes_per_bit_ * static_cast<double>(bits); }
   void learn_bytes(uint64_t bits, size_t bytes);
 
   bool knows() const { return trace_.knows(); }
   double ns_per_bit() const { return trace_.slope(); }
-  Nanoseconds constant() const;                              // of a frame, its pixels aside
-  double relative_error() const { return relative_error_; }  // mean of |predicted - real| / real, forgetting
+  Nanoseconds constant() const;                              // the part that depends on neither pixels nor bits
+  double relative_error() const { return relative_error_; }  // mean of |predicted - real| / real, with forgetting
 
  private:
   RobustLine begin_, trace_;
@@ -74,8 +77,8 @@ class CostModel {
   uint64_t frames_sent_ = 0;
 };
 
-// How one session's frames differ from the model's: what its camera shows costs more or less than others see, to
-// rasterise and to trace, and changes slowly.
+// The ratio of one session's costs to the model's predictions: what its camera shows may be dearer or cheaper to
+// rasterise and to trace than what others see, and changes slowly.
 class ViewFactor {
  public:
   Nanoseconds apply(const Cost& predicted) const;

@@ -1,5 +1,6 @@
-// Earliest deadline first. A view that was begun is finished first: half of it would be of no use to anybody. A newer
-// view takes the place of the one that it replaces, or a session that sends many would push itself back for ever.
+// Earliest deadline first (Liu and Layland, "Scheduling Algorithms for Multiprogramming in a Hard-Real-Time
+// Environment", 1973). A view that was begun is finished first, because an incomplete view is useless. A newer view
+// keeps the place of the view that it replaces; otherwise a session that sends many views would never be served.
 #include "scheduler/indexed_heap.h"
 #include "scheduler/sessions.h"
 
@@ -10,10 +11,10 @@ struct Session {
   SessionId id;
   TenantId tenant;
   Request request;
-  TimePoint place;  // of the first of the views that replaced each other
+  TimePoint place;  // what it is queued by: the deadline of the first of the views that replaced each other
 };
 
-// By deadline; those of one deadline (or of none) in the order of their coming.
+// Key of the queue: sessions with equal deadlines, or without one, are served in the order in which they became ready.
 struct Urgency {
   TimePoint deadline;
   uint64_t turn = 0;
@@ -63,7 +64,7 @@ class Deadline final : public Scheduler {
     services_.charge(ticket.tenant, gpu_time - ticket.predicted);
   }
 
-  // The most urgent one is the next to be picked: whoever is hopeless is seen here before he costs anything.
+  // Only the head of the queue is examined: every session passes it before it is picked.
   std::optional<SessionId> take_expired(TimePoint now) override {
     if (waiting_.empty() || waiting_.top_key().deadline == TimePoint::min()) return std::nullopt;
     const Session& session = sessions_[waiting_.top()];

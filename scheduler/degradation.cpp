@@ -6,18 +6,18 @@
 namespace gnomon::scheduler {
 namespace {
 
-constexpr uint32_t kFewestViews = 4;  // a window with fewer tells nothing
-constexpr double kBad = 0.8;          // of the offered views answered: fewer is overload
-constexpr double kGood = 0.95;
+constexpr uint32_t kFewestViews = 4;  // a window with fewer views is not evaluated
+constexpr double kBad = 0.8;          // a window is bad if a smaller share of its views was answered
+constexpr double kGood = 0.95;        // a window is good if at least this share was answered
 
 constexpr uint32_t kBadWindows = 2;
 constexpr uint32_t kGoodWindows = 5;
 constexpr uint32_t kMostPatience = 160;
-constexpr uint32_t kProven = 30;  // windows that a step up has held
+constexpr uint32_t kProven = 30;  // windows after which a step up counts as successful
 
 constexpr double kRateStep = 0.75, kSizeStep = 0.75, kLightStep = 0.75;
 
-// How many steps of that factor stay at `least` or above.
+// The number of steps by `factor` that stay at `least` or above.
 uint32_t steps(double factor, double least) {
   return least >= 1 ? 0 : static_cast<uint32_t>(std::log(std::max(least, 0.01)) / std::log(factor) + 1e-9);
 }
@@ -30,7 +30,7 @@ bool Degradation::observe(const Window& window) {
     patience_ = 0;
   }
   if (window.offered < kFewestViews) return false;
-  const double answered = window.answered + 1;  // one may be under way
+  const double answered = window.answered + 1;  // one frame may be in flight
   bad_ = answered < kBad * window.offered ? bad_ + 1 : 0;
   good_ = answered >= kGood * window.offered ? good_ + 1 : 0;
   if (bad_ >= kBadWindows) return down();

@@ -1,8 +1,9 @@
-// What a session is given less of when the device cannot keep up with it, and when it gets it back.
+// Reduces what a session is served while the device cannot keep up with it, and restores it afterwards.
 //
-// A ladder of operating points: the rate goes down first, then the size, then lights, each as far as its tenant allows. One step
-// down after two bad windows in a row, one up after a row of good ones. A step up that fails makes the next try wait
-// twice as long, so that a steady overload settles instead of swinging. Pure: the caller counts and ticks.
+// The operating points form a ladder: the rate goes down first, then the size, then the number of lights, each as far
+// as the tenant allows. Two bad windows in a row lead one step down, a run of good windows one step up. Each step up
+// that fails doubles the additional good windows that the next attempt needs, so that a steady overload settles instead
+// of oscillating. The class reads no clock: the caller counts views and calls observe() at the end of each window.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +12,11 @@
 
 namespace gnomon::scheduler {
 
-// How far a tenant lets its sessions go down, as shares of what was granted; 1: not at all.
+// The least that a tenant's sessions may be served, as shares of what was granted; 1: no degradation.
 struct DegradationTerms {
   double least_rate = 0.5;
   double least_size = 1;    // of each side
-  double least_lights = 1;  // that are traced
+  double least_lights = 1;  // of the lights that are traced
 };
 
 struct OperatingPoint {
@@ -25,20 +26,20 @@ struct OperatingPoint {
   friend bool operator==(const OperatingPoint&, const OperatingPoint&) = default;
 };
 
-// What happened to one session in one window.
+// The views of one session in one window of time.
 struct Window {
-  uint32_t offered = 0;   // views that came, as far as the rate in force allows them
-  uint32_t answered = 0;  // of them, those that were rendered
+  uint32_t offered = 0;   // views that arrived, as far as the rate in force admits them
+  uint32_t answered = 0;  // those of them that were rendered
 };
 
 class Degradation {
  public:
   explicit Degradation(const DegradationTerms& terms = {}) : terms_(terms) {}
 
-  // Other limits from the next step on.
+  // Replaces the limits. point() follows them at once; observe() does not report that change.
   void set_terms(const DegradationTerms& terms) { terms_ = terms; }
 
-  // True: the operating point has changed.
+  // Returns true if the operating point has changed.
   bool observe(const Window& window);
 
   OperatingPoint point() const;
@@ -49,10 +50,10 @@ class Degradation {
   uint32_t deepest() const;
 
   DegradationTerms terms_;
-  uint32_t level_ = 0;  // steps below what was granted
-  uint32_t bad_ = 0, good_ = 0;
-  uint32_t patience_ = 0;       // good windows before a step up, beyond the usual ones
-  uint32_t since_step_up_ = 0;  // windows; 0: there was none
+  uint32_t level_ = 0;           // steps below what was granted
+  uint32_t bad_ = 0, good_ = 0;  // windows in a row
+  uint32_t patience_ = 0;        // good windows that a step up needs beyond the usual ones
+  uint32_t since_step_up_ = 0;   // windows since the last step up; 0: it has held, or a step down followed it
 };
 
 }  // namespace gnomon::scheduler

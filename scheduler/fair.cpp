@@ -1,6 +1,6 @@
-// Two levels of the same queue: tenants by weight, then the sessions of one tenant with equal weights. A frame that
-// was begun is finished before another of its tenant is: cutting frames into bands lets tenants pass each other, and
-// keeps the number of half-done frames at one for each tenant.
+// Two levels of VirtualQueue: tenants by weight, then the sessions of one tenant with equal weights. A frame that was
+// begun is finished before another frame of its tenant is begun: bands let tenants overtake each other, while each
+// tenant has at most one incomplete frame.
 #include <memory>
 
 #include "scheduler/sessions.h"
@@ -16,17 +16,17 @@ double in_ns(Nanoseconds cost) { return static_cast<double>(cost.count()); }
 struct Session {
   SessionId id;
   TenantId tenant;
-  Member member = 0;  // of its tenant's queue
+  Member member = 0;  // in its tenant's queue
   bool ready = false;
   Request request;
 };
 
 struct Tenant {
-  Member member = 0;  // of the queue of tenants
+  Member member = 0;  // in the queue of tenants
   VirtualQueue sessions;
   std::vector<uint32_t> numbers;   // by member: the session's number
-  std::optional<uint32_t> picked;  // since the last refresh
-  std::optional<uint32_t> begun;   // whose frame has further bands
+  std::optional<uint32_t> picked;  // session picked since the last refresh
+  std::optional<uint32_t> begun;   // session whose frame has further bands
   bool stale = false;              // its request to the queue of tenants may have changed
 };
 
@@ -125,7 +125,7 @@ class Fair final : public Scheduler {
     tenant.stale = true;
   }
 
-  // It has no job any more.
+  // Removes the session's job from the queues.
   void forget(uint32_t number) {
     Session& session = sessions_[number];
     Tenant& tenant = *tenants_[session.tenant.value];
@@ -136,7 +136,8 @@ class Fair final : public Scheduler {
     mark_stale(session.tenant);
   }
 
-  // Only now is known whether those who were picked last have more to do: who has goes on without having been idle.
+  // Deferred to the next pick(), because only then it is known whether the session that was picked last has another
+  // job. If it has, it continues without having been idle in between.
   void refresh() {
     for (const TenantId id : stale_) {
       Tenant& tenant = *tenants_[id.value];
@@ -154,7 +155,7 @@ class Fair final : public Scheduler {
     stale_.clear();
   }
 
-  VirtualQueue queue_;                            // of tenants
+  VirtualQueue queue_;                            // its members are tenants
   std::vector<TenantId> ids_;                     // by member of the queue
   std::vector<std::unique_ptr<Tenant>> tenants_;  // by id
   std::vector<TenantId> stale_;

@@ -1,5 +1,5 @@
-// A binary heap of numbered items, smallest key first, that knows where each item is: any of them can be moved or
-// taken out in O(log n). No call allocates but reserve.
+// A binary heap of numbered items, smallest key first, that knows the place of each item: any item can be moved or
+// removed in O(log n). Only reserve allocates.
 #pragma once
 
 #include <cassert>
@@ -13,7 +13,7 @@ namespace gnomon::scheduler {
 template <class Key>
 class IndexedHeap {
  public:
-  // Items are 0 to items - 1 from now on.
+  // The items are 0 to items - 1 from now on. Precondition: `items` does not decrease.
   void reserve(size_t items) {
     heap_.reserve(items);
     place_.resize(items, kAbsent);
@@ -24,7 +24,7 @@ class IndexedHeap {
   uint32_t top() const { return heap_.front().item; }
   const Key& top_key() const { return heap_.front().key; }
 
-  // Puts an item in, or changes its key.
+  // Inserts an item, or changes its key.
   void set(uint32_t item, const Key& key) {
     size_t at = place_[item];
     if (at == kAbsent) {
@@ -36,7 +36,7 @@ class IndexedHeap {
     sink(rise(at));
   }
 
-  // Of an absent item: no news.
+  // Does nothing if the item is absent.
   void erase(uint32_t item) {
     const size_t at = place_[item];
     if (at == kAbsent) return;

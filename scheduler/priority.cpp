@@ -1,5 +1,6 @@
-// Strict classes, each a fair queue of its own. The floor works between a class and all below it: while both have
-// work, what the class is served owes the lower ones their part, and they go first as long as they are owed.
+// Strict priority classes, each with a fair queue of its own. The floor applies between a class and all classes below
+// it: while both have work, each job of the class adds the floor's share of its cost to a debt to the lower classes,
+// and these are served first as long as the debt is positive.
 #include <algorithm>
 #include <map>
 
@@ -10,14 +11,14 @@ namespace {
 
 struct Class {
   std::unique_ptr<Scheduler> queue = make_fair();
-  uint32_t ready = 0;  // sessions
-  double owed_ns = 0;  // to the classes below, of the floor
+  uint32_t ready = 0;  // number of sessions with a job
+  double owed_ns = 0;  // device time owed to the classes below, by the floor
 };
 
 struct Session {
   SessionId id;
   TenantId tenant;
-  std::optional<Request> request;  // while ready
+  std::optional<Request> request;  // nullopt if the session has no job
 };
 
 class Priority final : public Scheduler {
@@ -146,7 +147,7 @@ class Priority final : public Scheduler {
   Classes classes_;
   std::vector<Tenant> tenants_;  // by id
   SessionTable<Session> sessions_;
-  std::vector<bool> numbers_;  // in use
+  std::vector<bool> numbers_;  // whether the session number is in use
   Services services_;
 };
 

@@ -1,4 +1,5 @@
-// At most so much a second, in the long run; a little more at once after a pause.
+// A rate limit that allows a burst after a pause: the Generic Cell Rate Algorithm (ITU-T I.371) in its virtual
+// scheduling form.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +10,12 @@ namespace gnomon::scheduler {
 
 class RateLimit {
  public:
-  // `per_second` 0: no limit. What was not used within `burst` is not saved up.
+  // `per_second`: amount in the long run; 0: no limit. `burst`: how much unused time is saved up at most.
   explicit RateLimit(double per_second = 0, Nanoseconds burst = {}) : per_second_(per_second), burst_(burst) {}
 
   bool limits() const { return per_second_ > 0; }
 
-  // From when on something may be spent, in the past if now.
+  // The time from which something may be spent; not in the future if it may be spent now.
   TimePoint open_at() const { return limits() ? next_ - burst_ : TimePoint::min(); }
 
   void spend(double amount, TimePoint now) {
@@ -23,7 +24,7 @@ class RateLimit {
     next_ = std::max(next_, now) + std::chrono::duration_cast<Nanoseconds>(takes);
   }
 
-  // The same limit from now on at another rate.
+  // Changes the rate; what was spent before stays counted at the old rate.
   void set(double per_second) { per_second_ = per_second; }
 
  private:

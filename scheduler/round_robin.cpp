@@ -1,6 +1,6 @@
-// Sessions in turn. A session that becomes ready goes to the back of one queue; having at most one job pending, it
-// can never stand in it twice, so nobody waits for more than one view of each other session. A turn is a whole view:
-// its further bands go to the front.
+// Round robin over sessions. A session that becomes ready goes to the back of one queue. As it has at most one job
+// pending, it is in the queue at most once, so a session waits for at most one view of each other session. A turn is a
+// complete view: its further bands go to the front of the queue.
 #include <list>
 
 #include "scheduler/sessions.h"
@@ -8,8 +8,8 @@
 namespace gnomon::scheduler {
 namespace {
 
-// A session's list node lives as long as the session and only moves between the two lists: no call but add_session
-// allocates, and each is O(1).
+// A session keeps its list node and only moves it between the two lists: only add_session allocates, and every call is
+// O(1).
 struct Seat {
   std::list<uint32_t>::iterator node;
   SessionId id;
@@ -61,7 +61,7 @@ class RoundRobin final : public Scheduler {
     return Ticket{seat.id, seat.tenant, seat.cost};
   }
 
-  // Told for the figures alone: a turn is a turn, whatever it cost.
+  // Only for standing(): the cost of a turn does not affect the order.
   void charge(const Ticket& ticket, Nanoseconds gpu_time, TimePoint) override {
     services_.charge(ticket.tenant, gpu_time - ticket.predicted);
   }
@@ -74,8 +74,8 @@ class RoundRobin final : public Scheduler {
     waiting_.splice(waiting_.begin(), ready_, seat.node);
   }
 
-  std::list<uint32_t> ready_;    // in the order of their turns
-  std::list<uint32_t> waiting_;  // without a job; order has no meaning
+  std::list<uint32_t> ready_;    // sessions with a job, in the order of their turns
+  std::list<uint32_t> waiting_;  // sessions without a job, in no particular order
   SessionTable<Seat> seats_;
   Services services_;
 };

@@ -1,4 +1,5 @@
-// Sessions, numbered densely so that heaps can hold them, and what tenants were charged: what all policies keep.
+// State that all policies keep: the sessions, numbered densely so that IndexedHeap can hold them, and the device time
+// that tenants were charged.
 #pragma once
 
 #include <cassert>
@@ -9,7 +10,7 @@
 
 namespace gnomon::scheduler {
 
-// State of a policy for each session. Numbers of removed sessions are given anew.
+// A policy's state for each session. The numbers of removed sessions are reused.
 template <class State>
 class SessionTable {
  public:
@@ -34,7 +35,7 @@ class SessionTable {
     numbers_.erase(found);
   }
 
-  // Empty: no such session.
+  // The session's number; nullopt if there is no such session.
   std::optional<uint32_t> find(SessionId session) const {
     const auto found = numbers_.find(session);
     return found == numbers_.end() ? std::nullopt : std::optional(found->second);
@@ -49,7 +50,7 @@ class SessionTable {
   std::vector<uint32_t> unused_;
 };
 
-// What each tenant was charged.
+// The device time that each tenant was charged.
 class Services {
  public:
   void know(TenantId tenant) {

@@ -52,7 +52,7 @@ void VirtualQueue::rest(Member member) {
 std::optional<VirtualQueue::Member> VirtualQueue::best() {
   while (eligible_.empty()) {
     if (in_advance_.empty()) return std::nullopt;
-    // Nobody who waits is owed anything: virtual time goes on to the first who is not in advance any more.
+    // No waiting member is owed service: virtual time advances to where the first member is no longer in advance.
     now_ = in_advance_.top_key();
     ahead_ = 0;
     take_arrivals();
@@ -79,7 +79,8 @@ void VirtualQueue::charge(Member member, double cost) {
 void VirtualQueue::set_weight(Member member, double weight) {
   State& m = members_[member];
   m.next_weight = weight;
-  // Who has had much in advance at a high weight works it off at that weight, or others would wait for it.
+  // A member that has had service in advance at a high weight works it off at that weight; otherwise others would wait
+  // longer than promised.
   if (weight > m.weight || !m.in_play || m.v <= now_) reweigh(member, weight);
 }
 
@@ -88,7 +89,7 @@ double VirtualQueue::lag(Member member) const {
   return m.in_play ? m.weight * (now_ - m.v) : 0;
 }
 
-// Its lag stays what it is.
+// Changes the weight and keeps the lag.
 void VirtualQueue::reweigh(Member member, double weight) {
   State& m = members_[member];
   if (m.in_play) {
@@ -99,7 +100,7 @@ void VirtualQueue::reweigh(Member member, double weight) {
   if (m.in_play) place(member);
 }
 
-// Puts a member in play where it belongs, or out of play.
+// Moves a member in play to the heap that it belongs to, or out of play. Precondition: the member is in play.
 void VirtualQueue::place(Member member) {
   State& m = members_[member];
   if (m.v > now_) {
@@ -127,7 +128,8 @@ void VirtualQueue::leave(Member member) {
   if (m.leaving) unused_.push_back(member);
 }
 
-// V counts service among those in play; who ceases to be in advance on the way may leave play there.
+// Advances V by service / total weight of the members in play. A member that ceases to be in advance on the way may
+// leave play at that point, which changes the total weight.
 void VirtualQueue::advance(double service) {
   const double counted_before = std::min(service, ahead_);
   ahead_ -= counted_before;

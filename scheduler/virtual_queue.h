@@ -1,8 +1,9 @@
-// Earliest eligible virtual deadline first: who is served next so that everybody gets a share by weight.
+// Earliest eligible virtual deadline first (EEVDF): chooses the member to serve next so that each gets a share of the
+// service in proportion to its weight.
 //
-// After Stoica and Abdel-Wahab, "Earliest Eligible Virtual Deadline First" (1995), with WF2Q+'s rule for when nobody
-// is eligible (Bennett and Zhang, 1997) and costs that are predicted first and corrected later. PROMISE.md proves what
-// follows from this file.
+// After Stoica and Abdel-Wahab, "Earliest Eligible Virtual Deadline First" (1995), with the rule of WF2Q+ for when no
+// member is eligible (Bennett and Zhang, "Hierarchical Packet Fair Queueing Algorithms", 1997), and with costs that are
+// predicted first and corrected later. PROMISE.md proves the bounds. The caller serialises all calls.
 //
 // Virtual time V advances by service / (weights of all members in play). Each member has a virtual time v of its own,
 // which advances by what it is charged / its weight; its lag is weight * (V - v). It is eligible when v <= V, and the
@@ -19,26 +20,28 @@ namespace gnomon::scheduler {
 
 class VirtualQueue {
  public:
-  using Member = uint32_t;  // numbers of removed members are given anew
+  using Member = uint32_t;  // numbers of removed members are reused
 
   Member add(double weight);
-  // Precondition: not waiting. What it has had in advance is worked off before it is forgotten.
+  // Precondition: the member does not wait. Its number is reused once its service in advance is worked off.
   void remove(Member member);
 
-  // The member waits with a request of that cost; or its request has changed. One that comes back from idleness
-  // starts at V: it has no credit, and what it had in advance still counts.
+  // The member waits with a request of that cost, in place of an earlier one. A member that was idle starts at V at the
+  // earliest: it has no credit, and service that it has had in advance still counts.
   void wait(Member member, double cost);
-  void rest(Member member);  // it waits no more
+  // The member has no request any more. Idempotent.
+  void rest(Member member);
 
-  // Who should be served. Empty: nobody waits.
+  // The member to serve next; nullopt if no member waits.
   std::optional<Member> best();
 
-  // `cost` of service more, or less, than charged so far. What a member has back while it is idle is forfeited.
+  // Charges `cost` of service, or gives it back if negative. What is given back to an idle member is forfeited.
   void charge(Member member, double cost);
 
+  // A lower weight of a member that is in advance takes effect when it is in advance no longer.
   void set_weight(Member member, double weight);
 
-  double lag(Member member) const;  // 0 of an idle one
+  double lag(Member member) const;  // 0 if the member is idle
   double virtual_time() const { return now_; }
   bool waits(Member member) const { return members_[member].waiting; }
 
@@ -46,7 +49,7 @@ class VirtualQueue {
   struct State {
     double v = 0;
     double weight = 1;
-    double next_weight = 1;  // from when it is eligible
+    double next_weight = 1;  // takes effect when the member is eligible
     double cost = 0;         // of the request
     bool waiting = false;
     bool in_play = false;  // counted in total_weight_: waiting, or v > V (in advance)
@@ -65,8 +68,8 @@ class VirtualQueue {
   IndexedHeap<double> eligible_;    // waiting, v <= V; by virtual deadline
   IndexedHeap<double> in_advance_;  // in play, v > V; by v
   double now_ = 0;                  // V
-  double total_weight_ = 0;         // of those in play
-  double ahead_ = 0;                // service that V has counted and that was given back: V waits for so much
+  double total_weight_ = 0;         // of the members in play
+  double ahead_ = 0;                // service that V has counted and that was given back; V pauses for as much
 };
 
 }  // namespace gnomon::scheduler

@@ -5,7 +5,7 @@
 
 namespace gnomon::gpu {
 
-// How a resource was last touched while the plan is wired.
+// The last use of a resource, while the plan is wired.
 struct LastUse {
   VkPipelineStageFlags2 stage = VK_PIPELINE_STAGE_2_NONE;
   VkAccessFlags2 access = VK_ACCESS_2_NONE;
@@ -137,7 +137,8 @@ Result<void> FramePlan::wire() {
   return {};
 }
 
-// A slot comes into use only after all that it did before: a resource's first use waits for nothing.
+// The first use of a resource in a frame needs no barrier, because a slot is reused only when the device has passed its
+// last frame.
 void FramePlan::add_barrier(size_t pass, size_t resource, Use use, LastUse& last) {
   const LastUse next = touch(use);
   const bool image = is_image(resources_[resource].spec);
@@ -206,7 +207,7 @@ Result<void> FramePlan::bind(FrameResources& out) const {
 
 Result<void> FramePlan::make_descriptor_pool(FrameResources& out) const {
   const uint32_t passes = static_cast<uint32_t>(passes_.size());
-  uint32_t sampled_images = 1, storage_images = 1;  // none of a kind would be no valid size
+  uint32_t sampled_images = 1, storage_images = 1;  // a pool size of 0 is not valid
   for (size_t pass = 0; pass < passes_.size(); ++pass)
     for (size_t port = 0; port < ports_[pass].size(); ++port) {
       sampled_images += ports_[pass][port].use == Use::sampled;
@@ -227,7 +228,8 @@ Result<void> FramePlan::make_descriptor_pool(FrameResources& out) const {
   return {};
 }
 
-// Null where the pass binds nothing. The uniforms come first, then the sampled images, then those that are stored to.
+// Returns VK_NULL_HANDLE if the pass binds nothing. The uniforms come first, then the sampled images, then the storage
+// images.
 Result<VkDescriptorSet> FramePlan::make_descriptor_set(size_t pass, const FrameResources& resources) const {
   const PassLayout* layout = passes_[pass]->layout();
   if (!layout) return VkDescriptorSet{VK_NULL_HANDLE};
@@ -335,14 +337,14 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
     const Share share = passes_[pass]->share();
     const bool mine = band.has(share);
-    // A layout changes in one band alone; buffers are waited for in each.
+    // Images change their layout once in a frame; buffers need their barriers in every band.
     if (share == Share::last_band ? band.last : band.first) {
       wait_for(commands, resources, pass);
     } else if (mine) {
       wait_for(commands, resources, pass, false);
     }
     if (mine) {
-      // What runs once has the whole frame to itself.
+      // A pass that runs once processes all rows of the frame.
       const TileRows whole{0, view.grid.tiles_y()};
       passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], subject.scene, subject.posed,
                              subject.slot, view.grid, view.untraced,

@@ -8,7 +8,7 @@
 
 namespace gnomon::gpu {
 
-// What a frame shows: the scene as it is posed, seen so, in one of the frames in flight.
+// What a frame shows, a posed scene from a camera, and the number of its frame slot.
 struct FrameSubject {
   const ResidentScene& scene;
   const PosedScene& posed;
@@ -16,7 +16,7 @@ struct FrameSubject {
   uint32_t slot = 0;
 };
 
-// Memory of one frame slot for every resource of a plan, and the descriptor sets that point to it.
+// The memory of one frame slot for every resource of a plan, and the descriptor sets that refer to it.
 struct FrameResources {
   struct Entry {
     Image image;
@@ -27,17 +27,18 @@ struct FrameResources {
   };
   Capacity capacity;
   Buffer uniforms;             // FrameUniforms, mapped
-  Buffer resting_uniforms;     // the same for Pass::for_resting_lights; in plans for scenes in motion
-  std::vector<Entry> entries;  // as FramePlan's resources
+  Buffer resting_uniforms;     // FrameUniforms for Pass::for_resting_lights, mapped; only in plans for motion
+  std::vector<Entry> entries;  // in the order of FramePlan's resources
   Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool;
   std::vector<VkDescriptorSet> sets;          // one for each pass
   std::vector<std::vector<BoundPort>> ports;  // for each pass
 };
 
+// Immutable once compiled; shared by all slots of a variant.
 class FramePlan {
  public:
-  // `tracer` may be null where no pass traces. `motion`: for scenes in which something moves. Error: see make_passes,
-  // or a pass reads what none before it writes.
+  // `tracer` may be null if no pass traces, and outlives the plan. `motion`: whether the plan is for scenes in which
+  // something moves. Error: see make_passes; or a pass reads a resource that no pass before it writes.
   static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
                                    const Tracer* tracer, bool motion = false);
 
@@ -47,16 +48,16 @@ class FramePlan {
   // Error: out of memory.
   Result<FrameResources> allocate(const Capacity& capacity) const;
 
-  // What the passes see as a resource that is given (ResourceSpec), until the resources are allocated anew. It lives
-  // until the device has passed what is executed with it.
+  // Binds a buffer to a resource that is given (ResourceSpec), until the resources are allocated again. The buffer must
+  // live until the device has passed all work that was executed with it.
   void give(FrameResources& resources, std::string_view name, const Buffer& buffer) const;
 
-  // The buffer of that name; null where the plan has none.
+  // The buffer of that name; nullptr if the plan has none.
   const Buffer* buffer(const FrameResources& resources, std::string_view name) const;
 
-  // Records the passes that have a share of the band and their barriers, and a timestamp before the first and
-  // after each (queries 0...pass_count). Bands follow each other from the top to the last row. What comes later on the
-  // queue sees what was written to given buffers.
+  // Records the passes that have a share of the band and their barriers, and a timestamp before the first pass and
+  // after each (queries 0...pass_count). The bands of a frame are executed in order, from the top row to the last. Work
+  // submitted later to the queue sees what was written to given buffers.
   void execute(VkCommandBuffer commands, const FrameResources& resources, const FrameSubject& subject,
                const Band& band, VkQueryPool timestamps) const;
 
@@ -88,9 +89,9 @@ class FramePlan {
   std::vector<std::unique_ptr<Pass>> passes_;
   std::vector<std::vector<Port>> ports_;        // for each pass
   std::vector<std::vector<size_t>> wiring_;     // for each pass and port: the resource
-  std::vector<std::vector<Barrier>> barriers_;  // before each pass; the last entry: after all, for the host
+  std::vector<std::vector<Barrier>> barriers_;  // before each pass; the last entry: after all passes, for the host
   std::vector<Resource> resources_;
-  bool hands_on_ = false;  // writes to a given buffer
+  bool hands_on_ = false;  // whether a pass writes to a given buffer
 };
 
 }  // namespace gnomon::gpu

@@ -59,7 +59,7 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
     resources_ = std::move(*made);
     return {};
   }
-  if (old.width > 0) {  // who needs no more than before does not suffer for who needs more
+  if (old.width > 0) {  // frames that fitted before still fit
     if (auto as_before = plan.allocate(old)) resources_ = std::move(*as_before);
   }
   return made.error();

@@ -1,5 +1,5 @@
-// One of the frames in flight: command buffers, timestamps and the plan's resources. A slot is used again only when
-// the queue's timeline has passed its last frame.
+// One of the frames in flight: command buffers, timestamps and the plan's resources. A slot is reused only when the
+// queue's timeline has passed its last frame. All calls: the render loop's thread, unless stated otherwise.
 #pragma once
 
 #include <optional>
@@ -23,38 +23,39 @@ struct RecordedBand {
 
 class FrameSlot {
  public:
-  // `number`: among the frames in flight.
+  // `number`: index among the frames in flight.
   static Result<FrameSlot> create(const DevicePtr& device, const FramePlan& plan, uint32_t number = 0);
 
-  // It has room for a frame of `scene` and `grid`.
+  // Whether the slot's resources are large enough for a frame of `scene` and `grid`.
   bool holds(const ResidentScene& scene, const TileGrid& grid) const;
-  // Makes such room: resources only grow. Precondition of this and of submit: the slot's last frame has passed. Error:
-  // out of memory; then only another reserve may follow.
+  // Makes the resources large enough; they are kept for later frames. Precondition of this and of submit: the device
+  // has passed the slot's last frame. Error: out of memory; then only another reserve may follow.
   Result<void> reserve(const FramePlan& plan, const ResidentScene& scene, const TileGrid& grid);
 
-  // Records one frame of a grid that was reserved, of the scene as it is `posed`: all of it, or the first band of
-  // rows, the uppermost `rows` (none: it is only rasterised). Error: out of memory or device lost; the slot stays usable.
+  // Records a frame of the posed scene for a grid that was reserved: its first band, which has the uppermost `rows`. If
+  // `rows` is 0, the band only rasterises. Error: out of memory or device lost; the slot stays usable.
   Result<RecordedBand> record(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
                               const FrameView& view, uint32_t rows);
   // Records the next band of that frame: `rows` further ones. The bands before may still be on the device.
   Result<RecordedBand> record_more(const FramePlan& plan, const ResidentScene& scene, uint32_t rows);
 
-  // Records and submits a whole frame. Returns the timeline value.
+  // Records and submits a complete frame. Returns the timeline value that marks its end.
   Result<uint64_t> submit(const FramePlan& plan, const ResidentScene& scene, const PosedScenePtr& posed,
                           const FrameView& view);
 
-  // Of a band that was submitted, by default the first of the frame recorded last; precondition: it has passed. Any
-  // thread.
+  // The timing of a band, by default the first band of the frame recorded last. Precondition: the device has passed the
+  // band. Any thread.
   Result<FrameTiming> timing(const FramePlan& plan, VkQueryPool band) const;
   Result<FrameTiming> timing(const FramePlan& plan) const { return timing(plan, recordings_[0].timestamps.get()); }
-  // As FramePlan::give, for the frame that is recorded next; until the next reserve.
+  // As FramePlan::give, for the frames that are recorded until the next reserve.
   void give(const FramePlan& plan, std::string_view resource, const Buffer& buffer) {
     plan.give(*resources_, resource, buffer);
   }
-  // Mapped memory of a host resource: written before submit, or read after the frame has passed. Valid until the next
-  // reserve. Empty: the plan has no such resource.
+  // Mapped memory of a host resource, to be written before submit or read after the device has passed the frame. Valid
+  // until the next reserve; empty if the plan has no such resource.
   std::span<std::byte> host(const FramePlan& plan, std::string_view resource) const;
-  // What the pass 'readback' left of a frame of `grid`. As host(); precondition: the plan has that pass.
+  // The mask that the pass 'readback' wrote for a frame of `grid`; valid as host(). Precondition: the plan has that
+  // pass.
   PackedMaskView packed(const FramePlan& plan, const TileGrid& grid) const;
 
  private:
@@ -68,13 +69,13 @@ class FrameSlot {
 
   DevicePtr device_;
   Owned<VkCommandPool, vkDestroyCommandPool> pool_;
-  std::vector<Recording> recordings_;  // one for each band; as many as a frame ever had
+  std::vector<Recording> recordings_;  // one for each band; as many as a frame has ever had
   FrameView view_;                     // of the frame recorded last
-  size_t bands_ = 0;                   // of it, recorded
+  size_t bands_ = 0;                   // recorded so far of that frame
   uint32_t next_row_ = 0;
   std::optional<FrameResources> resources_;
   uint32_t number_ = 0;
-  PosedScenePtr posed_;  // of the last frame, whose commands refer to it
+  PosedScenePtr posed_;  // of the last frame; kept because its commands refer to it
 };
 
 // Error: the device cannot render a picture of that size.

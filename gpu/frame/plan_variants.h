@@ -1,5 +1,5 @@
-// A renderer's plans and frame slots: one variant for scenes at rest, and another, made when something first moves, whose
-// plan has the passes for that.
+// A renderer's plans and frame slots: one variant for scenes at rest, and another one with the passes for motion, which
+// is made when something first moves.
 #pragma once
 
 #include <memory>
@@ -15,16 +15,18 @@ struct PlanVariant {
   std::vector<FrameSlot> slots;
 };
 
-// PlanVariants stay where they are. Slot i of either variant is one frame in flight: not both at a time.
+// Slot i of both variants is the same frame in flight: at most one of the two is in use at a time. A PlanVariant keeps
+// its address. All calls: the render loop's thread, unless stated otherwise.
 class PlanVariants {
  public:
-  // `tracer` may be null where no pass traces; it outlives the variants. Error: see FramePlan::compile.
+  // `tracer` may be null if no pass traces; it outlives the variants. Error: see FramePlan::compile.
   static Result<PlanVariants> create(const DevicePtr& device, const std::vector<std::string>& passes,
                                      const Tracer* tracer, uint32_t slots);
 
-  // The variant for a scene that is posed like this. Error: out of memory.
+  // The variant for frames of `posed`, which is made now if need be. Error: out of memory.
   Result<PlanVariant*> variant_for(const PosedScene& posed);
-  // The variant for motion takes a while to be made: here on any thread, so that variant_for finds it.
+  // The variant for motion takes long to make. make_motion makes it on any thread; give_motion hands it over on the
+  // render loop's thread, so that variant_for finds it. give_motion does nothing if there is one already.
   bool has_motion() const { return motion_ != nullptr; }
   Result<std::unique_ptr<PlanVariant>> make_motion() const { return make(true); }
   void give_motion(std::unique_ptr<PlanVariant> variant) {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint64_t kNeverStarted = UINT64_MAX;
 
-// The daemon and its operators know stages by what they are for, not by the passes of a plan.
+// Sums the stages by purpose, because the daemon and its operators do not know the passes of a plan.
 void add_stages(FrameDone& done, std::vector<StageTime> stages) {
   for (const StageTime& stage : stages) {
     if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;

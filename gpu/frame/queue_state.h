@@ -1,4 +1,4 @@
-// One queue of the device: the submits that wait to be started on it, and the thread that waits for their ends.
+// One queue of the device: the submits that are pending on it, and the thread that waits for their completion.
 #pragma once
 
 #include <functional>
@@ -22,26 +22,27 @@ struct InFlight {
   std::function<void(FrameDone)> on_done;  // null: the frame was abandoned, and only its slot is given back
 };
 
-// The render loop's, but for the completion thread inside. Each slot keeps to one queue for ever.
+// All calls: the render loop's thread; `on_done` is called on the completion thread inside. A slot always uses the same
+// queue.
 class QueueState {
  public:
-  // `number`: of the device's queues.
+  // `number`: index among the device's queues.
   QueueState(std::shared_ptr<SlotPool> pool, size_t number);
   ~QueueState();  // waits for the submits that were started, and delivers them
 
-  // The submit starts at the next start().
+  // Queues the submit for the next start().
   void pend(InFlight submit);
-  // Starts what is pending with one call of the driver. Returns the frames of which a submit could not be started; these
-  // are delivered as lost or out of memory.
+  // Starts all pending submits with one call of the driver. Returns the frames of which a submit could not be started;
+  // these submits are delivered as lost or out of memory.
   std::vector<JobId> start();
-  // The slot is given back when the device has passed all that was started before.
+  // The slot is given back when the device has passed all submits that were started before.
   void give_back_later(size_t slot);
 
  private:
   struct Started {
     InFlight submit;
     uint64_t timeline = 0;
-    bool out_of_memory = false;  // why it never started
+    bool out_of_memory = false;  // the reason if it was not started
   };
 
   void complete();
@@ -52,7 +53,7 @@ class QueueState {
   std::vector<InFlight> pending_;
   std::vector<VkCommandBuffer> commands_;  // of the pending ones
   Inbox<Started> started_;
-  std::vector<uint64_t> slot_gpu_ns_;  // of the slot's frame, its bands so far; the completion thread's
+  std::vector<uint64_t> slot_gpu_ns_;  // for each slot: sum over the bands of its frame; the completion thread's
   std::thread completion_;
 };
 

@@ -25,7 +25,7 @@ Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& s
 
 void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
                            std::function<void()> wake) {
-  light_builds_.hold();  // until the scene can be looked at, if only by way of a hierarchy
+  light_builds_.hold();  // until the scene is resident, with at least a hierarchy for its lights
   background_.run(
       [this, id, scene, pool = pool_, built = built_, variant_is_there = pool_->variants().has_motion(), resident] {
         const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, variant_is_there));
@@ -95,7 +95,7 @@ ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scene
                nullptr};
   if (!made.scene || variant_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
   if (auto variant = pool.variants().make_motion())
-    made.motion = std::move(*variant);  // else the first frame says why
+    made.motion = std::move(*variant);  // on an error, the first frame tries again and reports it
   return made;
 }
 
@@ -106,7 +106,7 @@ Result<void> ResidentScenes::settle_in(SceneId id, Arrived& made) {
   return {};
 }
 
-// Null: the scene was evicted meanwhile, or is another one by now.
+// nullptr if the scene was evicted or replaced meanwhile.
 ResidentScene* ResidentScenes::same_scene(SceneId id, const scenes::ScenePtr& scene) const {
   const auto found = scenes_.find(id);
   return found != scenes_.end() && found->second->scene_ptr() == scene ? found->second.get() : nullptr;

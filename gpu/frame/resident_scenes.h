@@ -1,4 +1,5 @@
-// The scenes on a device: made resident, given other lights and taken away; what takes long is done beside the frames.
+// The scenes on a device: makes them resident, changes their lights and evicts them. Long work runs on threads of its
+// own, beside the frames.
 #pragma once
 
 #include <functional>
@@ -12,19 +13,19 @@
 
 namespace gnomon::gpu {
 
-// The render loop's. The contracts are those of Renderer.
+// All calls: the render loop's thread. The contracts are those of Renderer.
 class ResidentScenes {
  public:
   // `built`: what a scene waits for before it is resident.
   ResidentScenes(std::shared_ptr<SlotPool> pool, Built built) : pool_(std::move(pool)), built_(built) {}
 
-  // Null: the scene is not resident.
+  // nullptr if the scene is not resident.
   const ResidentScene* find(SceneId id) const;
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene);
   void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
              std::function<void()> wake);
-  // Precondition: all recorded frames of the scene were started.
+  // Precondition: all recorded submits of the scene were started.
   void evict(SceneId id);
 
   void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
@@ -47,7 +48,7 @@ class ResidentScenes {
   const std::shared_ptr<SlotPool> pool_;
   const Built built_;
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;
-  Background background_;  // these end first
+  Background background_;  // declared last, so that its threads and those of the builds end first
   LightBuilds light_builds_;
 };
 

@@ -1,5 +1,5 @@
-// The frame slots of a renderer, and what frames on the device refer to. Leases share the pool, and keep it alive after
-// the renderer.
+// The frame slots of a renderer, and the objects that frames on the device refer to. Leases share the pool and keep it
+// alive after the renderer's destruction.
 #pragma once
 
 #include <functional>
@@ -22,11 +22,12 @@ class SlotPool {
 
   const DevicePtr& device() const { return device_; }
   const Tracer& tracer() const { return *tracer_; }
-  // The render loop's; a slot that was taken belongs to its taker.
+  // Used by the render loop's thread; a slot that was taken may be used by its taker's thread.
   PlanVariants& variants() { return variants_; }
   const PlanVariants& variants() const { return variants_; }
 
-  // `freed` is called at the end of each lease, on the thread that dropped it. Precondition: no lease was made yet.
+  // `freed` is called whenever a lease has given its slot back, on the thread that dropped the lease. Precondition: no
+  // lease was made yet.
   void on_freed(std::function<void()> freed) { freed_ = std::move(freed); }
 
   // Any thread.
@@ -46,7 +47,7 @@ class SlotPool {
     std::lock_guard lock(mutex_);
     free_.push_back(slot);
   }
-  // A lease that gives the slot back. The same precondition.
+  // A lease that gives the slot back when it is dropped. Precondition: as give_back.
   static FrameLease lease(std::shared_ptr<SlotPool> pool, size_t slot, const PackedMaskView& mask) {
     return FrameLease(mask, [pool = std::move(pool), slot] {
       pool->give_back(slot);

@@ -1,5 +1,8 @@
-// Which triangles a frame draws. Culling is conservative and draws keep their order: the picture is that of drawing
-// everything, bit for bit.
+// Selects the triangles that a frame draws, by occlusion culling in two passes: the first draws the large triangles
+// (the occluders), the second all others that the depth of the occluders does not hide. Other than in the usual form of
+// the technique (Haar and Aaltonen, "GPU-Driven Rendering Pipelines", SIGGRAPH 2015 course), the occluders do not come
+// from the previous frame, so that frames are independent. Culling is conservative and draws keep their order: the
+// picture equals that of drawing everything, bit for bit.
 #include "gpu/passes/passes.h"
 #include "spirv/cull_comp.h"
 #include "spirv/depth_tiles_comp.h"
@@ -20,7 +23,7 @@ struct Push {
 uint64_t draws_bytes(const Capacity& c) { return uint64_t{c.cluster_chunks} * sizeof(VkDrawIndirectCommand); }
 uint64_t drawn_bytes(const Capacity& c) { return uint64_t{c.triangles} * sizeof(uint32_t); }
 
-// One workgroup for each chunk of the groups.
+// Dispatches one workgroup for each chunk of the groups.
 void cull(const FrameContext& frame, const ComputeStep& step, std::span<const ClusterGroup> groups,
           VkDeviceAddress depth_tiles, const Buffer& draws, const Buffer& drawn) {
   const uint32_t first = groups.front().first_chunk;
@@ -37,7 +40,7 @@ void cull(const FrameContext& frame, const ComputeStep& step, std::span<const Cl
   vkCmdDispatch(frame.commands, end - first, 1, 1);
 }
 
-// The occluders, which nothing hides yet.
+// Culls the occluders, without an occlusion test.
 class CullPass : public Pass {
  public:
   explicit CullPass(ComputeStep step) : step_(std::move(step)) {}
@@ -76,7 +79,7 @@ class DepthTilesPass : public Pass {
   ComputeStep step_;
 };
 
-// All others, also by what the occluders hide.
+// Culls all other triangles, also by the depth of the occluders.
 class CullHiddenPass : public Pass {
  public:
   explicit CullHiddenPass(ComputeStep step) : step_(std::move(step)) {}

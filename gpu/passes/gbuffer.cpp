@@ -91,7 +91,7 @@ void draw_culled(const FrameContext& frame, const Raster& raster, std::span<cons
   });
 }
 
-// What moves, after all that rests.
+// Draws the moving geometry, after all resting geometry.
 void draw_moving(const FrameContext& frame, const Raster& raster) {
   if (frame.posed.draws.empty()) return;
   bind(frame, raster, 0);
@@ -126,7 +126,7 @@ class RasterPass : public Pass {
   Raster raster_;
 };
 
-// The large triangles, whose depth then hides others.
+// Draws the large triangles, whose depth then hides others.
 class OccludersPass : public RasterPass {
  public:
   using RasterPass::RasterPass;
@@ -141,7 +141,7 @@ class OccludersPass : public RasterPass {
   }
 };
 
-// The others, over the occluders.
+// Draws the other triangles, over the occluders.
 class GBufferPass : public RasterPass {
  public:
   using RasterPass::RasterPass;

@@ -1,6 +1,6 @@
-// Rasterises the world mesh into triangle ids by compute shaders alone: for devices whose graphics units are few beside
-// their compute units. Clusters that may show become runs of triangles; small triangles are drawn by one invocation,
-// large ones tile by tile by a workgroup each (shaders/raster.glsl).
+// Rasterises the world mesh into triangle ids by compute shaders only, for devices that have few graphics units beside
+// their compute units. Clusters that may show become runs of triangles; each small triangle is drawn by one invocation,
+// each tile of a large one by a workgroup (shaders/raster.glsl names the sources of the method).
 #include <array>
 
 #include "gpu/passes/passes.h"
@@ -30,7 +30,7 @@ struct RunsPush {
 };
 
 uint64_t visibility_bytes(const Capacity& c) { return uint64_t{c.grid().tile_count()} * kTileSize * kTileSize * 8; }
-// A cluster has one triangle or more.
+// An upper bound: each cluster, which becomes a run, has at least one triangle.
 uint64_t runs_bytes(const Capacity& c) { return kRunsHead + kEntryBytes * c.triangles; }
 uint64_t large_bytes(const Capacity& c) {
   return kLargeHead + kEntryBytes * (uint64_t{c.triangles} + c.moving_triangles);
@@ -42,7 +42,7 @@ void dispatch_indirect(const FrameContext& frame, const Buffer& list) {
   vkCmdDispatchIndirect(frame.commands, list.handle(), 0);
 }
 
-// Every picture begins with nothing in it, and every list empty.
+// Clears the picture and empties every list.
 class ClearPass : public Pass {
  public:
   std::string_view name() const override { return "clear"; }
@@ -124,7 +124,7 @@ class OccluderRunsPass : public ComputePass {
   }
 };
 
-// The others, and what moves, of which no clusters are known.
+// Draws the runs of the other triangles, and the moving triangles, which have no clusters.
 class TriangleRunsPass : public ComputePass {
  public:
   using ComputePass::ComputePass;
@@ -157,7 +157,7 @@ class TriangleRunsPass : public ComputePass {
   }
 };
 
-// Ports 0 and 1: the picture and the list; 2: depth tiles, where there are any.
+// Ports 0 and 1: the picture and the list; 2: the depth tiles, if the pass tests them.
 class LargePass : public ComputePass {
  public:
   using ComputePass::ComputePass;

@@ -1,4 +1,4 @@
-// From masks and valid_bits to what the host reads of them (common/packed_mask.h).
+// Packs masks and valid_bits into what the host reads (common/packed_mask.h).
 #include <algorithm>
 
 #include "common/packed_mask.h"
@@ -18,7 +18,7 @@ uint64_t classes_bytes(const Capacity& c) { return groups_of(c) * sizeof(uint32_
 uint64_t places_bytes(const Capacity& c) { return (groups_of(c) + 1) * sizeof(uint32_t); }
 uint64_t mixed_bytes(const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); }
 
-// An invocation for each group of words; at least one.
+// Dispatches an invocation for each group of words, and at least one workgroup.
 void dispatch_groups(const FrameContext& frame) {
   const auto groups = static_cast<uint32_t>(groups_of(frame.size()));
   vkCmdDispatch(frame.commands, std::max(1u, (groups + kWorkgroup - 1) / kWorkgroup), 1, 1);

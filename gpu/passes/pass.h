@@ -23,7 +23,7 @@ struct FrameView {
   LightSet untraced = {};
 };
 
-// How a pass touches a resource. An image may be a target, sampled or (compute) storage_write.
+// How a pass uses a resource. An image may be a target, sampled or (compute) storage_write.
 enum class Use {
   color_target,
   depth_target,
@@ -67,17 +67,17 @@ struct Capacity {
   TileGrid grid() const { return {width, height, lights}; }
 };
 
-// What to allocate for a resource: an image where `format` is set, else a buffer. Said by the first pass that
-// touches it: one that writes it, or one that reads what the host has written (MemoryUse::upload).
+// What to allocate for a resource: an image if `format` is set, else a buffer. The first pass that uses the resource
+// states it: one that writes it, or one that reads what the host has written (MemoryUse::upload).
 struct ResourceSpec {
   VkFormat format = VK_FORMAT_UNDEFINED;
   std::function<uint64_t(const Capacity&)> bytes;
   MemoryUse memory = MemoryUse::device;
-  bool given = false;  // a buffer that outlives the frame: nothing is allocated, see FramePlan::give
+  bool given = false;  // the caller provides a buffer that outlives the frame, see FramePlan::give
 };
 inline ResourceSpec given_buffer() { return {{}, {}, MemoryUse::device, true}; }
 
-// What one frame needs.
+// The capacity that one frame needs.
 inline Capacity frame_size(const ResidentScene& scene, const TileGrid& grid) {
   return {grid.width,
           grid.height,
@@ -99,10 +99,10 @@ struct BoundPort {
   const Buffer* buffer = nullptr;
 };
 
-// A frame may be traced in bands of tile rows, each a submit of its own. In which of them a pass runs.
+// A frame may be traced in bands of tile rows, each a submit of its own. The bands in which a pass runs.
 enum class Share { first_band, every_band, last_band };
 
-// The first one may have no rows: then the frame is only rasterised.
+// One band of a frame. The first band may have no rows: then it only rasterises the frame.
 struct Band {
   TileRows rows;
   bool first = true, last = true;
@@ -112,7 +112,7 @@ struct Band {
   }
 };
 
-// What a pass knows while it records one frame, or one band of it.
+// What a pass is given to record one band of a frame.
 struct FrameContext {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkDescriptorSet descriptors = VK_NULL_HANDLE;
@@ -121,30 +121,30 @@ struct FrameContext {
   const PosedScene& posed;  // the scene at this frame's time
   uint32_t slot = 0;        // of the frames in flight
   TileGrid grid;            // this frame's, within the capacity
-  LightSet untraced;        // lit everywhere in the mask
+  LightSet untraced;        // lights that are lit everywhere in the mask
   TileRows rows;            // this band's
 
   Capacity size() const { return frame_size(scene, grid); }
 };
 
-// Immutable once made; shared by all frame slots.
+// Immutable; shared by all frame slots.
 class Pass {
  public:
   virtual ~Pass() = default;
   virtual std::string_view name() const = 0;
   virtual std::vector<Port> ports() const = 0;
-  virtual const PassLayout* layout() const = 0;  // null: binds nothing
+  virtual const PassLayout* layout() const = 0;  // nullptr if the pass binds nothing
   virtual Share share() const { return Share::first_band; }
-  // Sees the lights that move as lights that reach nothing. Only in plans for scenes in motion.
+  // Whether the pass sees moving lights as lights that reach nothing. Only in plans for scenes in motion.
   virtual bool for_resting_lights() const { return false; }
   virtual void record(const FrameContext& frame) const = 0;
 };
 
 class Tracer;
 
-// Makes the pass of that name; some names stand for several steps, and more of them where scenes are in `motion`.
-// `tracer` may be null where nothing is traced.
-// Error: no such pass, with the names there are; or a pass that traces without a tracer.
+// Makes the passes of that name; some names stand for several passes, and for more of them in plans for `motion`.
+// `tracer` may be null if nothing is traced. Error: there is no such pass (the message lists the names), or a pass
+// traces and `tracer` is null.
 using Passes = std::vector<std::unique_ptr<Pass>>;
 Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, bool motion);
 

@@ -6,7 +6,7 @@ namespace {
 
 using Make = std::function<Result<std::unique_ptr<Pass>>()>;
 
-// A name of the list, and the steps that it stands for.
+// A name in pass lists, and the passes that it stands for.
 struct Recipe {
   std::string_view name;
   std::vector<Make> steps;
@@ -82,8 +82,8 @@ Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_
   if (!layout) return layout.error();
   auto pipeline = make_compute_pipeline(device, *layout, shader);
   if (!pipeline) return pipeline.error();
-  // lavapipe gives each thread one contiguous part of a dispatch, and a picture's top costs another time than its
-  // bottom: several small dispatches keep the threads level.
+  // lavapipe gives each thread one contiguous part of a dispatch, and the rows of a picture differ in cost: several
+  // small dispatches balance the threads.
   const bool cpu = device->info().type == VK_PHYSICAL_DEVICE_TYPE_CPU;
   return ComputeStep{std::move(*layout), std::move(*pipeline), cpu ? 8u : UINT32_MAX};
 }

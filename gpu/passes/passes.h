@@ -1,16 +1,16 @@
-// The passes there are, the resources that they share, and what compute passes have in common.
+// The passes, the resources that they share, and what compute passes have in common.
 //
-//   pose      -> moving_bvh; first in plans for scenes in motion: from the host moving_host to the slot's part of the
-//             scene's buffers, and the hierarchy over it
+//   pose      -> moving_bvh; the first pass in plans for scenes in motion: copies moving geometry from the host
+//             resource moving_host to the slot's part of the scene's buffers, and the hierarchy over it
 //   gbuffer   -> triangle_id (uint32: 0 none, else 1 + the triangle's number in the resident scene), depth
 //             in these steps:
-//     cull         -> occluder_draws, drawn_occluders: what of the large triangles may show
+//     cull         -> occluder_draws, drawn_occluders: the large triangles that may show
 //     occluders    occluder_draws, drawn_occluders -> triangle_id, depth
 //     depth_tiles  depth -> depth_tiles (float: the farthest depth of each tile)
-//     cull_hidden  depth_tiles -> draws, drawn: what of all others may show
+//     cull_hidden  depth_tiles -> draws, drawn: the other triangles that may show
 //     gbuffer      draws, drawn -> triangle_id, depth
-//   gbuffer_all  as gbuffer, bit for bit, but draws everything: for comparison
-//   gbuffer_compute  as gbuffer but for pixels at edges, without the graphics pipeline, in these steps
+//   gbuffer_all  the same result as gbuffer, bit for bit, by drawing everything: for comparison
+//   gbuffer_compute  the same result as gbuffer except at edges, without the graphics pipeline, in these steps
 //             (shaders/raster.glsl):
 //     clear        -> visibility (64 bits a pixel: depth, triangle), occluder_runs, occluder_large, runs, large
 //     cull         -> occluder_runs: clusters of the large triangles that may show
@@ -18,29 +18,29 @@
 //     occluders_large  occluder_large -> visibility
 //     depth_tiles  visibility -> depth_tiles
 //     cull_hidden  depth_tiles -> runs: clusters of all others that may show
-//     triangles    runs -> visibility, large; and what moves
+//     triangles    runs -> visibility, large; also the moving triangles
 //     large        large -> visibility
 //     resolve      visibility -> triangle_id
-//   trace     triangle_id -> masks (tile words, see common/tile_mask.h), valid_bits (words of the same layout: 1 where the
-//             pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever hides
-//             the light)
+//   trace     triangle_id -> masks (tile words, see common/tile_mask.h), valid_bits (words of the same layout: 1 where
+//             the pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever
+//             hides the light)
 //             in plans for scenes in motion in two steps:
-//     trace         as above, for the lights that rest and the geometry that rests
-//     trace_moving  moving_bvh -> masks, valid_bits: lights that move, and what geometry that moves hides from all
+//     trace         as above, for resting lights and resting geometry
+//     trace_moving  moving_bvh -> masks, valid_bits: moving lights, and what moving geometry hides from all lights
 //   pack      in these steps, which common/packed_mask.h explains:
-//     pack_classes  masks, valid_bits -> classes, mixed_places (for now counts)
-//     pack_places   mixed_places -> mixed_places (for each group of words where its mixed ones go; then their number)
+//     pack_classes  masks, valid_bits -> classes, mixed_places (as counts)
+//     pack_places   mixed_places -> mixed_places (the place of each group's mixed words, then their total number)
 //   readback  masks, valid_bits, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   upload_masks  from the host uploaded_masks -> given_masks
-//   keep_masks    the same into a buffer that is given
+//   keep_masks    as upload_masks, into a given buffer
 //   shade     triangle_id, given_masks, and from the host shading -> color (RGBA8): the client's picture
-//   ids       triangle_id -> ids (the same in a buffer)
-//   keep_ids  the same into a buffer that is given: what a client keeps of a view
+//   ids       triangle_id -> ids (a copy in a buffer)
+//   keep_ids  as ids, into a given buffer: what a client keeps of a view
 //   predict   ids (of this frame or given), seen_ids of another view (given), and from the host seen_view -> sources
 //             (uint32 for each pixel: 0, or 1 + the pixel of that view that shows the same surface)
-//   shade_predicted  as shade, with given_masks (given) of the seen view, by way of sources; where these are 0 all lights
-//             shine
+//   shade_predicted  as shade, with given_masks (given) of the seen view, looked up through sources; all lights shine
+//             where the source is 0
 //   readback_masks  masks -> host_masks  readback_valid_bits    valid_bits -> host_valid_bits
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
 //   readback_ids  ids -> host_ids  readback_sources  sources -> host_sources
@@ -102,7 +102,7 @@ struct SurfaceSample {
 static_assert(sizeof(SurfaceSample) == 32);
 
 Result<std::unique_ptr<Pass>> make_pose_pass();
-// Writes what `pose` copies. `into`: the host memory of moving_host.
+// Writes the moving geometry that the pass `pose` copies. `into`: the host memory of moving_host.
 void write_moving(std::span<std::byte> into, const ResidentScene& scene, const PosedScene& posed, uint32_t slot);
 
 Result<std::unique_ptr<Pass>> make_cull_pass(const DevicePtr& device);
@@ -132,11 +132,11 @@ Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device, bool kept);
 Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_predicted_pass(const DevicePtr& device);
 
-// Copies as much of a buffer as this frame has written into cached host memory.
+// Copies the part of a buffer that this frame has written into cached host memory.
 Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::string_view source,
                                                  std::string_view target);
 
-// Copies tile words that the host has written to where shaders read them again and again. `kept`: a given buffer.
+// Copies tile words that the host has written to device memory. `kept`: into a given buffer.
 Result<std::unique_ptr<Pass>> make_upload_masks_pass(bool kept);
 
 struct ComputeStep {
@@ -147,7 +147,7 @@ struct ComputeStep {
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader, uint32_t storage_images = 0);
 
-// The pass `Made` of that step, which its constructor takes first.
+// Makes the pass `Made`, whose constructor takes the step first. Error: that of the step.
 template <class Made, class... More>
 Result<std::unique_ptr<Pass>> pass_of(Result<ComputeStep> step, More&&... more) {
   if (!step) return step.error();
@@ -156,8 +156,8 @@ Result<std::unique_ptr<Pass>> pass_of(Result<ComputeStep> step, More&&... more) 
 
 // Binds the step, the frame's descriptors and push constants.
 void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
-// The same, then one workgroup for each 8x8 tile of the frame's rows: all of them, but where a pass has a share of
-// every band.
+// As bind, then dispatches one workgroup for each 8x8 tile of frame.rows: the band's rows if the pass runs in every
+// band, else all rows.
 void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
 void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push);
 

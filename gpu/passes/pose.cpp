@@ -1,4 +1,4 @@
-// Brings what moves to the device: from the host, in one piece, to the slot's parts of the scene's buffers.
+// Copies the moving geometry from one host buffer to the slot's parts of the scene's buffers.
 #include <array>
 #include <cstring>
 
@@ -63,7 +63,7 @@ class PosePass : public Pass {
   }
 
  private:
-  // The scene's buffers are no resources of the plan.
+  // A barrier of its own, because the scene's buffers are not resources of the plan.
   static void wait(VkCommandBuffer commands) {
     VkMemoryBarrier2 copied{};
     copied.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;

@@ -1,4 +1,4 @@
-// What a client shows before its masks have come: each pixel's surface found in a view whose masks have.
+// Predicts a client's view before its masks arrive: finds each pixel's surface in a view whose masks have arrived.
 #include <array>
 
 #include "gpu/passes/passes.h"
@@ -41,7 +41,7 @@ class PredictPass : public Pass {
     const auto view = [](const Capacity&) { return sizeof(SeenView); };
     return {{resource::kSeenView, Use::storage_read, {{}, view, MemoryUse::upload}},
             {resource::kSeenIds, Use::storage_read, given_buffer()},
-            {resource::kIds, Use::storage_read, given_buffer()},  // unless a pass before has written them
+            {resource::kIds, Use::storage_read, given_buffer()},  // given, unless an earlier pass writes them
             {resource::kSources, Use::storage_write, {{}, word_for_each_pixel}}};
   }
   void record(const FrameContext& frame) const override {

@@ -12,10 +12,10 @@ struct SeenView {
   glm::vec3 forward{0.0f};
   uint32_t height = 0;
   glm::vec3 ray_corner{0.0f};
-  float pixel = 0;  // its width, at depth 1
+  float pixel = 0;  // width of a pixel at depth 1
   glm::vec3 ray_dx{0.0f};
   glm::vec3 ray_dy{0.0f};
-  glm::vec3 across{0.0f};  // ray_dx and ray_dy over their squares
+  glm::vec3 across{0.0f};  // ray_dx / |ray_dx|^2; `down` likewise of ray_dy
   glm::vec3 down{0.0f};
 
   SeenView() = default;

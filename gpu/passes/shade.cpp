@@ -1,4 +1,5 @@
-// The client's shading with given visibility bits (gpu/picture/reference_view.h): of this very view, or of one seen before.
+// The client's shading with given visibility bits (gpu/picture/reference_view.h), either of this view or of another
+// view that was seen before.
 #include <vector>
 
 #include "gpu/passes/passes.h"
@@ -30,7 +31,7 @@ class ShadePass : public Pass {
     return ports;
   }
   void record(const FrameContext& frame) const override {
-    std::vector<VkDeviceAddress> addresses;  // the image aside
+    std::vector<VkDeviceAddress> addresses;  // without the image
     for (const BoundPort& port : frame.ports.subspan(1)) addresses.push_back(port.buffer->address());
     dispatch_tiles(frame, step_, std::as_bytes(std::span(addresses)));
   }

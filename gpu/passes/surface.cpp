@@ -1,4 +1,4 @@
-// Writes down the surface points that the trace pass starts from, by the same arithmetic.
+// Writes the surface points from which the trace pass starts, by the same arithmetic.
 #include "gpu/passes/passes.h"
 #include "spirv/surface_comp.h"
 

@@ -1,5 +1,5 @@
-// Asks the tracer for every light at every pixel and packs the answers into tile words, and into others
-// which of them were asked for.
+// Traces every pair of pixel and light; writes the results as tile words, and which pairs were traced as words of the
+// same layout.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -25,7 +25,7 @@ class TracePass : public Pass {
             {resource::kValidBits, Use::storage_write, {{}, bytes}}};
   }
 
-  // Push constants: the addresses of the masks and the valid_bits, then what the tracer says.
+  // Push constants: the addresses of the masks and the valid_bits, then those of the tracer.
   void record(const FrameContext& frame) const override {
     std::array<std::byte, kPushConstantBytes> push{};
     const std::array words{frame.ports[1].buffer->address(), frame.ports[2].buffer->address()};

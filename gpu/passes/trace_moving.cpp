@@ -1,4 +1,4 @@
-// What moves, after the tracer has answered for all that rests.
+// Traces moving lights and moving geometry, after the tracer has traced resting lights and geometry.
 #include <array>
 #include <cstring>
 

@@ -1,5 +1,5 @@
-// One scene, one slot: renders a frame and waits for it. What the reference view and the surface probe stand on; a
-// server uses Renderer.
+// Renders frames of one scene in one slot and waits for each. The reference view and the surface probe use it; a server
+// uses Renderer.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,8 @@ class BlockingFrame {
                                                        const std::vector<std::string>& passes,
                                                        const scenes::ScenePtr& scene);
 
-  // The same device, scene and raster for another list of passes, none of which traces. One thread with `other`.
+  // A frame with the device, scene and raster of `other` for another list of passes, none of which traces. Both must be
+  // used by the same thread.
   static Result<std::unique_ptr<BlockingFrame>> create_beside(const BlockingFrame& other,
                                                               const std::vector<std::string>& passes);
 
@@ -35,12 +36,12 @@ class BlockingFrame {
   Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {});
   // Renders what was reserved and waits. Error: device lost, out of memory.
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
-  // Begins to and does not wait: for passes that leave their results in given buffers, where frames that are rendered
-  // later, of this scene on this device, find them. Error: as render.
+  // As render, but does not wait: for passes that write to given buffers, which later frames of this scene on this
+  // device may read. Error: as render.
   Result<void> start(const CameraView& camera, const TileGrid& grid);
   // As FrameSlot::give.
   void give(std::string_view resource, const Buffer& buffer) { slot().give(variant_->plan, resource, buffer); }
-  // Host memory of that resource, as FrameSlot::host.
+  // As FrameSlot::host.
   std::span<std::byte> host(std::string_view resource) const { return slot().host(variant_->plan, resource); }
   // As FrameSlot::packed.
   PackedMaskView packed(const TileGrid& grid) const { return slot().packed(variant_->plan, grid); }
@@ -55,7 +56,7 @@ class BlockingFrame {
   std::string raster_;
   uint64_t started_ = 0;            // the timeline's value of the last frame; 0: none
   PlanVariant* variant_ = nullptr;  // of the frame that was reserved last
-  PosedScenePtr posed_;             // the same
+  PosedScenePtr posed_;             // of the frame that was reserved last
   std::shared_ptr<ResidentScene> scene_;
 };
 

@@ -45,7 +45,7 @@ RgbaImage RgbaView::copy() const {
   return image;
 }
 
-// A frame of gbuffer and shade, its host inputs filled in.
+// Renders frames of the passes gbuffer and shade, and fills in their host inputs.
 class ReferenceView::Shader {
  public:
   explicit Shader(std::unique_ptr<BlockingFrame> frame) : frame_(std::move(frame)) {}
@@ -138,7 +138,7 @@ Result<float> ReferenceView::suggest_exposure(const CameraView& camera) {
   if (!pixels) return pixels.error();
   std::vector<float> luminance(pixels->size() / sizeof(float));
   std::memcpy(luminance.data(), pixels->data(), pixels->size());
-  // The mean of logarithms: a lamp in view does not darken the room.
+  // The geometric mean, so that a lamp in view hardly affects the exposure.
   double sum = 0;
   size_t surfaces = 0;
   for (const float l : luminance) {

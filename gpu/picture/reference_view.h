@@ -25,7 +25,7 @@ struct RgbaImage {
   std::vector<uint8_t> rgba;
 };
 
-// The same where the device left it. Valid until its maker's next call.
+// An image in mapped device memory. Valid until the next call of the object that returned it.
 struct RgbaView {
   uint32_t width = 0;
   uint32_t height = 0;
@@ -55,27 +55,28 @@ class ReferenceView {
                                                        const scenes::ScenePtr& scene);
   ~ReferenceView();
 
-  // `masks` is of the same size and of the scene's lights. Error: it is not; size out of range; device lost.
+  // Error: `masks` has another size or another number of lights than the scene, the size is out of range, or the device
+  // is lost.
   Result<RgbaImage> render(const CameraView& camera, uint32_t width, uint32_t height, const TileMaskView& masks,
                            const ShadeOptions& options = {});
 
-  // The same for a camera whose masks have not come: with those of another one, by reprojection. The time is that of
-  // `seen`, not of the options. Error: as render.
+  // As render, for a camera whose masks have not arrived: predicts them from those of another camera by reprojection.
+  // The scene time is that of `seen`; options.time is ignored. Error: as render.
   Result<RgbaImage> predict(const CameraView& camera, uint32_t width, uint32_t height, const SeenMasks& seen,
                             const ShadeOptions& options = {});
-  // The same, not copied.
+  // As render and predict, without a copy of the image.
   Result<RgbaView> show(const CameraView& camera, uint32_t width, uint32_t height, const TileMaskView& masks,
                         const ShadeOptions& options = {});
   Result<RgbaView> show_predicted(const CameraView& camera, uint32_t width, uint32_t height, const SeenMasks& seen,
                                   const ShadeOptions& options = {});
 
-  // Made at the first call. Error: out of memory.
+  // The reprojection that predict uses; it is made at the first call. Error: out of memory.
   Result<Reprojection*> reprojection();
 
-  // The lights of pictures from now on, as many as the scene has. Error: another number.
+  // Replaces the lights for later pictures. Error: `lights` has another number of lights than the scene.
   Result<void> set_lights(const std::vector<scenes::Light>& lights);
 
-  // An exposure that suits this view: its mean luminance, every light seen everywhere, becomes a mid grey.
+  // An exposure that turns the view's geometric mean luminance, with every light visible everywhere, into a mid grey.
   Result<float> suggest_exposure(const CameraView& camera);
 
  private:

@@ -66,8 +66,8 @@ Result<BlockingFrame*> Reprojection::when_needed(std::unique_ptr<BlockingFrame>&
   return frame.get();
 }
 
-// One that nobody holds any more, if there is one: what has read or written it comes before what is rendered next. A
-// client that predicts comes by with few of them, of two or three sizes.
+// Reuses a buffer of that size that nobody else holds, or makes one. Reuse is safe, because all work that reads or
+// writes the buffer was submitted before what is rendered next. A client needs few buffers, of two or three sizes.
 Result<std::shared_ptr<Buffer>> Reprojection::buffer(uint64_t bytes) {
   bytes = std::max<uint64_t>(bytes, 16);
   for (const auto& one : buffers_)

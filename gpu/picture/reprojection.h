@@ -1,11 +1,11 @@
-// What a view that was seen knows of another one: the pixel of it that shows the same surface. The dissertation's
-// prediction (3.3) stands on it: bits are taken from there, and what the seen view does not show is lit by every
-// light, so that no false shadow appears.
+// Reprojection: for each pixel of a view, the pixel of another view that was seen before and shows the same surface.
+// The dissertation's prediction (3.3) is based on it: visibility bits are taken from that pixel, and surfaces that the
+// seen view does not show are lit by every light, so that no false shadow appears.
 //
-// A surface is taken for seen where one of the four pixels around its place in the seen view shows the same side of a
-// surface within a pixel's width of it: hidden points are found by rasterising, so to within a pixel.
+// A surface counts as seen if one of the four pixels around its place in the seen view shows the same side of a surface
+// within a pixel's width of it. Hidden points are found by rasterising, hence to within a pixel.
 //
-// What is kept of a view stays on the device: shaders read it at many places for every pixel.
+// The data of a view stays on the device, because shaders read it at many places for every pixel.
 #pragma once
 
 #include <memory>
@@ -26,38 +26,40 @@ struct RasterView {
   std::shared_ptr<const Buffer> ids;
 };
 
-// Masks, and the view that they are of.
+// Masks and the view that they belong to.
 struct SeenMasks {
   RasterView raster;
   TileGrid grid;
   std::shared_ptr<const Buffer> words;  // on the device, as common/tile_mask.h
 };
 
-// Masks of another view of `width` x `height`, by its sources (see below); pixels without are lit by every light.
+// The masks of a view of `width` x `height`, looked up in `seen` through the view's sources (Reprojection::sources);
+// pixels without a source are lit by every light.
 std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const uint32_t> sources, uint32_t width,
                                        uint32_t height);
 
-// One thread. Calls block, but rasterise and see, which only begin: later calls find what they leave. Errors: size out
-// of range, out of memory, device lost.
+// One thread. Calls block, except rasterise and see, which only start the work that later calls use. Errors: the size
+// is out of range, out of memory, device lost.
 class Reprojection {
  public:
   // Shares the frame's device and scene.
   static Result<Reprojection> create(const BlockingFrame& beside);
 
   Result<RasterView> rasterise(const CameraView& camera, uint32_t width, uint32_t height, scenes::SceneTime time);
-  // The same where the triangles are known, row by row.
+  // The view whose triangles are known. `ids`: row by row, as RasterView::ids.
   Result<RasterView> raster_of(const CameraView& camera, uint32_t width, uint32_t height,
                                std::span<const uint32_t> ids);
 
-  // Error also: masks of another number of lights than the scene's.
+  // Rasterises the view of `masks` and uploads them. Error also: the masks have another number of lights than the
+  // scene.
   Result<SeenMasks> see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time);
 
-  // For each pixel of `view`: 0 where what it shows is not seen in `seen` (or is no surface), else 1 + the number of a
-  // pixel of that. What moves is where it was at the time of `seen`. Valid until the next call.
+  // For each pixel of `view`: 0 if it shows no surface or one that `seen` does not show, else 1 + the number of the
+  // pixel of `seen`, counted row by row. The scene time is that of `seen`. Valid until the next call.
   Result<std::span<const uint32_t>> sources(const RasterView& view, const RasterView& seen);
 
-  // A picture, shaded with the masks that the sources give: four bytes a pixel, valid until the next call. `shading`:
-  // ShadingUniforms.
+  // A picture that is shaded with the masks looked up through the sources: four bytes per pixel, valid until the next
+  // call. `shading`: the bytes of ShadingUniforms.
   Result<std::span<const std::byte>> shade(const CameraView& camera, uint32_t width, uint32_t height,
                                            const SeenMasks& seen, std::span<const std::byte> shading);
 
@@ -70,7 +72,7 @@ class Reprojection {
   DevicePtr device_;
   std::unique_ptr<BlockingFrame> seer_, shader_;
   std::unique_ptr<BlockingFrame> raster_, finder_;  // made when needed
-  std::vector<std::shared_ptr<Buffer>> buffers_;    // lent, or free for what comes
+  std::vector<std::shared_ptr<Buffer>> buffers_;    // in use elsewhere, or free if use_count() is 1
 };
 
 }  // namespace gnomon::gpu

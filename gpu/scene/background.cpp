@@ -21,7 +21,7 @@ void Background::run(std::function<Finish()> work, std::function<void()> wake) {
 }
 
 void Background::serve() {
-  // On Linux a thread has a niceness of its own, and hands it down to threads that it starts.
+  // On Linux each thread has a niceness of its own, which threads that it starts inherit.
   if (niceness_ != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness_);
   std::vector<Job> batch;
   for (jobs_.take(batch); !batch.empty(); jobs_.take(batch)) {

@@ -1,4 +1,4 @@
-// Work beside the frames: done on one thread, and what remains to be done with its result on the owner's.
+// Work beside the frames: runs jobs on one thread, and the functions that they return on the owner's thread.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,14 @@ class Background {
  public:
   using Finish = std::function<void()>;
 
-  // `niceness`: of the thread and of those that the work starts, as nice(2) counts; 0: as the rest of the program.
+  // `niceness`: of the thread and of those that the work starts, in the units of nice(2); 0: that of the process.
   explicit Background(int niceness = 0) : niceness_(niceness) {}
-  ~Background();  // waits for the work in progress; what it and the others leave is dropped
+  ~Background();  // waits for the job in progress; other jobs, and results that were not finished, are dropped
 
-  // `work` is done on the thread, one after the other; then `wake` is called there, and what `work` returned waits for
-  // the owner.
+  // The owner's thread. Jobs run on the thread one after the other: `work` is called, its result is queued for
+  // finish(), then `wake` is called.
   void run(std::function<Finish()> work, std::function<void()> wake);
-  // The owner's thread: what waits, in order.
+  // The owner's thread. Calls the queued results in order; does not block.
   void finish();
 
  private:
@@ -32,7 +32,7 @@ class Background {
   const int niceness_;
   Inbox<Job> jobs_;
   Inbox<Finish> finished_;
-  std::thread thread_;  // from the first job on
+  std::thread thread_;  // started by the first job
 };
 
 }  // namespace gnomon::gpu

@@ -14,17 +14,17 @@
 namespace gnomon::gpu {
 namespace {
 
-// As shaders/cull.comp has it: invocations of a workgroup, bits of a word.
+// As in shaders/cull.comp: invocations of a workgroup, bits of a word.
 constexpr size_t kMaxTriangles = 64;
 constexpr uint32_t kMaxClustersInChunk = 32;
 constexpr size_t kMaxVertices = 3 * kMaxTriangles;
-constexpr float kConeWeight = 0.25f;  // meshoptimizer's own advice where cones are used
-// So many of the opaque triangles, the largest, are occluders: drawn without asking what hides them.
+constexpr float kConeWeight = 0.25f;  // the value that meshoptimizer recommends if cones are used
+// The share of the opaque triangles, the largest, that are occluders: they are drawn without an occlusion test.
 constexpr double kOccluderShare = 0.1;
-constexpr size_t kMostInPiece = 32768;  // triangles that are made into clusters in one go
+constexpr size_t kMostInPiece = 32768;  // triangles that one call of meshoptimizer divides into clusters
 
-// Corners at the same place are one vertex. Built from positions alone: how a file shares its vertices does not
-// change the clusters.
+// The mesh with corners at the same place merged into one vertex. It depends on positions only, so that the way a file
+// shares its vertices does not change the clusters.
 struct WeldedMesh {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
@@ -53,7 +53,7 @@ float squared_area(const WeldedMesh& mesh, uint32_t triangle) {
   return glm::dot(n, n);
 }
 
-// Finds again which triangle a meshlet's corners are; equal triangles in the order of their numbers.
+// Finds the triangle that has a meshlet's corners; equal triangles are returned in the order of their numbers.
 class Corners {
  public:
   Corners(const WeldedMesh& mesh, std::span<const uint32_t> triangles)
@@ -122,7 +122,7 @@ class Builder {
     add_chunks(group, first_cluster);
   }
 
-  // Some clusters and their triangles' numbers, which they count from 0.
+  // Some clusters, and the numbers of their triangles. Cluster::first_triangle is an index into `numbers`.
   struct Piece {
     std::vector<uint32_t> numbers;
     std::vector<Cluster> clusters;
@@ -144,7 +144,8 @@ class Builder {
     }
   }
 
-  // Halves, again and again, along the longest side: small enough for the cores to share. The same on any machine.
+  // Halves the triangles along the longest side until the parts are small enough to be shared among the cores. The
+  // result does not depend on their number.
   void divide(std::span<uint32_t> members, std::vector<std::span<uint32_t>>& parts) const {
     if (members.size() <= kMostInPiece) return parts.push_back(members);
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -190,7 +191,7 @@ class Builder {
     return piece;
   }
 
-  // Of the triangles from `first` on.
+  // The cluster of the triangles from `first` on.
   Cluster bounds(const std::vector<uint32_t>& numbers, uint32_t first, bool double_sided) const {
     Cluster cluster;
     cluster.first_triangle = first;

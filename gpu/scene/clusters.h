@@ -1,4 +1,5 @@
-// The world mesh in clusters: neighbouring triangles that are culled together.
+// The world mesh in clusters: neighbouring triangles that are culled together, by their box and by the cone of their
+// normals (Shirman and Abi-Ezzi, "The Cone of Normals Technique for Fast Processing of Curved Patches", 1993).
 #pragma once
 
 #include <array>
@@ -10,19 +11,19 @@
 
 namespace gnomon::gpu {
 
-// A contiguous range of triangles and what contains it. As shaders/cull.comp declares it.
+// A contiguous range of triangles and its bounds. shaders/cull.glsl declares the same struct.
 struct Cluster {
   glm::vec3 box_min{0.0f};
   uint32_t first_triangle = 0;
   glm::vec3 box_max{0.0f};
   uint32_t triangle_count = 0;  // at most 64
-  // The faces' normals are within a cone; cutoff is the sine of its half angle. 1: too wide, or seen from both sides.
+  // The faces' normals are within a cone; cutoff is the sine of its half angle. 1: too wide, or double-sided.
   glm::vec3 cone_axis{0.0f};
   float cone_cutoff = 1.0f;
 };
 static_assert(sizeof(Cluster) == 48);
 
-// What one workgroup tests and one indirect command draws.
+// A contiguous range of clusters that one workgroup tests and one indirect command draws.
 struct ClusterChunk {
   uint32_t first_cluster = 0;
   uint32_t cluster_count = 0;  // at most 32
@@ -38,10 +39,10 @@ struct ClusterGroup {
   bool double_sided = false;  // drawn from both sides
 };
 
-// A frame draws its groups in their order, and so its triangles: of two that are equally near the first one shows,
+// A frame draws its groups, and hence its triangles, in their order: of two equally near triangles the first one shows,
 // whatever has been culled. `occluders` are the few large opaque triangles, which hide many of the others.
 struct Clusters {
-  std::vector<uint32_t> numbers;  // for each triangle: which it was in scenes::build_world_mesh
+  std::vector<uint32_t> numbers;  // for each triangle: its number in scenes::build_world_mesh
   std::vector<Cluster> clusters;
   std::vector<ClusterChunk> chunks;
   std::array<ClusterGroup, 2> occluders;
@@ -50,8 +51,8 @@ struct Clusters {
   uint32_t chunk_count() const { return static_cast<uint32_t>(chunks.size()); }
 };
 
-// Puts the triangles of `mesh` in the order of their clusters; opaque ones still come first. The order follows from
-// what Scene::content_hash covers, and from the version of meshoptimizer.
+// Reorders the triangles of `mesh` by cluster; opaque ones still come first. The order depends only on what
+// Scene::content_hash covers, and on the version of meshoptimizer.
 Clusters make_clusters(const scenes::Scene& scene, scenes::WorldMesh& mesh);
 
 }  // namespace gnomon::gpu

@@ -1,4 +1,4 @@
-// What the shaders of one frame read, as shaders/frame.glsl declares it (scalar block layout).
+// The uniforms of one frame, as shaders/frame.glsl declares them (scalar block layout).
 #pragma once
 
 #include <cstddef>
@@ -35,8 +35,8 @@ struct FrameUniforms {
   uint32_t width = 0;
   glm::vec3 forward{0.0f};
   uint32_t height = 0;
-  // The ray through the centre of pixel (x, y): ray_corner + (x + 0.5) * ray_dx + (y + 0.5) * ray_dy. It is 1 long
-  // along `forward`.
+  // The ray through the centre of pixel (x, y): ray_corner + (x + 0.5) * ray_dx + (y + 0.5) * ray_dy. Its component
+  // along `forward` is 1.
   glm::vec3 ray_corner{0.0f};
   uint32_t tiles_x = 0;
   glm::vec3 ray_dx{0.0f};
@@ -51,7 +51,7 @@ static_assert(offsetof(FrameUniforms, scene) == 144);
 static_assert(offsetof(FrameUniforms, lights) == 192);
 static_assert(sizeof(FrameUniforms) <= 16384, "the least maxUniformBufferRange");
 
-// Fills the camera's and the picture's part.
+// Sets the members that depend on the camera and on the size of the picture.
 void set_view(FrameUniforms& frame, const CameraView& view, uint32_t width, uint32_t height);
 
 }  // namespace gnomon::gpu

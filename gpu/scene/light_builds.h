@@ -1,5 +1,5 @@
-// What a tracer builds for the lights of scenes beside the frames: one scene after the other, with little of the
-// processor, so that frames come first.
+// A tracer's builds for the lights of scenes, beside the frames: one scene after the other, at low CPU priority, so
+// that frames come first.
 #pragma once
 
 #include <functional>
@@ -15,29 +15,31 @@
 
 namespace gnomon::gpu {
 
-// The owner's thread.
+// All calls: the owner's thread.
 class LightBuilds {
  public:
-  // Done on the building thread; returns what remains to be done on the owner's.
+  // Called on the building thread; returns what finish() calls on the owner's thread.
   using Work = std::function<Background::Finish(const BuildWatch&)>;
 
-  ~LightBuilds();  // ends the build under way, and waits for that
+  ~LightBuilds();  // stops the build in progress, and waits for its end
 
-  // In the place of an earlier build for the same scene, whose result still comes.
+  // Starts a build, and stops an earlier one of the same scene, whose result is still delivered. `lights`: the number
+  // of lights that the build reports progress for.
   void start(SceneId scene, size_t lights, Work work, std::function<void()> wake);
-  // Between these two nothing new is begun: something more urgent needs the processor. They nest.
+  // Between hold() and release() no build is started, because more urgent work needs the CPU. Calls nest.
   void hold() { ++holds_; }
   void release();
-  void stop(SceneId scene);  // its result still comes, soon: an error, if the build was not done
+  // Stops the scene's build. Its result is still delivered soon; it is an error if the build was not done.
+  void stop(SceneId scene);
   void finish() { thread_.finish(); }
 
-  // None: nothing is being built for the scene, nor waits for its turn.
+  // No lights if the scene has no build, neither in progress nor waiting.
   BuildProgress progress(SceneId scene) const;
 
  private:
   void begin_held();
 
-  // Of each light, the share that is done. Any thread.
+  // The share of the work that is done, for each light. Any thread.
   class Shares {
    public:
     explicit Shares(size_t lights) : shares_(lights) {}
@@ -53,14 +55,14 @@ class LightBuilds {
     std::shared_ptr<Shares> shares;
   };
 
-  // Beside a thread that has work for all of a core, a thread of this niceness gets about a quarter of it: frames cost
-  // several times less once the build is done.
+  // A thread of this niceness gets about a quarter of a core that a busy thread shares. Less would delay the end of the
+  // build, after which frames cost several times less.
   static constexpr int kNiceness = 5;
 
   std::map<SceneId, Build> builds_;
   int holds_ = 0;
-  std::vector<std::function<void()>> held_;  // what is begun at the last release
-  Background thread_{kNiceness};             // ends first
+  std::vector<std::function<void()>> held_;  // builds that the last release() starts
+  Background thread_{kNiceness};             // declared last, so that it ends first
 };
 
 }  // namespace gnomon::gpu

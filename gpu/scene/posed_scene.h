@@ -1,4 +1,4 @@
-// A resident scene at one time: the geometry that moves, where its lights are, and what answers for each of them.
+// A resident scene at one time: its moving geometry, its lights, and the structures that trace them.
 #pragma once
 
 #include <algorithm>
@@ -14,20 +14,20 @@
 
 namespace gnomon::gpu {
 
-// Immutable; a frame keeps it until the next one of its slot.
+// Immutable; a frame keeps it until the next frame of its slot.
 //
-// A light moves when it is not where the tracer built for it: then a hierarchy of the geometry that rests answers for
-// it. Tracers that do not build for lights answer for all of them. Whatever they say, geometry that moves is asked too.
+// A light counts as moving if it is not where the tracer built for it: then a hierarchy of the resting geometry is
+// traced for it. Tracers that do not build for lights trace all lights. The moving geometry is traced for every light.
 struct PosedScene {
   scenes::SceneTime time{};
-  scenes::WorldMesh mesh;           // of what moves
-  Bvh bvh;                          // over it, where anything is traced
-  std::vector<ClusterGroup> draws;  // its triangles by pipeline state; without chunks
+  scenes::WorldMesh mesh;           // the moving geometry
+  Bvh bvh;                          // over `mesh`; empty if nothing is traced
+  std::vector<ClusterGroup> draws;  // triangles of `mesh` by pipeline state; without chunks
   std::vector<exact::TracedLight> lights;
-  std::vector<exact::TracedLight> resting_lights;         // the same, but those that move reach nothing
+  std::vector<exact::TracedLight> resting_lights;         // as `lights`, but moving lights reach nothing
   std::array<uint32_t, kMaxLights / 32> moving_lights{};  // a bit for each light
-  std::shared_ptr<const TracedScene> traced;              // null: the scene is only looked at
-  std::shared_ptr<const TracedScene> static_bvh;          // of what rests; null: no light moves
+  std::shared_ptr<const TracedScene> traced;              // nullptr if the scene is only drawn
+  std::shared_ptr<const TracedScene> static_bvh;          // of the resting geometry; nullptr if no light moves
 
   bool any_light_moves() const {
     return std::any_of(moving_lights.begin(), moving_lights.end(), [](uint32_t bits) { return bits != 0; });
@@ -37,12 +37,12 @@ struct PosedScene {
 
 using PosedScenePtr = std::shared_ptr<const PosedScene>;
 
-// One that reaches no surface: its bits are 0 whatever is asked, and a tracer builds next to nothing for it.
+// A light that reaches no surface: all of its bits are 0, and a tracer builds next to nothing for it.
 exact::TracedLight silenced_light(const scenes::Bounds& bounds);
 
 bool same_light(const exact::TracedLight& a, const exact::TracedLight& b);
 
-// Groups of `mesh`, in the order of its triangles.
+// Divides `mesh` into groups by pipeline state, in the order of its triangles.
 std::vector<ClusterGroup> draws_of(const scenes::Scene& scene, const scenes::WorldMesh& mesh);
 
 }  // namespace gnomon::gpu

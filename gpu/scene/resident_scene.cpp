@@ -7,7 +7,7 @@
 namespace gnomon::gpu {
 namespace {
 
-// Where the tracer builds for lights, it does so for those that stay: not for lights that animations move.
+// The lights for which the tracer builds: lights that animations move are replaced by lights that reach nothing.
 std::vector<exact::TracedLight> lights_to_build_for(const Tracer& tracer, const scenes::Scene& scene,
                                                     const std::vector<scenes::Light>& lights) {
   std::vector<exact::TracedLight> out;
@@ -25,7 +25,7 @@ std::vector<exact::TracedLight> traced_lights(const scenes::Scene& scene,
   return out;
 }
 
-// Answers for no light: what frames trace with while a tracer still builds for a scene.
+// A structure that traces no light, for the frames until the tracer has built for a scene.
 Result<TracedLights> traced_for_none(const Tracer& tracer, const scenes::Scene& scene) {
   TracedLights none{nullptr, {scene.lights.size(), silenced_light(scene.bounds)}};
   const scenes::WorldMesh no_mesh;

@@ -1,7 +1,7 @@
 // A scene on the device: its world mesh, materials and lights, and what a tracer built from it.
 //
-// What rests is uploaded once. What moves has a place behind it in the same buffers, one for each frame in flight: each
-// frame copies it there, posed anew, and shaders find all triangles by one numbering.
+// Resting geometry is uploaded once. Moving geometry has a place behind it in the same buffers for each frame in
+// flight, into which each frame copies its pose, so that one numbering covers all triangles.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace gnomon::gpu {
 
-// What a tracer built, and for which lights.
+// What a tracer built, and the lights that it built for.
 struct TracedLights {
   std::shared_ptr<const TracedScene> traced;
   std::vector<exact::TracedLight> built_for;
@@ -22,27 +22,27 @@ struct TracedLights {
 
 // What a scene waits for before it is resident.
 enum class Built {
-  everything,    // what the tracer builds
-  what_is_quick  // where that takes long, a hierarchy answers for all lights until give_traced
+  everything,    // the tracer's complete build
+  what_is_quick  // short builds only; instead of a long one, a hierarchy is traced for all lights until give_traced
 };
 
-// What shaders read of a scene.
+// The buffers of a scene that shaders read.
 struct SceneBuffers {
   Buffer positions, normals, uvs;  // of each vertex
   Buffer triangles, triangle_materials, materials;
-  Buffer clusters, cluster_chunks;  // Cluster and ClusterChunk, of what rests
+  Buffer clusters, cluster_chunks;  // Cluster and ClusterChunk, of the resting geometry
   std::vector<Buffer> textures;
 };
 
-// Where what moves begins in the scene's buffers.
+// The start of a slot's moving geometry in the scene's buffers.
 struct MovingPlace {
   uint32_t first_vertex = 0, first_triangle = 0;
 };
 
 class ResidentScene {
  public:
-  // Blocking; any thread. `tracer` is null for a scene that is only looked at. `slots`: frames in flight. Error: out of
-  // memory, device lost, or more lights than kMaxLights.
+  // Blocking; any thread. `tracer` is null for a scene that is only drawn. `slots`: number of frames in flight. Error:
+  // out of memory, device lost, or more lights than kMaxLights.
   static Result<std::unique_ptr<ResidentScene>> create(const DevicePtr& device, const scenes::ScenePtr& scene,
                                                        const Tracer* tracer, uint32_t slots = 1,
                                                        Built built = Built::everything);
@@ -56,30 +56,31 @@ class ResidentScene {
   const TracedScene& traced() const { return *traced_.traced; }  // precondition: made with a tracer
   uint64_t memory_bytes() const;                                 // on the device, the tracer's included
 
-  // Where a slot's frames keep what moves, and the most that it ever is.
+  // The place of the moving geometry of a slot's frames, and its largest size.
   MovingPlace moving_place(uint32_t slot) const {
     return {vertex_count_ + slot * moving_size_.vertices, triangle_count_ + slot * moving_size_.triangles};
   }
   const scenes::MovingMeshSize& moving_size() const { return moving_size_; }
 
-  // The scene at that time, which is within its period. The same again while neither time nor lights change.
+  // The scene posed at that time. The object is reused while neither the time, the lights nor the tracer's structures
+  // change. Precondition: the time is within the scene's period.
   PosedScenePtr pose(scenes::SceneTime time) const;
 
-  // The lights of frames from now on, as many as before; those that animations move stay with these. Error: the
-  // tracer builds for lights, one has moved and nothing can answer for it: give a static_bvh first.
+  // Replaces the lights for later frames by as many others; lights that animations move keep moving with them. Error:
+  // needs_static_bvh() of these lights, so that give_static_bvh() has to be called first; or another number of lights.
   Result<void> set_lights(std::vector<scenes::Light> lights);
   const std::vector<scenes::Light>& lights() const { return lights_; }
   bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
   void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
-  // From now on this answers for the lights that are where it was built for.
+  // Later frames use `traced` for the lights that are where it was built for.
   void give_traced(TracedLights traced);
-  // What the tracer builds was not there when the scene was made, and has not been given yet.
+  // Whether the scene was made without the tracer's build, and give_traced() has not been called yet.
   bool unbuilt() const { return unbuilt_; }
 
   LightState light_state() const;
 
-  // Fills the scene's part: addresses and lights.
+  // Sets the members that depend on the scene: addresses and lights.
   void describe(FrameUniforms& frame, const PosedScene& posed) const;
 
  private:
@@ -90,7 +91,7 @@ class ResidentScene {
   Result<void> upload_materials(const DevicePtr& device);
 
   scenes::ScenePtr scene_;
-  uint32_t vertex_count_ = 0, triangle_count_ = 0;  // of what rests
+  uint32_t vertex_count_ = 0, triangle_count_ = 0;  // of the resting geometry
   scenes::MovingMeshSize moving_size_;
   Clusters clusters_;
   std::vector<scenes::Light> lights_;
@@ -99,17 +100,17 @@ class ResidentScene {
   SceneBuffers buffers_;
   TracedLights traced_;
   std::shared_ptr<const TracedScene> static_bvh_;
-  mutable PosedScenePtr posed_;  // the last one
+  mutable PosedScenePtr posed_;  // the last result of pose()
 };
 
-// What `tracer`, which builds for lights, builds for a scene with these. Blocking; any thread. Error: out of memory,
-// device lost, stopped.
+// Builds what `tracer`, which builds for lights, needs for a scene with these lights. Blocking; any thread. Error: out
+// of memory, device lost, stopped.
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
-// A hierarchy of what rests in the scene. The same.
+// Builds a hierarchy of the scene's resting geometry. Blocking; any thread. Error: out of memory, device lost.
 Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene);
 
-// `reach` of a directional light is the scene's diagonal, twice.
+// The light as tracers use it. The `reach` of a directional light is twice the scene's diagonal.
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds);
 
 }  // namespace gnomon::gpu

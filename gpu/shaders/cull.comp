@@ -3,8 +3,9 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 
-// Writes down which triangles of a chunk of clusters (gpu/scene/clusters.h) may show, in their order, and the draw of them.
-// A chunk is a workgroup, an invocation is a cluster first and then a triangle of each cluster.
+// Writes the triangles of a chunk of clusters (gpu/scene/clusters.h) that may show, in their order, and the command
+// that draws them. A workgroup processes a chunk; an invocation tests first a cluster, then one triangle of each
+// cluster.
 layout(local_size_x = 64) in;
 
 struct Draw {  // VkDrawIndirectCommand
@@ -22,9 +23,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Tr
   uint first_chunk;
 #include "cull.glsl"
 
-// Pixels. Narrower triangles may turn over, or leave their range of depths by more than its own length.
+// Pixels. Rounding may reverse narrower triangles, or move their depths out of their range by more than its length.
 const float kNarrow = 2.0 * kPixelSlack;
-// Pixels. Farther out, floats no longer tell what kPixelSlack is.
+// Pixels. Farther out, the rounding of floats is not small against kPixelSlack.
 const float kFarthestPixel = 16384.0;
 
 bool triangle_may_show(uvec3 corners, bool double_sided) {
@@ -40,14 +41,14 @@ bool triangle_may_show(uvec3 corners, bool double_sided) {
   float doubled_area = ab.x * ac.y - ab.y * ac.x;
   float longest = sqrt(max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc))));
   if (abs(doubled_area) <= kNarrow * longest)
-    extent.nearest = 2.0;  // may be nearer than all; still it may hold no pixel
+    extent.nearest = 2.0;  // nearer than any depth, so that only the test for a pixel's centre can hide it
   else if (!double_sided && doubled_area > 0.0)
-    return false;  // its back: pixels' y goes down
+    return false;  // a back face, as the y axis of pixels points down
   return !hidden(extent);
 }
 
 shared uint shown;       // a bit for each cluster
-shared uint kept[3][2];  // a bit for each triangle of a cluster; in turns, so that one barrier a cluster is enough
+shared uint kept[3][2];  // a bit for each triangle of a cluster; three in rotation need only one barrier per cluster
 
 void main() {
   uint i = gl_LocalInvocationIndex;

@@ -1,16 +1,18 @@
-// What may show of a frame's clusters (gpu/scene/clusters.h): the tests that both ways of rasterising leave clusters out by.
+// The culling tests of both ways of rasterising, for clusters (gpu/scene/clusters.h): by the frustum, by the cone of
+// normals, and by the farthest depths of 8x8 tiles, one level of the pyramid of Greene, Kass and Miller, "Hierarchical
+// Z-Buffer Visibility" (1993).
 //
-// Left out is only what can own no pixel, so the picture is that of drawing everything. Margins: `slack`, in metres, is
-// more than what floats of a vertex's transformation can be off; kPixelSlack is more than how far a rasteriser may
+// Only what covers no pixel is culled, so that the picture equals that of drawing everything. Margins: `slack`, in
+// metres, exceeds the rounding of a vertex's transformation; kPixelSlack exceeds the distance by which a rasteriser may
 // move a vertex.
 //
 // The includer has defined CULL_PUSH, the further members of the push constants.
 #include "frame.glsl"
 
 const float kPixelSlack = 1.0 / 16.0;
-// Faces this close to edge-on may turn over where a rasteriser moves their vertices.
+// The rasteriser's rounding of vertices may reverse faces that are this close to edge-on.
 const float kEdgeOnSine = 0.02;
-// What would ask more tiles than this is near and large: it shows.
+// Anything that covers more tiles than this counts as visible, because it is near and large.
 const uint kMostTiles = 256;
 
 struct Cluster {
@@ -41,13 +43,13 @@ layout(push_constant, scalar) uniform Push {
 float largest(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
 vec2 pixel_of(vec4 clip) { return (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.width, frame.height); }
 
-// Relative to the camera, in world axes.
+// A box relative to the camera, in world axes.
 struct Box {
   vec3 middle;
   vec3 half_size;
 };
 
-// The box's extent along an axis.
+// Half of the box's extent along an axis, times the axis' length.
 float reach_along(vec3 axis, Box box) { return dot(abs(axis), box.half_size); }
 
 bool outside(vec3 edge, vec3 next_edge, vec3 centre, Box box, float slack) {
@@ -56,7 +58,7 @@ bool outside(vec3 edge, vec3 next_edge, vec3 centre, Box box, float slack) {
   return dot(inwards, box.middle) + reach_along(inwards, box) < -slack * length(inwards);
 }
 
-// Four sides, whose edges are the rays through the picture's corners, and the near plane.
+// Tests the near plane and the four sides, whose edges are the rays through the picture's corners.
 bool outside_frustum(Box box, float slack) {
   vec3 across = frame.ray_dx * float(frame.width), down = frame.ray_dy * float(frame.height);
   vec3 corner = frame.ray_corner, centre = corner + 0.5 * (across + down);
@@ -79,8 +81,8 @@ struct Extent {
   float nearest, farthest;
 };
 
-// Does it hold no pixel's centre, or is it behind what all its tiles show? Rasterised depth may leave the range where
-// a triangle is steep, hence a margin as large as the range.
+// Whether the extent contains no pixel's centre, or is behind the farthest depths of all of its tiles. The rasterised
+// depth of a steep triangle may leave the range, hence a margin as large as the range.
 bool hidden(Extent extent) {
   ivec2 size = ivec2(frame.width, frame.height);
   ivec2 first = ivec2(clamp(ceil(extent.low - kPixelSlack - 0.5), vec2(0.0), vec2(size)));

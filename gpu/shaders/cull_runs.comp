@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// Writes down which clusters of a chunk may show, for raster_runs.comp. A chunk is a workgroup, an invocation a cluster.
+// Writes the clusters of a chunk that may show, for raster_runs.comp. A workgroup processes a chunk, an invocation a
+// cluster.
 layout(local_size_x = 32) in;
 
 #include "raster.glsl"

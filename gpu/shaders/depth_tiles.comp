@@ -3,7 +3,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "frame.glsl"
 
-// The farthest depth of each 8x8 tile; 0 where some pixel shows no surface.
+// Writes the farthest depth of each 8x8 tile; 0 if some pixel of the tile shows no surface.
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 1) uniform texture2D depth;
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer DepthTiles { float at[]; };

@@ -1,17 +1,17 @@
-// What makes a mask exact: one surface point, one shadow segment and one triangle test, shared by every tracer.
+// The definition of an exact mask: the surface point, the shadow segment and the triangle test of every tracer.
 //
-// Written in the common subset of GLSL and C++ with GLM: tests include this very file in C++ (through
-// gpu/exact_cpp.h) and compare masks bit for bit, so nothing here may depend on contraction to FMA or on the
-// order in which a compiler likes to add. EXACT marks what GLSL must compute as written (`precise`).
+// The file is written in the common subset of GLSL and C++ with GLM: tests include it in C++ (through gpu/exact_cpp.h)
+// and compare masks bit for bit, so that nothing here may depend on contraction to FMA or on the order in which a
+// compiler adds. EXACT marks what GLSL must compute as written (`precise`).
 
-// A shadow segment: points origin + t * direction, 0 < t < 1. `traced` is false where the bit is 0 without tracing.
+// A shadow segment: points origin + t * direction, 0 < t < 1. `traced` is false if the bit is 0 without tracing.
 struct ShadowSegment {
   vec3 origin;
   vec3 direction;
   bool traced;
 };
 
-// Written out, because a driver may add the terms of the built-in ones in any order.
+// Written out, because a driver may add the terms of the built-in functions in any order.
 EXACT_FN float exact_dot(vec3 a, vec3 b) {
   EXACT float sum = a.x * b.x + a.y * b.y + a.z * b.z;
   return sum;
@@ -51,8 +51,8 @@ EXACT_FN SurfacePoint surface_point(vec3 camera, vec3 forward, vec3 ray, vec3 p0
   return s;
 }
 
-// Where shadow segments start: off the surface, on the camera's side, by more than the rounding of the surface
-// point (which grows with the coordinates of point and camera) and by less than anything one can see.
+// The point from which shadow segments start. It is off the surface, on the camera's side, by more than the rounding of
+// the surface point, which grows with the coordinates of point and camera, and by less than is visible.
 EXACT_FN vec3 segment_origin(vec3 camera, SurfacePoint s) {
   float largest = max(max(abs(s.position.x), max(abs(s.position.y), abs(s.position.z))),
                       max(abs(camera.x), max(abs(camera.y), abs(camera.z))));
@@ -60,8 +60,8 @@ EXACT_FN vec3 segment_origin(vec3 camera, SurfacePoint s) {
   return origin;
 }
 
-// A light as the tracers see it. kind: 0 point, 1 spot, 2 directional. `reach`: range in metres, 0 for none; for a
-// directional light the length of its segments, longer than the scene. direction: unit, the way the light shines.
+// A light as the tracers use it. kind: 0 point, 1 spot, 2 directional. reach: range in metres, 0 if unlimited; for a
+// directional light the length of its segments, which exceeds the scene. direction: unit, the way the light shines.
 struct TracedLight {
   vec3 position;
   float reach;
@@ -70,8 +70,8 @@ struct TracedLight {
   uint kind;
 };
 
-// The segment from a surface point to a light. Not traced, and the bit 0, where the light is behind the surface (the
-// segment would start by crossing that very surface), out of range or outside the cone.
+// The segment from a surface point to a light. It is not traced, and the bit is 0, if the light is behind the surface
+// (so that the segment would start by crossing that surface) or the point is out of range or outside the cone.
 EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight light) {
   ShadowSegment segment;
   segment.origin = segment_origin(camera, s);
@@ -95,8 +95,9 @@ EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight l
   return segment;
 }
 
-// Does the segment meet the triangle? Edge tests in Pluecker form: an edge shared by two triangles gives exactly
-// opposite numbers, so no segment slips between neighbours. Both sides count; end points do not.
+// Whether the segment meets the triangle. The edge tests are in Pluecker form: an edge shared by two triangles gives
+// exactly opposite numbers, so that no segment passes between neighbours. Both sides of the triangle count; the end
+// points of the segment do not.
 EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2) {
   EXACT vec3 a = p0 - origin;
   EXACT vec3 b = p1 - origin;
@@ -113,8 +114,9 @@ EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 
   EXACT float height = exact_dot(n, a);
   // 0 < height / across < 1, without the division.
   if (across > 0.0f ? !(height > 0.0f && height < across) : !(height < 0.0f && height > across)) return false;
-  // A triangle thinner than rounding, as seen along the segment, passes all that by chance anywhere in its plane.
-  // Only a point at the triangle counts: tracers that sort triangles by place then agree with those that do not.
+  // A triangle that is thinner than the rounding, as seen along the segment, may pass these tests anywhere in its
+  // plane. Only a point near the triangle counts, so that tracers that sort triangles by place agree with those that do
+  // not.
   vec3 lo = min(a, min(b, c));
   vec3 hi = max(a, max(b, c));
   vec3 far = max(abs(lo), abs(hi));

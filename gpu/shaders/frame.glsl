@@ -1,4 +1,4 @@
-// What every shader of a frame sees: the view, the scene's buffers and the lights (gpu/scene/frame_uniforms.h).
+// The uniforms of every shader of a frame: the view, the scene's buffers and the lights (gpu/scene/frame_uniforms.h).
 #ifndef FRAME_GLSL
 #define FRAME_GLSL
 #extension GL_EXT_buffer_reference : require
@@ -49,7 +49,7 @@ layout(set = 0, binding = 0, scalar) uniform Frame {
 
 float near_plane() { return frame.camera_to_clip[3][2]; }
 
-// Through the middle of the pixel; 1 long along frame.forward.
+// The ray through the centre of the pixel; its component along frame.forward is 1.
 vec3 pixel_ray(uvec2 pixel) {
   precise vec3 ray = frame.ray_corner + (float(pixel.x) + 0.5) * frame.ray_dx + (float(pixel.y) + 0.5) * frame.ray_dy;
   return ray;

@@ -1,12 +1,12 @@
-// Corners of triangles for the G-buffer. Vertices are fetched here and not by the fixed pipeline: so each corner knows
-// its triangle, draws may name triangles in any subset, and no stage needs primitive numbers, for which lavapipe
-// copies every triangle.
+// Fetches the corners of triangles for the G-buffer. The shader does this instead of the fixed pipeline, so that each
+// corner has its triangle's number, draws may name any subset of the triangles, and no stage needs primitive numbers,
+// for which lavapipe copies every triangle.
 #include "frame.glsl"
 
 layout(push_constant, scalar) uniform Push { uvec2 drawn; } push;  // address of triangle numbers; 0: all are drawn
 layout(location = 0) flat out uint triangle;
 
-// The number of this vertex.
+// Sets the outputs that all vertex shaders share, and returns the number of the vertex.
 uint fetch_corner() {
   triangle = uint(gl_VertexIndex) / 3u;
   if (push.drawn != uvec2(0)) triangle = Uints(push.drawn).at[triangle];

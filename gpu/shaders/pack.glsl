@@ -1,4 +1,4 @@
-// How masks are packed: common/packed_mask.h says what it means and does the same in C++.
+// Packs masks. common/packed_mask.h defines the format and packs in C++.
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
@@ -11,7 +11,7 @@ layout(local_size_x = INVOCATIONS) in;
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer TileWords { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
 
-// An invocation packs so many words: their classes are one uint.
+// The number of words that an invocation packs: their classes fill one uint.
 const uint kClassesInWord = 16u;
 const uint kDark = 0u, kLit = 1u, kMixed = 2u, kFree = 3u;
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "pack.glsl"
 
-// The class of each word, and how many of an invocation's words are mixed.
+// Writes the class of each word, and for each invocation the number of its mixed words.
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
   TileWords valid_bits;

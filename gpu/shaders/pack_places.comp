@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define INVOCATIONS 128  // what every device allows: one after the other waits for memory
+#define INVOCATIONS 128  // the most that every device allows, because the loads of each invocation wait for memory
 #include "pack.glsl"
 
-// Where each group's mixed words go: the sum of all counts before it; behind the last, of all. One workgroup, of
-// which each invocation adds up a share of neighbouring groups.
+// Replaces the counts of mixed words by their exclusive prefix sums, which are the places of each group's mixed words,
+// and appends the total. One workgroup, in which each invocation sums a contiguous share of the groups.
 layout(push_constant, scalar) uniform Push {
   Uints counts;  // become places
   uint words;

@@ -5,17 +5,17 @@
 
 #include "seen_view.glsl"
 
-// Where each pixel's surface shows in a view that was seen before.
+// Finds for each pixel the pixel of a view seen before that shows the same surface.
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Sources { uint at[]; };
 layout(push_constant, scalar) uniform Push {
   SeenView seen;
   Uints seen_ids;  // triangle_id of that view
-  Uints ids;       // and of this one
+  Uints ids;       // triangle_id of this view
   Sources sources;
 } push;
 
-// Is what the seen view shows in pixel `at` the surface here? The same side of a surface, no farther from either
-// one's plane than a pixel is wide there.
+// Whether the seen view shows in pixel `at` the surface `here`: the same side of a surface, with each of the two points
+// no farther from the other's plane than a pixel's width there (`reach`).
 bool shows(uvec2 at, SurfacePoint here, float reach) {
   uint id = push.seen_ids.at[at.y * push.seen.width + at.x];
   if (id == 0u) return false;
@@ -28,8 +28,9 @@ bool shows(uvec2 at, SurfacePoint here, float reach) {
          abs(dot(apart, there.normal)) <= reach;
 }
 
-// 1 + the seen view's pixel, counted row by row; 0: it does not show this surface. The pixel that the point falls
-// into, or the nearest of the three around the point that does: at edges the sample may have hit what is beside it.
+// Returns 1 + the seen view's pixel, counted row by row; 0 if it does not show this surface. It tries the pixel that
+// the point falls into, then the other three of the four pixels around the point, because at an edge the pixel's sample
+// may have hit a neighbouring surface.
 uint source_of(SurfacePoint here) {
   vec3 from_eye = here.position - push.seen.eye;
   float depth = dot(from_eye, push.seen.forward);

@@ -1,14 +1,18 @@
-// Rasterising in compute: the outline of a triangle in whole fixed-point numbers, its depth, and the picture of both.
+// Rasterisation in compute: the outline of a triangle in fixed-point integers, its depth, and the picture of both.
 //
-// Coverage is decided as graphics hardware does: corners are moved to a grid of 1/256 pixel, edges are whole numbers,
-// and the middle of a pixel that lies on an edge belongs to the triangle left of or above it: neighbours share no
-// pixel and leave none out. Depth comes from the triangle's plane, and never leaves the depths of its corners. A pixel
-// keeps the greatest (nearest) depth, and of triangles equally near the first: what drawing in order would show.
+// Edge functions (Pineda, "A Parallel Algorithm for Polygon Rasterization", 1988) decide coverage as in graphics
+// hardware: corners are rounded to a grid of 1/256 pixel, edge values are integers, and a pixel whose centre lies on an
+// edge belongs to one of the two triangles by the top-left rule, so that neighbours share no pixel and leave none out.
+// Depth comes from the triangle's plane, and is clamped to the depths of its corners. A pixel is one 64-bit value of
+// depth and triangle, updated by an atomic maximum (as in Karis, Stubbe and Wihlidal, "A Deep Dive into Nanite
+// Virtualized Geometry", SIGGRAPH 2021 course): it keeps the greatest (nearest) depth, and of equally near triangles
+// the first, which is the result of drawing in order.
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "frame.glsl"
 
-// For each pixel, tile by tile and in each row by row: the bits of its depth, then those of ~triangle; 0: nothing.
+// For each pixel, tile by tile and row by row within a tile: the bits of its depth in the upper half, those of
+// ~triangle in the lower; 0 if it shows no triangle.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Visibility { uint64_t at[]; };
 
 uint place_of(uvec2 pixel) {
@@ -17,23 +21,23 @@ uint place_of(uvec2 pixel) {
 }
 
 const int kSubpixels = 256;
-// Grid points. Corners farther out are moved to here; edges still fit into 64 bits.
+// Grid points. Corners are clamped to this distance, so that edge values fit into 64 bits.
 const float kFarthest = 536870912.0;
 const uint kTileSide = 64;  // pixels of the tiles that large triangles are cut into: 8x8 blocks of 8x8
 
-// Of lists of triangles: marks beside the number.
+// Marks beside the triangle's number, in lists of triangles.
 const uint kDoubleSided = 0x80000000u;
 const uint kMasked = 0x40000000u;
 const uint kNumber = 0x3fffffffu;
 
-// Grid points, so ordered that the inside is where all edges are positive; of a triangle the last corner comes twice.
+// A polygon in grid points, ordered so that all edge values are positive inside; a triangle has its last corner twice.
 struct Outline {
   ivec2 at[4];
   float nearest, farthest;  // depth: greater is nearer
-  bool shows;               // before the near plane, not from behind
+  bool shows;               // false behind the near plane, for back faces, and without area
 };
 
-// Pixels, both included.
+// A rectangle of pixels, with both ends included.
 struct Pixels {
   ivec2 first, last;
 };
@@ -44,7 +48,8 @@ ivec2 to_grid(vec4 clip) {
   return ivec2(clamp(grid, vec2(-kFarthest), vec2(kFarthest)));
 }
 
-// Where an edge meets the near plane: computed from the end before it, so that both triangles of the edge agree.
+// The point where an edge meets the near plane. It is computed from the end in front of the plane, so that both
+// triangles of the edge agree.
 vec4 at_near_plane(vec4 before, vec4 behind) {
   precise float t = (before.w - near_plane()) / (before.w - behind.w);
   precise vec4 met = before + t * (behind - before);
@@ -52,7 +57,7 @@ vec4 at_near_plane(vec4 before, vec4 behind) {
   return met;
 }
 
-// Of a triangle that the near plane cuts: three or four corners.
+// Clips a triangle by the near plane, which leaves three or four corners.
 void cut(vec4 clip[3], out ivec2 at[4]) {
   uint count = 0u;
   for (uint i = 0u; i < 3u; ++i) {
@@ -94,7 +99,7 @@ Outline outline_of(Corners corners, bool double_sided) {
     cut(clip, o.at);
   }
   int64_t area = doubled_area(o.at[0], o.at[1], o.at[2]) + doubled_area(o.at[0], o.at[2], o.at[3]);
-  if (area == 0l || (area > 0l && !double_sided)) o.shows = false;  // rows go down: fronts turn the other way
+  if (area == 0l || (area > 0l && !double_sided)) o.shows = false;  // front faces are negative, as y points down
   if (area < 0l) {
     ivec2 second = o.at[1];
     o.at[1] = o.at[3];
@@ -103,7 +108,7 @@ Outline outline_of(Corners corners, bool double_sided) {
   return o;
 }
 
-// Those whose middle is within the rectangle around the outline, of the picture's.
+// The picture's pixels whose centres are within the outline's bounding rectangle.
 Pixels pixels_of(Outline o) {
   ivec2 low = min(min(o.at[0], o.at[1]), min(o.at[2], o.at[3]));
   ivec2 high = max(max(o.at[0], o.at[1]), max(o.at[2], o.at[3]));
@@ -115,7 +120,7 @@ Pixels pixels_of(Outline o) {
 
 bool none(Pixels p) { return any(greaterThan(p.first, p.last)); }
 
-// The plane's depth, which is linear in pixels.
+// The depth of a triangle's plane, which is linear in pixels.
 struct Plane {
   float at_corner, dx, dy;
   float nearest, farthest;
@@ -145,21 +150,22 @@ bool solid_at(uint triangle, Corners corners, uvec2 pixel) {
   return passes_alpha_test(triangle, uv_at(triangle, weights / (weights.x + weights.y + weights.z)));
 }
 
-// One of a list: its marks and its number.
+// Writes a pixel of a triangle. `marked`: its number and marks.
 void plot(Visibility visibility, uint marked, Corners corners, Plane plane, uvec2 pixel) {
   uint triangle = marked & kNumber;
   uint64_t value = packUint2x32(uvec2(~triangle, floatBitsToUint(depth_at(plane, vec2(pixel)))));
   uint place = place_of(pixel);
-  // What was read may be old, but then it was smaller: no triangle is lost, and most need no atomic operation.
+  // The value that is read may be outdated, but values only grow: no triangle is lost, and most writes are avoided.
   if (visibility.at[place] >= value) return;
   if ((marked & kMasked) != 0u && !solid_at(triangle, corners, pixel)) return;
   atomicMax(visibility.at[place], value);
 }
 
-// What the workgroups of an indirect dispatch share out among them, whatever their number.
+// The most workgroups of an indirect dispatch; they share the work, whatever their number.
 const uint kMostGroups = 65535;
 
-// Triangles that a whole workgroup draws a tile of at a time. `count`: triangles in the upper half, tiles in the lower.
+// A triangle that workgroups draw tile by tile. LargeList::count has the number of triangles in the upper half, and
+// that of tiles in the lower.
 struct Large {
   uint triangle;  // marked
   uint first_tile;
@@ -173,7 +179,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeList {
 
 ivec2 tiles_of(Pixels p) { return p.last / int(kTileSide) - p.first / int(kTileSide) + 1; }
 
-// Runs of triangles, at most 64 each, that a workgroup draws together.
+// A run of at most 64 triangles, which a workgroup draws together.
 struct Run {
   uint first;
   uint count;  // marked

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// Draws the triangles that are too large for one invocation: a workgroup draws one tile of one triangle at a time. An
-// invocation asks whether an 8x8 block of the tile may show it, then is a pixel of each that may.
+// Draws the triangles that are too large for one invocation: a workgroup draws one tile of one triangle at a time. Each
+// invocation first tests whether an 8x8 block of the tile may show the triangle, then draws one pixel of each such
+// block.
 layout(local_size_x = 64) in;
 
 #include "raster.glsl"
@@ -14,11 +15,11 @@ layout(push_constant, scalar) uniform Push {
   uvec2 depth_tiles;  // address of DepthTiles; 0: nothing hides anything yet
 } push;
 
-// More than the roundings of a plane's depths within a block.
+// Exceeds the relative rounding of a plane's depths within a block.
 const float kDepthSlack = 1e-5;
 
 struct Edge {
-  int64_t at_corner;  // at the middle of the picture's first pixel; not negative: inside
+  int64_t at_corner;  // value at the centre of the picture's first pixel; inside where values are not negative
   int64_t dx, dy;     // to the next pixel
 };
 
@@ -30,7 +31,7 @@ Edge edge(ivec2 from, ivec2 to) {
 
 int64_t value_at(Edge e, ivec2 pixel) { return e.at_corner + e.dx * pixel.x + e.dy * pixel.y; }
 
-// The greatest in the rectangle.
+// The greatest value of the edge in the rectangle.
 int64_t most_in(Edge e, Pixels p) {
   return value_at(e, ivec2(e.dx > 0l ? p.last.x : p.first.x, e.dy > 0l ? p.last.y : p.first.y));
 }
@@ -42,7 +43,7 @@ bool hidden(Plane plane, Pixels block) {
   return DepthTiles(push.depth_tiles).at[tile] > depth_at(plane, nearest) * (1.0 + kDepthSlack);
 }
 
-// The last of the list that begins at this tile or before.
+// The triangle of the list that the tile belongs to: the last one whose first tile is not after it.
 uint triangle_with(uint tile, uint count) {
   uint low = 0u, high = count;
   while (high - low > 1u) {
@@ -55,9 +56,9 @@ uint triangle_with(uint tile, uint count) {
   return low;
 }
 
-shared uint blocks[2], filled[2];  // a bit for each that may show the triangle, and for each that it fills
+shared uint blocks[2], filled[2];  // a bit for each block that may show the triangle; for each that the triangle fills
 
-// The least in the rectangle.
+// The least value of the edge in the rectangle.
 int64_t least_in(Edge e, Pixels p) {
   return value_at(e, ivec2(e.dx > 0l ? p.first.x : p.last.x, e.dy > 0l ? p.first.y : p.last.y));
 }
@@ -77,7 +78,7 @@ void draw_tile(Large large, uint number) {
   Pixels block = Pixels(max(corner, bounds.first), min(corner + 7, bounds.last));
   bool shows = !none(block) && most_in(e0, block) >= 0l && most_in(e1, block) >= 0l && most_in(e2, block) >= 0l &&
                most_in(e3, block) >= 0l && !hidden(plane, block);
-  barrier();  // all have drawn the tile before
+  barrier();  // all invocations have drawn the previous tile
   if (i < 2u) blocks[i] = filled[i] = 0u;
   barrier();
   if (shows) {

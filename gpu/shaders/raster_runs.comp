@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// Draws runs of triangles, one for each invocation: small ones at once, pixel by pixel; others go to raster_large.comp.
+// Draws runs of triangles, one triangle for each invocation: small ones are drawn pixel by pixel, the others are listed
+// for raster_large.comp.
 layout(local_size_x = 64) in;
 
 #include "raster.glsl"
@@ -31,7 +32,8 @@ bool hidden(Pixels p, float nearest) {
   return true;
 }
 
-// An edge's value at a pixel's middle, then its steps to the right and down; not negative: inside.
+// An edge's value at a pixel's centre, and its steps to the next pixel to the right and down. Values are not negative
+// inside.
 ivec3 edge(ivec2 from, ivec2 to, ivec2 middle) {
   ivec2 along = to - from, off = middle - from;
   int above_or_left = along.y < 0 || (along.y == 0 && along.x >= 0) ? 0 : -1;

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "pack.glsl"
 
-// Writes what the host reads: classes, and the mixed words side by side. Straight into host memory, so that no more
-// than there is crosses the bus.
+// Writes the classes, and the mixed words without gaps, directly to host memory, so that only as many bytes as needed
+// cross the bus.
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
   TileWords valid_bits;
@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push {
   uint words;
 } push;
 
-// Towards higher bits if positive; whole rows are multiples of 8.
+// Shifts a word towards higher bits if `by` is positive. A row has 8 bits.
 uvec2 shifted(uvec2 v, int by) {
   if (by == 32) return uvec2(0u, v.x);
   if (by == -32) return uvec2(v.y, 0u);
@@ -23,10 +23,10 @@ uvec2 shifted(uvec2 v, int by) {
   return uvec2((v.x >> -by) | (v.y << (32 + by)), v.y >> -by);
 }
 
-// Columns that a shift along the row may reach.
+// Keeps the columns that a shift along the row may reach.
 uvec2 kept(uvec2 v, uint columns) { return v & uvec2(columns); }
 
-// Bits not known yet take the value of the known ones `by` away.
+// Gives unknown bits the value of the known bits at distance `by`, as Fill in common/packed_mask.cpp.
 void take(inout uvec2 value, inout uvec2 known, int by, uint columns) {
   uvec2 from = kept(shifted(known, by), columns) & ~known;
   value |= shifted(value, by) & from;
@@ -57,7 +57,7 @@ void main() {
   uint classes = push.classes.at[group];
   push.host_classes.at[group] = classes;
   uint place = push.mixed_places.at[group];
-  // Bit 2i: word i is mixed, class 2.
+  // In `mixed`, bit 2i is set if word i is mixed (class 2).
   for (uint mixed = (classes >> 1) & ~classes & 0x55555555u; mixed != 0u; mixed &= mixed - 1u) {
     uint word = first + uint(findLSB(mixed)) / 2u;
     push.host_mixed.at[place] = filled(push.masks.at[word], push.valid_bits.at[word]);

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// What a picture that was rasterised in compute shows: triangle ids as the G-buffer pass of the graphics pipeline
-// leaves them.
+// Converts a picture that was rasterised in compute to triangle ids, as the G-buffer pass of the graphics pipeline
+// writes them.
 layout(local_size_x = 64) in;
 
 #include "raster.glsl"

@@ -5,9 +5,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer See
   vec3 forward;
   uint height;
   vec3 ray_corner;
-  float pixel;  // its width, at depth 1
+  float pixel;  // width of a pixel at depth 1
   vec3 ray_dx;
   vec3 ray_dy;
-  vec3 across;  // ray_dx and ray_dy over their squares
+  vec3 across;  // ray_dx / |ray_dx|^2; `down` likewise of ray_dy
   vec3 down;
 };

@@ -1,5 +1,6 @@
-// A client's picture: its own surfaces, lit by the lights that masks say they see. With PREDICTED, the masks of another
-// view, looked up where predict.comp found each pixel's surface in it; what was not found there is lit.
+// Shades a client's picture: its own surfaces, lit by the lights that are visible according to the masks. With
+// PREDICTED, the masks are of another view, and are looked up at the pixel in which predict.comp found the same
+// surface; surfaces that it did not find are lit by every light.
 #include "frame.glsl"
 #include "surface.glsl"
 #ifdef PREDICTED
@@ -27,7 +28,7 @@ layout(push_constant, scalar) uniform Push {
   Shading shading;
   Pixels pixels;
 #ifdef PREDICTED
-  SeenView seen;  // what the masks are of
+  SeenView seen;  // the view of the masks
   Uints sources;  // for each pixel, as predict.comp writes them
 #endif
 } push;
@@ -41,10 +42,10 @@ vec3 linear_to_srgb(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-8)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
-// Narkowicz's fit of the ACES curve.
+// Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
 vec3 filmic(vec3 c) { return clamp((c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0); }
 
-// Weights of the corners at a point of the triangle's plane.
+// Barycentric weights of the corners at a point of the triangle's plane, clamped to [0, 1].
 vec3 barycentric(vec3 p, vec3 p0, vec3 p1, vec3 p2) {
   vec3 n = cross(p1 - p0, p2 - p0);
   float area = dot(n, n);
@@ -82,11 +83,11 @@ bool visible(uint light, uvec2 pixel) {
 #endif
 }
 
-// What light i brings to the point: the part of I_i that distance, range and cone leave, times saturate(N.L).
+// The irradiance by light i: I_i attenuated by distance, range and cone (KHR_lights_punctual), times saturate(N.L).
 vec3 irradiance(uint i, SurfacePoint surface, vec3 normal) {
   TracedLight light = frame.lights[i];
   LightColour shade = push.shading.lights[i];
-  // Where nothing was traced the bit may have any value: the light is behind the face, out of range or cone.
+  // If nothing was traced, because the light is behind the face or out of range or cone, the bit may have any value.
   if (!shadow_segment(frame.camera, surface, light).traced) return vec3(0.0);
   vec3 to_light = light.kind == 2u ? -light.direction : light.position - surface.position;
   float attenuation = 1.0;
@@ -106,7 +107,8 @@ vec3 irradiance(uint i, SurfacePoint surface, vec3 normal) {
   return shade.colour * attenuation * max(dot(normal, direction), 0.0);
 }
 
-// Does the light that was chosen, if any, reach the point? Bits that it does not shine on may have any value.
+// Whether the chosen light reaches the point; true if none is chosen. Bits of pairs that were not traced may have any
+// value.
 bool reached(SurfacePoint surface, uvec2 pixel) {
   uint light = push.shading.only_light;
   return light == 0xffffffffu ||

@@ -1,4 +1,4 @@
-// From a pixel's triangle id to its surface point; the mapping of invocations to pixels of a tile.
+// Computes a pixel's surface point from its triangle id, and maps invocations to pixels of a tile.
 #extension GL_EXT_samplerless_texture_functions : require
 
 #ifndef TILE_INVOCATIONS
@@ -7,14 +7,14 @@
 layout(local_size_x = TILE_INVOCATIONS) in;
 layout(set = 0, binding = 1) uniform utexture2D triangle_ids;
 
-// Neighbouring invocations form blocks of 4x2 pixels: eight lanes, the narrowest subgroup, share as many texels,
-// triangles and tree nodes as a block can.
+// Eight consecutive invocations, the narrowest subgroup, form a block of 4x2 pixels, which share many texels, triangles
+// and tree nodes.
 uvec2 pixel_in_tile(uint invocation) {
   uint block = invocation / 8u, lane = invocation % 8u;
   return uvec2((block % 2u) * 4u + lane % 4u, (block / 2u) * 2u + lane / 4u);
 }
 
-// 1 + the index of the triangle that the pixel shows; 0: none, or outside the picture.
+// 1 + the index of the triangle that the pixel shows; 0 if it shows none or lies outside the picture.
 uint triangle_at(uvec2 pixel) {
   if (pixel.x >= frame.width || pixel.y >= frame.height) return 0u;
   return texelFetch(triangle_ids, ivec2(pixel), 0).x;

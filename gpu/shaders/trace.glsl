@@ -1,8 +1,8 @@
-// The trace pass around a tracer: one workgroup answers for one 8x8 tile and packs for each light a word of
-// bits and a word that says which of them were asked for.
+// The trace pass around a tracer: one workgroup traces one 8x8 tile, and packs for each light a word of visibility bits
+// and a word with a 1 for each bit that was traced.
 //
-// The includer has defined, before: TRACER_PUSH, the members of the tracer's push constants; after this file's
-// declarations: bool occluded(vec3 origin, vec3 direction); or, with TRACE_COMBINES, answer and store themselves.
+// The includer defines TRACER_PUSH, the members of the tracer's push constants, before including this file, and
+// afterwards bool occluded(vec3 origin, vec3 direction) or, with TRACE_COMBINES, answer and store.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "frame.glsl"
@@ -16,12 +16,12 @@ layout(push_constant, scalar) uniform Push {
   TRACER_PUSH
 } push;
 
-// The pixel's bits of a tile's four halves of words: lit, asked for.
+// The pixel's bit in the two halves of the tile's visibility word (xy) and of its word of traced bits (zw).
 uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit);
 void store(uint light, uint word, uvec4 halves);
 
 const uint kLightsAtATime = 32;
-// Of each light: the lit bits' two halves, then those of the pairs traced.
+// For each light the two halves of its visibility word, then those of its word of traced bits.
 shared uint tile_words[4 * kLightsAtATime];
 
 #ifndef TRACE_COMBINES

@@ -1,8 +1,9 @@
-// The trace pass with light buffers: one subgroup of LANES answers for one 8x8 tile and stores for each light a word of
-// bits and a word that says which of them were asked for.
+// The trace pass with light buffers: one subgroup of LANES traces one 8x8 tile, and stores for each light a word of
+// visibility bits and a word with a 1 for each bit that was traced.
 //
-// This is what narrow and wide subgroups share: the pixels, and what the planes of their leaves say. Those differ in
-// how they walk the lists of the pixels that are left: trace_light_buffer_8.comp, trace_light_buffer_32.comp.
+// This file has the part that narrow and wide subgroups share: loading the pixels, and testing the planes of their
+// leaves. They differ in how they walk the lists of the undecided pixels: trace_light_buffer_8.comp,
+// trace_light_buffer_32.comp.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_EXT_control_flow_attributes : require
@@ -25,7 +26,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const uint kNone = 0xffffffffu;
-const uint kRounds = 64u / LANES;  // pixels of a lane
+const uint kRounds = 64u / LANES;  // number of pixels of each lane
 
 #include "tracers/light_buffer.glsl"
 
@@ -35,7 +36,8 @@ struct Pixels {
   uint shown;  // a bit for each round
 };
 
-// Tile words list pixels by rows, rounds by 4x2 blocks: the two differ by a swap of neighbouring quarters.
+// Converts bits from the order of rounds, 4x2 blocks, to that of tile words, rows: neighbouring groups of four bits are
+// swapped.
 uint by_rows(uint by_blocks) {
   uint swap = ((by_blocks >> 4) ^ by_blocks) & 0x00f000f0u;
   return by_blocks ^ swap ^ (swap << 4);
@@ -63,7 +65,7 @@ void load_pixels(out Pixels pixels) {
   }
 }
 
-// One light's leaves, and what their planes say in bits of rounds.
+// The leaves of one light for a lane's pixels, and the results of their planes, with a bit for each round.
 struct Asked {
   LightView view;
   uint leaf[kRounds];
@@ -72,7 +74,7 @@ struct Asked {
   uint lit, undecided;
 };
 
-// Where a segment is traced at all.
+// The rounds whose segments to the light are traced.
 uint care_bits(uint light, Pixels pixels) {
   TracedLight traced = frame.lights[light];
   uint care = 0u;
@@ -81,7 +83,7 @@ uint care_bits(uint light, Pixels pixels) {
   return care & pixels.shown;
 }
 
-// In steps over all rounds, so that one step's loads, which mostly miss the cache, are under way together.
+// Proceeds in steps over all rounds, so that the loads of a step, which mostly miss the cache, overlap.
 Asked ask_planes(uint light, Pixels pixels, uint care) {
   Asked asked;
   asked.view = LightViews(push.views).at[light];
@@ -103,7 +105,7 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   }
   asked.lit &= care;
   asked.undecided &= care;
-  // A look at every list's first entry, here where loads overlap: the walks find it in the cache.
+  // Tests the first entry of every list here, where the loads overlap; the walks then find it in the cache.
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     bool walks = (asked.undecided & (1u << r)) != 0u;
     uint first = walks ? Leaves(push.leaves).at[asked.leaf[r]].first : 0u;
@@ -114,7 +116,7 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   return asked;
 }
 
-// The very direction of shadow_segment.
+// The direction that shadow_segment computes.
 vec3 direction_of(LightView view, vec3 origin) {
   precise vec3 to_light = view.reference - origin;
   return view.directional != 0u ? view.direction : to_light;

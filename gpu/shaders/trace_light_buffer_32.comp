@@ -1,12 +1,12 @@
-// All lights together: a lane walks the lists of its undecided pixels one after the other, whatever light they are
-// for. Lists differ in length a hundredfold, so lanes that waited for each other at every light would mostly wait.
+// Traces all lights together: a lane walks the lists of its undecided pixels one after the other, whatever their light.
+// The lengths of lists differ a hundredfold, so that lanes that waited for each other at every light would mostly wait.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_vote : require
 #define LANES 32
 #include "trace_light_buffer.glsl"
 
-// kRounds bits for each of LANES lights.
+// A set of kRounds bits for each of LANES lights.
 struct LaneBits {
   uvec2 at;
 };
@@ -24,7 +24,7 @@ void put_bits(inout LaneBits bits, uint light, uint value) {
   bits.at |= shift < 32u ? uvec2(shifted, 0u) : uvec2(0u, shifted);
 }
 
-// Removes the lowest bit and gives its index.
+// Removes the lowest bit and returns its index. Precondition: the set is not empty.
 uint take_bit(inout LaneBits bits) {
   bool low = bits.at.x != 0u;
   uint lowest = uint(findLSB(low ? bits.at.x : bits.at.y));

@@ -1,12 +1,12 @@
-// Light by light; for vector units (lavapipe): a branch that lanes agree on is jumped over, any other is masked, and a
-// loop's body runs at least once. So rare things stand in loops and branches of their own.
+// Traces light by light, for vector units (lavapipe): a branch on which all lanes agree is jumped over, any other one
+// is masked, and a loop's body runs at least once. Hence rare work is in loops and branches of its own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_vote : require
 #define LANES 8
 #include "trace_light_buffer.glsl"
 
-// One pixel's way through its leaf's list.
+// The state of one pixel's walk through its leaf's list.
 struct Walk {
   uint round;
   vec3 origin;
@@ -22,7 +22,7 @@ Walk start_walk(Asked asked, Pixels pixels, uint round) {
   uint at = asked.place[0];
   walk.depth = asked.depth[0];
   walk.origin = pixels.origin[0];
-  // By selection: an array that is indexed by a variable would live in memory, element by element.
+  // Selects the element, because an array that is indexed by a variable would be kept in memory.
   [[unroll]] for (uint r = 1u; r < kRounds; ++r) {
     leaf = round == r ? asked.leaf[r] : leaf;
     at = round == r ? asked.place[r] : at;
@@ -38,7 +38,7 @@ Walk start_walk(Asked asked, Pixels pixels, uint round) {
   return walk;
 }
 
-// The next triangle that may block; kNone: no more.
+// The next triangle of the list that may block; kNone if there is none.
 uint next_candidate(inout Walk walk) {
   uint candidate = kNone;
   while (candidate == kNone && walk.next < walk.end) {
@@ -50,8 +50,8 @@ uint next_candidate(inout Walk walk) {
   return candidate;
 }
 
-// Of the pixels `asking`, in bits of rounds, those that an opaque triangle blocks; `masked`: those of the others that
-// meet a triangle with an alpha test. A lane that is done with one pixel takes its next.
+// Returns those of the pixels `asking`, with a bit for each round, that an opaque triangle blocks. `masked`: those of
+// the others that meet a triangle with an alpha test. A lane that has finished a pixel continues with its next.
 uint blocked_pixels(Asked asked, Pixels pixels, uint asking, out uint masked) {
   uint blocked = 0u;
   masked = 0u;
@@ -74,7 +74,7 @@ uint blocked_pixels(Asked asked, Pixels pixels, uint asking, out uint masked) {
   return blocked;
 }
 
-// Of the pixels `asking`, those that an alpha-tested triangle blocks.
+// Returns those of the pixels `asking` that a triangle with an alpha test blocks.
 uint blocked_by_masked(Asked asked, Pixels pixels, uint asking) {
   uint blocked = 0u;
   for (; asking != 0u; asking &= asking - 1u) {

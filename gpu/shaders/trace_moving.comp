@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-// What moves, after the trace pass has answered for what rests: a light that moves is asked of the hierarchy of all that
-// rests, and every bit still lit of the hierarchy of what moves.
+// Traces moving lights and moving geometry, after the trace pass: moving lights are traced in the hierarchy of the
+// resting geometry, and every pair that is still lit in the hierarchy of the moving geometry.
 struct Hierarchy {
   uvec2 nodes;
   uvec2 triangles;

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
-// The farthest depth of each 8x8 tile of a picture that was rasterised in compute; 0 where some pixel shows no surface.
+// Writes the farthest depth of each 8x8 tile of a picture that was rasterised in compute; 0 if some pixel of the tile
+// shows no surface.
 layout(local_size_x = 64) in;
 
 #include "raster.glsl"

@@ -11,9 +11,9 @@ namespace {
 
 constexpr uint32_t kBins = 16;
 constexpr uint32_t kMaxLeaf = 4;          // triangles, unless all centroids coincide
-constexpr uint32_t kHardMaxLeaf = 15;     // what fits BvhNode::leaf
-constexpr uint32_t kParallelFrom = 8192;  // triangles that are worth a thread
-constexpr float kNodeCost = 1.0f;         // of visiting a node, in triangle tests
+constexpr uint32_t kHardMaxLeaf = 15;     // the most that BvhNode::leaf can hold
+constexpr uint32_t kParallelFrom = 8192;  // triangles of a subtree that is worth a thread of its own
+constexpr float kNodeCost = 1.0f;         // cost of visiting a node, in triangle tests
 
 struct Box {
   glm::vec3 lo{std::numeric_limits<float>::infinity()};
@@ -34,13 +34,14 @@ struct Box {
   glm::vec3 centre() const { return 0.5f * (lo + hi); }
 };
 
-// A triangle as the builder moves it about: beside its neighbours in memory, which is what most of the time depends on.
+// A triangle while the builder sorts it. Items are moved rather than referred to, because neighbours that are adjacent
+// in memory make the build faster.
 struct Item {
   Box box;
   uint32_t triangle = 0;
 };
 
-// Which of the bins along each axis an item falls into.
+// Assigns items to bins of equal width along each axis, by the centres of their boxes.
 struct Bins {
   glm::vec3 low, per_unit;
 
@@ -55,7 +56,7 @@ struct Bins {
 
 struct Split {
   int axis = -1;
-  uint32_t bin = 0;  // triangles of bins below go first
+  uint32_t bin = 0;  // the triangles of lower bins form the first half
   float cost = std::numeric_limits<float>::infinity();
 };
 
@@ -139,7 +140,7 @@ class Builder {
         boxes[bin].grow(item.box);
         ++counts[bin];
       }
-      std::array<float, kBins> below{};  // cost of the triangles in bins below
+      std::array<float, kBins> below{};  // cost of the triangles in lower bins
       Box box;
       uint32_t count = 0;
       for (uint32_t bin = 0; bin + 1 < kBins; ++bin) {
@@ -159,7 +160,7 @@ class Builder {
     return best;
   }
 
-  // Where the second half begins; 0: cannot be divided and need not be.
+  // Returns the index at which the second half begins; 0 if the part cannot be divided and fits into a leaf.
   static size_t divide(std::span<Item> part, const Split& split, const Box& centres) {
     if (split.axis < 0) return part.size() <= kHardMaxLeaf ? 0 : part.size() / 2;
     const Bins bins(centres);

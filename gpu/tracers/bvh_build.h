@@ -9,7 +9,8 @@
 
 namespace gnomon::gpu {
 
-// Depth-first order: the first child follows its parent; `skip` is where a ray goes on that misses the box.
+// Nodes are in depth-first order: the first child follows its parent, and `skip` is the node at which a ray continues
+// that misses the box (Smits, "Efficiency Issues for Ray Tracing", 1998).
 struct BvhNode {
   glm::vec3 lo{0.0f};
   uint32_t skip = 0;
@@ -18,7 +19,7 @@ struct BvhNode {
 };
 static_assert(sizeof(BvhNode) == 32);
 
-// In the order of the leaves, beside each other in memory.
+// A triangle with its corners. Triangles are in the order of the leaves, so that a leaf's triangles are adjacent.
 struct BvhTriangle {
   glm::vec3 p0{0.0f};
   uint32_t triangle = 0;  // index into WorldMesh::triangles
@@ -34,7 +35,8 @@ struct Bvh {
   std::vector<BvhTriangle> triangles;
 };
 
-// Binned surface area heuristic; uses up to `threads` threads. The result does not depend on their number.
+// Builds top down by the binned surface area heuristic (Wald, "On fast Construction of SAH-based Bounding Volume
+// Hierarchies", 2007), on up to `threads` threads. The result does not depend on their number.
 Bvh build_bvh(const scenes::WorldMesh& mesh, unsigned threads);
 
 }  // namespace gnomon::gpu

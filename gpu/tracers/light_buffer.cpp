@@ -1,4 +1,5 @@
-// Tracer "light_buffer": what each light sees, built once (gpu/tracers/light_buffer/). For static geometry and lights.
+// Tracer "light_buffer": for each light, lists of what can block it, built once (gpu/tracers/light_buffer/). It is for
+// static geometry and lights.
 #include <array>
 #include <optional>
 #include <utility>
@@ -58,7 +59,7 @@ class LightBufferScene : public TracedScene {
   std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
 
  private:
-  // Of every triangle, side by side: a walk then reads one place instead of four.
+  // The corners of every triangle, side by side, so that a walk reads one place in memory instead of four.
   static std::vector<glm::vec3> corners_of(const scenes::WorldMesh& mesh) {
     std::vector<glm::vec3> corners;
     corners.reserve(3 * mesh.triangles.size());
@@ -105,7 +106,7 @@ class LightBufferTracer : public Tracer {
   }
 
  private:
-  // Triangles times lights of which a build takes some milliseconds.
+  // Triangles x lights up to which a build takes some milliseconds only.
   static constexpr size_t kShortBuild = 20'000;
 
   light_buffer::BuildSettings settings_for(const TracerInput& input) const {
@@ -123,7 +124,7 @@ class LightBufferTracer : public Tracer {
     return settings;
   }
 
-  // Only lights as the scene's file has them are known by its content hash.
+  // The cache's key is the scene's content hash, which covers the lights as loaded only.
   bool is_cached(const TracerInput& input) const {
     return !options_.cache_folder.empty() && input.lights_as_loaded;
   }

@@ -46,7 +46,7 @@ class AccelerationStructure {
         [device = device_->handle(), destroy = destroy_, handle = handle_] { destroy(device, handle, nullptr); });
   }
 
-  // Blocking. One range for each geometry, of `counts` primitives.
+  // Blocking. Geometry i has counts[i] primitives.
   static Result<AccelerationStructure> build(const DevicePtr& device, const RayFunctions& rays,
                                              VkAccelerationStructureTypeKHR type,
                                              std::span<const VkAccelerationStructureGeometryKHR> geometries,
@@ -156,7 +156,7 @@ class RayQueryTracer : public Tracer {
   }
 
  private:
-  // One geometry of opaque triangles, one of those whose alpha test the shader does.
+  // One geometry has the opaque triangles, the other those whose alpha test the shader makes.
   Result<AccelerationStructure> build_bottom(const TracerInput& input) const {
     VkAccelerationStructureGeometryKHR geometry{};
     geometry.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR;

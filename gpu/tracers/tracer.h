@@ -18,37 +18,37 @@
 
 namespace gnomon::gpu {
 
-// Of a tracer that sorts triangles into lists for each light; zeros for others.
+// Statistics of a tracer that sorts triangles into lists for each light; zeros for other tracers.
 struct ListStatistics {
   double average = 0;    // entries of a list
-  uint32_t longest = 0;  // of them in one list
+  uint32_t longest = 0;  // entries of the longest list
   bool from_cache = false;
 };
 
-// What a tracer keeps on the device for one scene.
+// A tracer's data on the device for one scene. Immutable.
 class TracedScene {
  public:
   virtual ~TracedScene() = default;
   virtual uint64_t memory_bytes() const = 0;
-  // Follow the addresses of the masks and the valid_bits; at most kPushConstantBytes - 16.
+  // The push constants after the addresses of the masks and the valid_bits; at most kPushConstantBytes - 16 bytes.
   virtual std::span<const std::byte> push_constants() const = 0;
 
   double build_seconds = 0;
   ListStatistics list_statistics;
 };
 
-// Who follows a long build, and may end it.
+// Observes a long build, and can stop it.
 struct BuildWatch {
   std::function<void(size_t light, double share)> progress = {};  // of that light's work; on the building thread
-  std::stop_token stop = {};                                      // once stopped, the build fails soon
+  std::stop_token stop = {};                                      // after a request to stop, the build fails soon
 };
 
-// What a tracer builds from. The buffers are those of the resident scene and outlive what is built.
+// The input of a tracer's build. The buffers are those of the resident scene and outlive the result.
 struct TracerInput {
   const scenes::Scene& scene;
   const scenes::WorldMesh& mesh;
   std::span<const exact::TracedLight> lights;
-  bool lights_as_loaded = true;  // false: they have moved since, the scene's content hash does not know them
+  bool lights_as_loaded = true;  // false: the lights have moved, and the scene's content hash does not cover them
   const Buffer& positions;
   const Buffer& triangles;
   BuildWatch watch = {};
@@ -59,19 +59,19 @@ class Tracer {
   virtual ~Tracer() = default;
   virtual std::string_view name() const = 0;
   virtual std::span<const uint32_t> shader() const = 0;  // the trace pass with this tracer
-  // Whether what it builds answers for the lights that it was built for and no others.
+  // Whether the tracer's data is valid only for the lights that it was built for.
   virtual bool builds_for_lights() const { return false; }
   // Blocking; any thread. Error: out of memory, device lost, stopped.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
-  // What can be had without a long build: everything, or what was kept of an earlier one. Null: it has to be built. As
-  // above.
+  // As build, but only if it is quick, because the build is short or its result is cached; nullptr if a long build is
+  // needed.
   virtual Result<std::unique_ptr<TracedScene>> build_at_once(const TracerInput& input) const {
     return build(input);
   }
 };
 
-// `name`: "bvh", "light_buffer", "ray_query", or "auto" for the fastest that this device can run. Error: no such tracer, or
-// the device does not offer it.
+// `name`: "bvh", "light_buffer", "ray_query", or "auto" for the fastest that this device can run. Error: there is no
+// such tracer, or the device does not support it.
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
                                             const TracerOptions& options = {});
 

@@ -1,4 +1,4 @@
-// What tracers may be told beside the scene.
+// Options of tracers.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 namespace gnomon::gpu {
 
 struct TracerOptions {
-  std::filesystem::path cache_folder;  // where what was built is kept for the next start; empty: nowhere
-  uint64_t light_buffer_bytes = 0;     // memory of a scene's light buffers; 0: by the number of lights
+  std::filesystem::path cache_folder;  // for the results of builds; empty: no cache
+  uint64_t light_buffer_bytes = 0;     // memory budget of a scene's light buffers; 0: by the number of lights
 };
 
 }  // namespace gnomon::gpu

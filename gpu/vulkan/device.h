@@ -1,4 +1,4 @@
-// A Vulkan device of ours: logical device, queues, memory, and the parking place of dropped objects.
+// A logical Vulkan device with its queues and memory, which defers the destruction of dropped objects.
 #pragma once
 
 #include <deque>
@@ -19,11 +19,11 @@ namespace gnomon::gpu {
 struct DeviceOptions {
   std::string device;  // see choose_device
   ValidationOptions validation;
-  uint32_t queues = 1;  // for frames that overlap; fewer where the device has fewer
+  uint32_t queues = 1;  // for frames that overlap; at most as the device has
 };
 
 class Device;
-// Whatever lives on a device keeps it alive.
+// Objects on a device keep it alive.
 using DevicePtr = std::shared_ptr<Device>;
 
 class Device {
@@ -36,15 +36,15 @@ class Device {
   VkDevice handle() const { return device_; }
   const PhysicalDevice& info() const { return info_; }
   const DeviceFeatures& features() const { return features_; }
-  // Queues of one family: frames are spread over them. The first one also takes what is no frame.
+  // Queues of one family, over which frames are spread. The first one is also used for all other work.
   Queue& queue(size_t i = 0) { return *queues_[i]; }
   size_t queue_count() const { return queues_.size(); }
   MemoryAllocator& memory() { return memory_; }
   uint64_t validation_messages() const { return instance_->validation_messages(); }
 
-  // Any thread. Parks what destroys an object until all work submitted so far has passed the queues' timelines.
+  // Any thread. Defers `destroy` until the device has passed all work that was submitted so far to any queue.
   void retire(std::function<void()> destroy);
-  // Any thread. Destroys what was parked and has passed; every frame slot calls it as it comes into use again.
+  // Any thread. Calls the deferred functions whose work has passed. Every frame slot calls it before it is reused.
   void collect();
 
  private:
@@ -66,7 +66,7 @@ class Device {
   std::deque<Parked> parked_;  // values never decrease
 };
 
-// A Vulkan object that is parked when dropped: nobody else reasons about when the device is done with it.
+// Owns a Vulkan object, and retires it when dropped, so that its users need not track when the device has passed it.
 template <class Handle, auto Destroy>
 class Owned {
  public:

@@ -134,7 +134,7 @@ FeatureChain::FeatureChain(const DeviceFeatures& offered) {
   v12.scalarBlockLayout = VK_TRUE;
   v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
   v13.dynamicRendering = VK_TRUE;
-  v13.maintenance4 = VK_TRUE;  // LocalSizeId of SPIR-V 1.6; fragment shaders may ignore varyings
+  v13.maintenance4 = VK_TRUE;  // for LocalSizeId of SPIR-V 1.6, and for fragment shaders that ignore varyings
   v13.synchronization2 = VK_TRUE;
   acceleration.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
   acceleration.accelerationStructure = VK_TRUE;

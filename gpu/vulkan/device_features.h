@@ -1,4 +1,4 @@
-// What Gnomon asks of a Vulkan device, in one place: the baseline, and what it uses where offered.
+// The features that Gnomon needs of a Vulkan device, and those that it uses if the device offers them.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,21 @@ namespace gnomon::gpu {
 struct DeviceFeatures {
   bool ray_query = false;
   bool atomic_int64 = false;    // 64-bit atomic operations on buffers
-  bool unified_memory = false;  // device memory is host memory: nothing needs staging
+  bool unified_memory = false;  // device memory is host memory, so that nothing needs staging
   uint32_t subgroup_size = 0;
   uint32_t max_image_side = 0;  // pixels
   double timestamp_period_ns = 0;
 };
 
-// What the device lacks of the baseline, as words for a person; empty: usable.
+// A readable list of the required features that the device lacks; empty if it is usable.
 std::string missing_features(VkPhysicalDevice device);
 
 DeviceFeatures query_features(VkPhysicalDevice device);
 
-// As sysfs names it; empty: the device is on no PCI bus or does not say where.
+// The device's PCI address as in sysfs; empty if it is on no PCI bus or does not report its address.
 std::string pci_address(VkPhysicalDevice device);
 
-// The feature chain that a VkDevice of ours is created with. Not copyable: the structs point at each other.
+// The feature chain that the VkDevice is created with. Not copyable, because the structs point at each other.
 struct FeatureChain {
   explicit FeatureChain(const DeviceFeatures& offered);
   FeatureChain(const FeatureChain&) = delete;

@@ -15,13 +15,13 @@ namespace gnomon::gpu {
 
 struct ValidationOptions {
   bool enabled = false;
-  // Any thread of the driver; warnings and errors only. Without one they go to the log.
+  // Called on any thread of the driver, for warnings and errors only. If it is empty, they are logged.
   std::function<void(std::string_view message)> on_message;
 };
 
 class Instance {
  public:
-  // Error: no Vulkan driver, or validation asked for and no VK_LAYER_KHRONOS_validation installed.
+  // Error: there is no Vulkan driver, or validation is enabled and VK_LAYER_KHRONOS_validation is not installed.
   static Result<std::unique_ptr<Instance>> create(ValidationOptions validation);
   ~Instance();
   Instance(const Instance&) = delete;
@@ -42,21 +42,22 @@ class Instance {
   std::atomic<uint64_t> messages_ = 0;
 };
 
-// One physical device as it presents itself.
+// A physical device and its properties.
 struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
   std::string name;
   std::string driver;
-  std::string pci_address;  // as sysfs names it: "0000:65:00.0"; empty: on no such bus
+  std::string pci_address;  // as in sysfs: "0000:65:00.0"; empty if the device is on no PCI bus
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
   uint32_t api_version = 0;
-  std::string missing;  // what Gnomon needs and the device lacks; empty: usable
+  std::string missing;  // required features that the device lacks; empty if it is usable
 };
 
 std::vector<PhysicalDevice> list_devices(const Instance& instance);
 
-// `selector`: "" the best usable one (discrete, integrated, virtual, cpu); an index; a type (cpu, discrete,
-// integrated, virtual); or part of a name, upper and lower case alike. Error: none fits, with the list.
+// `selector`: "" for the best usable device (discrete before integrated, virtual, cpu); an index; a type (cpu,
+// discrete, integrated, virtual); or part of a name, ignoring case. Error: no device matches; the message lists the
+// devices.
 Result<PhysicalDevice> choose_device(const Instance& instance, std::string_view selector);
 
 }  // namespace gnomon::gpu

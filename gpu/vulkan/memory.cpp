@@ -77,7 +77,7 @@ Result<uint32_t> MemoryAllocator::memory_type(uint32_t allowed, MemoryUse use) c
   constexpr VkMemoryPropertyFlags local = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   constexpr VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   constexpr VkMemoryPropertyFlags cached = host | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-  std::vector<VkMemoryPropertyFlags> wishes;  // best first
+  std::vector<VkMemoryPropertyFlags> wishes;  // in order of preference
   switch (use) {
     case MemoryUse::device:
       if (unified_) wishes.push_back(local | host);

@@ -1,4 +1,4 @@
-// Device memory: a few large blocks for each memory type, cut by first fit; large pieces get a block of their own.
+// Device memory: a few large blocks for each memory type, divided by first fit; large pieces get a block of their own.
 #pragma once
 
 #include <array>
@@ -15,20 +15,20 @@
 namespace gnomon::gpu {
 
 enum class MemoryUse {
-  device,    // the device's own; mapped only where that is host memory anyway
+  device,    // device-local; mapped if the chosen memory is host-visible
   upload,    // written by the host, read by the device
-  readback,  // written by the device, read by the host: cached
+  readback,  // written by the device, read by the host; cached
 };
 
 class MemoryBlock;
 
-// A piece of a block. Plain data: whoever owns the piece gives it back with MemoryAllocator::free.
+// A piece of a block. Plain data: its owner returns it with MemoryAllocator::free.
 struct MemoryPiece {
   MemoryBlock* block = nullptr;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   uint64_t offset = 0;
   uint64_t bytes = 0;
-  void* mapped = nullptr;  // host address of the first byte, where the memory is host-visible
+  void* mapped = nullptr;  // host address of the first byte; nullptr if the memory is not mapped
 };
 
 // Any thread.
@@ -40,7 +40,7 @@ class MemoryAllocator {
   void open(VkPhysicalDevice physical, VkDevice device, bool unified);
   void close();
 
-  // `linear`: buffers; images are kept in blocks of their own. Error: out of memory.
+  // `linear`: true for buffers, false for images, which have blocks of their own. Error: out of memory.
   Result<MemoryPiece> allocate(const VkMemoryRequirements& need, MemoryUse use, bool linear);
   void free(const MemoryPiece& piece);
 

@@ -30,7 +30,7 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits which, const ShaderM
   return info;
 }
 
-// The fixed parts of our one kind of raster pipeline.
+// The state that all raster pipelines share.
 struct RasterState {
   VkPipelineInputAssemblyStateCreateInfo assembly{};
   VkPipelineViewportStateCreateInfo viewport{};

@@ -12,14 +12,15 @@ using DescriptorSetLayout = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetL
 using PipelineLayout = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
 using Pipeline = Owned<VkPipeline, vkDestroyPipeline>;
 
-// Every pass sees the same set: binding 0 the frame's uniforms, then the images that it samples, then those
-// that compute writes, each in the order in which it declares them. All else goes through device addresses in push constants.
+// Every pass has a set of the same form: binding 0 has the frame's uniforms, then follow the images that the pass
+// samples, then the storage images, each in the order in which the pass declares them. Everything else is accessed
+// through device addresses in push constants.
 struct PassLayout {
   DescriptorSetLayout set;
   PipelineLayout pipeline;
 };
 
-// What every device offers, lavapipe of Mesa 22 included.
+// The size that every device supports, including lavapipe of Mesa 22.
 inline constexpr uint32_t kPushConstantBytes = 128;
 
 Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images, uint32_t storage_images = 0);
@@ -34,8 +35,8 @@ struct RasterPipeline {
   VkFormat depth;
 };
 
-// No vertex streams; triangle lists, counter-clockwise front faces, reverse-Z depth test and write; dynamic viewport, scissor and cull
-// mode.
+// A pipeline without vertex streams, for triangle lists, counter-clockwise front faces, reverse-Z depth test and write;
+// viewport, scissor and cull mode are dynamic.
 Result<Pipeline> make_raster_pipeline(const DevicePtr& device, const PassLayout& layout,
                                       const RasterPipeline& what);
 

@@ -76,7 +76,7 @@ Result<void> Queue::wait(uint64_t value) const {
 
 uint64_t Queue::completed() const {
   uint64_t value = 0;
-  // A lost device completes nothing more: what waits for it is freed when the device is closed.
+  // A lost device completes nothing more; retired objects are destroyed when the device is closed.
   if (vkGetSemaphoreCounterValue(device_, timeline_, &value) != VK_SUCCESS) return 0;
   return value;
 }

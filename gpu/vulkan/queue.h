@@ -1,4 +1,5 @@
-// A device queue with its timeline: every submit gets the next number, reached when the device is done with it.
+// A device queue with a timeline semaphore: every submit gets the next value, which is reached when the device has
+// passed it.
 #pragma once
 
 #include <atomic>
@@ -24,15 +25,15 @@ class Queue {
 
   uint32_t family() const { return family_; }
 
-  // Starts `commands` one after the other, with one call of the driver, and after what `other` has completed by now,
-  // so that they see what it wrote. Returns the timeline value that marks the end of the first; the next ones follow
-  // it. Error: out of memory or device lost; nothing has started then.
+  // Starts `commands` one after the other, with one call of the driver, after the work that `other` has completed by
+  // now, so that they see what it wrote. Returns the timeline value that marks the end of the first command buffer; the
+  // others have the values that follow. Error: out of memory or device lost; then nothing was started.
   Result<uint64_t> submit(std::span<const VkCommandBuffer> commands, const Queue* other = nullptr);
 
   // Waits until the timeline has reached `value`. Error: device lost.
   Result<void> wait(uint64_t value) const;
 
-  // A submit was refused for another reason than memory: the device is gone, and stays so.
+  // Whether a submit failed for another reason than memory: the device is lost for good.
   bool lost() const { return lost_; }
   uint64_t submitted() const { return submitted_; }
   uint64_t completed() const;

@@ -9,7 +9,7 @@ namespace gnomon::gpu {
 Result<Buffer> Buffer::create(const DevicePtr& device, uint64_t bytes, VkBufferUsageFlags usage, MemoryUse use) {
   Buffer buffer;
   buffer.device_ = device;
-  buffer.bytes_ = std::max<uint64_t>(bytes, 16);  // an empty list still has an address
+  buffer.bytes_ = std::max<uint64_t>(bytes, 16);  // so that an empty list has an address too
   VkBufferCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   create.size = buffer.bytes_;

@@ -1,4 +1,4 @@
-// Buffers and images: move-only owners that park themselves when dropped.
+// Buffers and images: move-only owners that retire their objects when dropped (Device::retire).
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace gnomon::gpu {
 
 class Buffer {
  public:
-  // Every buffer has a device address; `usage` says what else it is for. Error: out of memory.
+  // Every buffer has a device address; `usage` has the usages beside that. Error: out of memory.
   static Result<Buffer> create(const DevicePtr& device, uint64_t bytes, VkBufferUsageFlags usage, MemoryUse use);
 
   Buffer() = default;
@@ -36,7 +36,7 @@ class Buffer {
   uint64_t bytes_ = 0;
 };
 
-// A 2D image of one level with a view of all of it.
+// A 2D image of one mip level with a view of it.
 class Image {
  public:
   static Result<Image> create(const DevicePtr& device, VkExtent2D size, VkFormat format, VkImageUsageFlags usage);
@@ -65,10 +65,10 @@ class Image {
 
 VkImageAspectFlags aspect_of(VkFormat format);
 
-// What was written before is seen by everything that comes later on the queue.
+// Records a full barrier: all later commands on the queue see everything that was written before.
 void all_before_all_after(VkCommandBuffer commands);
 
-// Records commands, submits them and waits for their end. For loading, never for frames.
+// Records commands, submits them and waits for their end. It is used while loading, never for frames.
 Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommandBuffer)>& record);
 
 // A device buffer with this content; blocking.

@@ -1,4 +1,4 @@
-// Vulkan, and its results as errors for people.
+// Includes Vulkan, and converts its results to error messages.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -11,7 +11,7 @@ namespace gnomon::gpu {
 
 std::string_view to_string(VkResult result);
 
-// "creating a buffer: out of device memory".
+// An error such as "creating a buffer: out of device memory", where `doing` is "creating a buffer".
 Error vulkan_error(VkResult result, std::string_view doing);
 
 }  // namespace gnomon::gpu

@@ -1,4 +1,4 @@
-// The scenes that Gnomon brings along. Both are the same every time, and their cameras fly a closed loop.
+// The scenes that come with Gnomon. Both are deterministic, and their cameras fly a closed loop.
 #pragma once
 
 #include "scenes/assets/stage.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 
-// stb_image_write is C: its own warnings are not ours.
+// stb_image_write is C code with warnings of its own.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 #define STB_IMAGE_WRITE_STATIC
@@ -16,7 +16,8 @@
 namespace gnomon::scenes::assets {
 namespace {
 
-// White where `solid` holds, and clear elsewhere; solid's point is in [0, 1] squared, y up.
+// An image of `size` x `size` texels, white where `solid` holds and transparent elsewhere. The argument of `solid` lies
+// in [0, 1] x [0, 1], y up.
 std::vector<uint8_t> cut_png(int size, const std::function<bool(glm::vec2)>& solid) {
   std::vector<uint8_t> rgba;
   for (int y = 0; y < size; ++y) {

@@ -1,4 +1,4 @@
-// Small pictures whose alpha cuts a shape out of a flat piece, as PNG files. stb stands behind this header alone.
+// Small images, as PNG files, whose alpha cuts a shape out of a flat surface. Only the implementation uses stb.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace gnomon::scenes::assets {
 
-// A five-lobed ivy leaf, its stalk at the middle of the lower edge.
+// A five-lobed ivy leaf with its stalk at the middle of the lower edge.
 std::vector<uint8_t> ivy_leaf_png();
 
-// A lattice of rings and bars, `cells` x `cells` of them, that meets itself at the edges.
+// A lattice of `cells` x `cells` rings and bars, which tiles without seams.
 std::vector<uint8_t> lattice_png(int cells);
 
 }  // namespace gnomon::scenes::assets

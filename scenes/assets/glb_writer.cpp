@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// glTF's numbers for what it names.
+// Constants of the glTF 2.0 specification.
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertexData = 34962, kIndexData = 34963, kClampToEdge = 33071, kLinear = 9729;
 constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
@@ -86,7 +86,7 @@ class Writer {
 
   void add_materials() {
     for (const std::vector<uint8_t>& png : stage_.images) {
-      // First: a new member of the document moves those before it.
+      // Called first, because adding a member to the document invalidates references to the others.
       const auto view = add_view(std::span<const uint8_t>(png), 0);
       document_["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
       const size_t image = document_["images"].size() - 1;

@@ -8,7 +8,7 @@
 
 namespace gnomon::scenes::assets {
 
-// The bytes of the .glb: equal stages give equal bytes.
+// The bytes of the .glb file. Equal stages give equal bytes.
 std::vector<uint8_t> to_glb(const Stage& stage);
 
 }  // namespace gnomon::scenes::assets

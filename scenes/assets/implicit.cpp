@@ -42,7 +42,7 @@ glm::vec3 gradient(const Field& field, glm::vec3 p, float step) {
   return {field(p + x) - field(p - x), field(p + y) - field(p - y), field(p + z) - field(p - z)};
 }
 
-// The mean of the points where the surface crosses the cell's edges; false when it crosses none.
+// Sets `vertex` to the mean of the points where the surface crosses the cell's edges; returns false if it crosses none.
 bool cell_vertex(const Grid& grid, glm::ivec3 cell, glm::vec3& vertex) {
   glm::vec3 sum(0.0f);
   int crossings = 0;
@@ -62,7 +62,7 @@ bool cell_vertex(const Grid& grid, glm::ivec3 cell, glm::vec3& vertex) {
   return crossings > 0;
 }
 
-// Each grid edge with a change of sign gets a quad between the four cells about it.
+// Adds a quad between the four cells around each grid edge along which the field changes sign.
 void add_quads(Grid& grid, Mesh& mesh) {
   for (int axis = 0; axis < 3; ++axis) {
     glm::ivec3 u(0), v(0), along(0);

@@ -9,7 +9,7 @@ namespace {
 
 using Place = std::tuple<int64_t, int64_t, int64_t>;
 
-// Seam vertices come from the same formula with slightly different rounding: a hundredth of a millimetre is one place.
+// Places are equal to a hundredth of a millimetre, because vertices along a seam differ by rounding.
 Place place_of(glm::vec3 p) {
   const auto cell = [](float v) { return static_cast<int64_t>(std::llround(double{v} * 1e5)); };
   return {cell(p.x), cell(p.y), cell(p.z)};

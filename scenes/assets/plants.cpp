@@ -11,7 +11,7 @@ namespace {
 
 glm::vec3 around(float angle) { return {std::cos(angle), 0.0f, std::sin(angle)}; }
 
-// A leaf at `root` that grows towards `outwards`, its upper side as much up as it can be.
+// The placement of a leaf at `root` that grows towards `outwards`, with its upper side facing up as far as possible.
 glm::mat4 leaf_frame(glm::vec3 root, glm::vec3 outwards) {
   const glm::vec3 y = glm::normalize(outwards);
   const glm::vec3 up = std::abs(y.y) > 0.97f ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0);
@@ -113,7 +113,7 @@ Shrub ivy(glm::vec2 size, int stems, bool hanging, uint32_t seed) {
   const Mesh card = surface(2, 1, [](float u, float v) {
     return glm::vec3(u - 0.5f, 1 - v, 0.16f * (1 - std::abs(2 * u - 1)) + 0.1f * v);
   });
-  Mesh facing = card;  // surface() looks along du x dv; texture rows run downwards, so the front is the other side
+  Mesh facing = card;  // its front is along du x dv; texture rows run downwards, so that this is turned round
   for (glm::uvec3& t : facing.triangles) std::swap(t.y, t.z);
   for (glm::vec3& n : facing.normals) n = -n;
 

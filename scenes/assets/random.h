@@ -1,4 +1,5 @@
-// The generators' own random numbers (PCG32): the same sequence on every machine, for ever.
+// The generators' random numbers: PCG32 (O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good
+// Algorithms for Random Number Generation", 2014). A seed gives the same sequence on every machine.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ class Random {
     return (shifted >> turn) | (shifted << ((32 - turn) & 31));
   }
 
-  // In [0, 1), [low, high) and {0, ..., count - 1}.
+  // Uniform in [0, 1), [low, high) and {0, ..., count - 1}.
   float unit() { return static_cast<float>(next() >> 8) * 0x1p-24f; }
   float range(float low, float high) { return low + (high - low) * unit(); }
   uint32_t below(uint32_t count) { return static_cast<uint32_t>((uint64_t{next()} * count) >> 32); }

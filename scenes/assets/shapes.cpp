@@ -8,7 +8,8 @@
 namespace gnomon::scenes::assets {
 namespace {
 
-// Where along one edge of a rounded box its face is cut: finer over the rounding, even over the flat.
+// The positions along one edge of a rounded box at which its face is divided: by equal angles over the rounding, by
+// equal lengths over the flat part.
 std::vector<float> face_cuts(float half, float radius, int round, int flat) {
   std::vector<float> cuts;
   const float inner = half - radius;
@@ -54,7 +55,7 @@ void add_rounded_face(Mesh& mesh, glm::vec3 half, float radius, int round, int f
 }  // namespace
 
 Mesh bevel_box(glm::vec3 low, glm::vec3 high, float bevel) {
-  // Three vertices a corner, one for each face that meets there, each with that face's normal.
+  // Each corner has three vertices, one for each face that meets there, with that face's normal.
   Mesh mesh;
   for (int corner = 0; corner < 8; ++corner) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -128,7 +129,7 @@ Mesh prism(const std::vector<glm::vec2>& outline, float depth) {
   const auto count = static_cast<uint32_t>(outline.size());
   for (const glm::vec2& p : outline) mesh.positions.emplace_back(p, 0.0f);
   for (const glm::vec2& p : outline) mesh.positions.emplace_back(p, depth);
-  // Every side has its own vertices: outlines are angular, and curved ones are smoothed by the crease below.
+  // Every side has its own vertices, so that angular outlines stay sharp; the crease angle below smooths curved ones.
   const auto sides = static_cast<uint32_t>(mesh.positions.size());
   for (uint32_t i = 0; i < count; ++i) {
     for (const uint32_t v : {i, (i + 1) % count, (i + 1) % count + count, i + count}) {

@@ -1,10 +1,10 @@
-// The shapes over a grid of parameters (u, v).
+// The shapes that are defined over a grid of parameters (u, v).
 #include "scenes/assets/shapes.h"
 
 namespace gnomon::scenes::assets {
 namespace {
 
-// Positions f(u, v) in rows of constant v, with two triangles a cell and no normals yet.
+// Positions f(u, v) in rows of constant v, with two triangles for each cell and without normals.
 Mesh grid(int spans_u, int spans_v, const std::function<glm::vec3(float, float)>& f) {
   Mesh mesh;
   for (int j = 0; j <= spans_v; ++j) {
@@ -25,7 +25,8 @@ Mesh grid(int spans_u, int spans_v, const std::function<glm::vec3(float, float)>
   return mesh;
 }
 
-// Normals of a grid whose every vertex keeps its place: where the rows run into a point, those of the row before.
+// The normals of a grid, without removing vertices. A vertex without area around it, where a row degenerates to a
+// point, takes the normal of the row before.
 std::vector<glm::vec3> grid_normals(const Mesh& mesh, uint32_t row) {
   std::vector<glm::vec3> normals(mesh.positions.size(), glm::vec3(0.0f));
   for (const glm::uvec3& t : mesh.triangles) {

@@ -1,6 +1,6 @@
-// A scene while a generator builds it: materials, models placed by nodes, lights and one camera's flight.
+// A scene that a generator builds: materials, models placed by nodes, lights and the flight of one camera.
 //
-// Plain data with indices, in the order in which it is written to the file.
+// It is plain data with indices, in the order in which it is written to the file.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct Material {
   uint32_t cutout = kNoImage;  // image whose alpha cuts holes (alphaMode MASK), seen from both sides
 };
 
-// What a model is made of: one mesh a material.
+// A part of a model: its triangles of one material.
 struct Part {
   uint32_t material = 0;
   Mesh mesh;
@@ -33,9 +33,9 @@ struct Part {
 
 struct Model {
   std::string name;
-  std::deque<Part> parts;  // a deque: what in() returned stays valid
+  std::deque<Part> parts;  // a deque, so that references returned by in() stay valid
 
-  // The mesh of `material` in this model, made if there is none yet.
+  // The mesh of `material` in this model, which is added if there is none.
   Mesh& in(uint32_t material);
 };
 
@@ -50,9 +50,9 @@ struct Light {
   std::string name;
   LightKind kind = LightKind::point;
   glm::vec3 position{0.0f};
-  glm::vec3 direction{0.0f, -1.0f, 0.0f};  // unit; the way it shines
+  glm::vec3 direction{0.0f, -1.0f, 0.0f};  // unit; the way the light shines
   glm::vec3 color{1.0f};
-  float intensity = 1.0f;                      // candela, directional: lux
+  float intensity = 1.0f;                      // candela; lux if directional
   float inner_cone = 0.0f, outer_cone = 0.7f;  // radians from the axis
 };
 
@@ -74,7 +74,7 @@ struct Stage {
 
   uint32_t add(Material material);
   uint32_t add(Model model);
-  uint32_t matte(const std::string& name, glm::vec3 srgb);  // a plain material by its colour on a screen
+  uint32_t matte(const std::string& name, glm::vec3 srgb);  // adds a plain material of that sRGB colour
   void place(uint32_t model, const glm::mat4& placement = glm::mat4(1.0f));
   void place(Model model, const glm::mat4& placement = glm::mat4(1.0f));
 
@@ -84,8 +84,8 @@ struct Stage {
 glm::vec3 linear(glm::vec3 srgb);
 glm::vec3 linear(uint32_t rgb);  // 0xrrggbb
 
-// A closed flight in which the eye moves at an even pace along a smooth loop through `eyes` and looks at the loop
-// through `targets`, one for each eye. Thirty keys a second; the last equals the first.
+// A closed flight: the eye moves at constant speed along a smooth loop through `eyes` and looks at a point on the loop
+// through `targets`, one for each eye. There are 30 keys per second; the last has the pose of the first.
 std::vector<CameraKey> fly(const std::vector<glm::vec3>& eyes, const std::vector<glm::vec3>& targets,
                            float seconds);
 

@@ -1,4 +1,4 @@
-// The round shapes: turned on a lathe, or drawn along a curve.
+// The round shapes: surfaces of revolution, and tubes along a curve.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
@@ -38,7 +38,7 @@ Mesh lathe(const std::vector<glm::vec2>& profile, int segments) {
     }
   }
   for (uint32_t i = 0; i + 1 < profile.size(); ++i) {
-    if (profile[i] == profile[i + 1]) continue;  // a sharp edge: two rings at one place, nothing between
+    if (profile[i] == profile[i + 1]) continue;  // a sharp edge: two rings at one place
     for (uint32_t s = 0; s + 1 < ring; ++s) {
       const uint32_t v = i * ring + s;
       add_quad(mesh, v, v + 1, v + ring + 1, v + ring);
@@ -80,7 +80,7 @@ Mesh tube(const std::vector<glm::vec3>& path, const std::function<float(float)>&
   glm::vec3 tangent = glm::normalize(path[1] - path[0]);
   glm::vec3 across = glm::vec3(pointing(tangent)[0]);
   for (uint32_t i = 0; i < count; ++i) {
-    // The frame is carried along, so that the bar does not twist.
+    // The frame is transported along the path, so that the bar does not twist.
     tangent = glm::normalize(path[std::min(i + 1, count - 1)] - path[i > 0 ? i - 1 : 0]);
     across = glm::normalize(across - tangent * glm::dot(across, tangent));
     const glm::vec3 other = glm::cross(tangent, across);

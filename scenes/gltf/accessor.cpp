@@ -7,7 +7,7 @@
 namespace gnomon::scenes::gltf {
 namespace {
 
-// An accessor without bytes costs a file nothing, so it may not have many elements.
+// The most elements of an accessor without bytes, whose count costs the file nothing.
 constexpr size_t kMaxZeros = size_t{1} << 20;
 
 size_t component_bytes(int type) {
@@ -60,7 +60,7 @@ uint32_t unsigned_component(const uint8_t* bytes, int type) {
   }
 }
 
-// Where `count` elements start in a view. Error: they do not fit.
+// The first byte of `count` elements in a buffer view. Error: they do not fit into it.
 Result<const uint8_t*> range(const Document& document, int view, uint64_t offset, uint64_t count, uint64_t stride,
                              uint64_t element_bytes) {
   const auto bytes = document.view(view);

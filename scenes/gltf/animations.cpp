@@ -80,7 +80,7 @@ constexpr double kMostRepeats = 1000;
 
 double seconds_of(std::chrono::microseconds time) { return std::chrono::duration<double>(time).count(); }
 
-// In the place of what moves the property so far: keys until `until` seconds at least.
+// Replaces the node's channel of the property that the motion moves by one whose keys reach `until` seconds or more.
 void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
   const bool spins = motion.kind == NodeMotion::Kind::spin;
   Channel channel;
@@ -100,7 +100,7 @@ void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
   node.channels.push_back(std::move(channel));
 }
 
-constexpr size_t kMaxValues = size_t{1} << 23;  // what a file may ask for: many nodes may name the same long keys
+constexpr size_t kMaxValues = size_t{1} << 23;  // limit for a file, in which many nodes may name the same long keys
 
 }  // namespace
 
@@ -197,7 +197,7 @@ std::chrono::microseconds MovingNodes::longest() const {
     for (const Channel& channel : node.channels)
       seconds = std::max(seconds, static_cast<double>(channel.times.back()));
   }
-  constexpr double kLongest = std::numeric_limits<uint32_t>::max();  // what the wire can say
+  constexpr double kLongest = std::numeric_limits<uint32_t>::max();  // the most that the protocol can express
   return std::chrono::microseconds(std::llround(std::min(seconds * 1e6, kLongest)));
 }
 

@@ -1,4 +1,4 @@
-// What animations do to nodes. Internal to scenes/gltf/.
+// Animations of nodes: from the file, and those given beside it. Internal to scenes/gltf/.
 #pragma once
 
 #include <unordered_map>
@@ -16,11 +16,11 @@ class Animations {
  public:
   explicit Animations(const Document& document);
 
-  // Whether one moves the node itself. A node with a matrix is moved by none (glTF 2.0, 3.11).
+  // Whether an animation moves the node itself. glTF 2.0 allows no animation of a node with a matrix; it is ignored.
   bool move(const PlacedNode& node) const;
 
-  // A channel for each property that is moved; where several animations move the same one, the first counts.
-  // Error: one that is not valid, or more keys than a file may ask for in all.
+  // One channel for each property that is animated; if several animations target the same property, the first is taken.
+  // Error: a channel is not valid, or all channels read so far have more values than a file may ask for.
   Result<std::vector<Channel>> of(const PlacedNode& node);
 
  private:
@@ -34,24 +34,25 @@ class Animations {
   size_t values_left_;
 };
 
-// The nodes that carry something and move, for Scene::moving_nodes.
+// Collects the moving nodes that carry a mesh or a light, and their moving ancestors, for Scene::moving_nodes.
 class MovingNodes {
  public:
-  // All references outlive it.
+  // All references must outlive the object.
   MovingNodes(const tinygltf::Model& model, const std::vector<PlacedNode>& placed, Animations& animations,
               const std::vector<NodeMotion>& motions);
 
-  // Of a placed node that carries something: its index in nodes(), kNone where it rests. Error: as Animations::of.
+  // The index in nodes() of a placed node that carries something, which is added at the first call; kNone if the node
+  // rests. Error: as Animations::of.
   Result<uint32_t> find(uint32_t placed);
 
-  // When all nodes were found: the time of the longest animation, until which the given motions are repeated. Error:
-  // one of them moves nothing, or is too fast for that.
+  // To be called after find() was called for all nodes. Returns the duration of the longest animation, and repeats the
+  // given motions until then. Error: a given motion moves nothing, or would be repeated more than 1000 times.
   Result<std::chrono::microseconds> fill_period();
 
   std::vector<MovingNode>& nodes() { return nodes_; }
 
  private:
-  // Of a moving node and a motion that was given to it.
+  // A motion that was given to the moving node of that index.
   struct Given {
     uint32_t node;
     const NodeMotion* motion;
@@ -63,8 +64,8 @@ class MovingNodes {
   const tinygltf::Model& model_;
   const std::vector<PlacedNode>& placed_;
   Animations& animations_;
-  std::vector<bool> moved_;      // for each placed node: itself, or through an ancestor
-  std::vector<uint32_t> index_;  // for each placed node, kNone: not yet
+  std::vector<bool> moved_;      // for each placed node: whether it moves, itself or through an ancestor
+  std::vector<uint32_t> index_;  // for each placed node: its index in nodes_; kNone if it was not added yet
   std::vector<MovingNode> nodes_;
   const std::vector<NodeMotion>& motions_;
   std::vector<Given> given_;

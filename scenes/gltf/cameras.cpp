@@ -10,7 +10,7 @@
 namespace gnomon::scenes::gltf {
 namespace {
 
-// Placed nodes from the root to `node`.
+// The placed nodes from the root to `node`, both included.
 std::vector<uint32_t> chain_to(const std::vector<PlacedNode>& nodes, uint32_t node) {
   std::vector<uint32_t> chain;
   for (uint32_t n = node; n != kNone; n = nodes[n].parent) chain.push_back(n);
@@ -20,7 +20,7 @@ std::vector<uint32_t> chain_to(const std::vector<PlacedNode>& nodes, uint32_t no
 
 constexpr size_t kMaxCameras = 1024;
 
-// Empty channels: the camera does not move.
+// The path of a camera; without channels if the camera does not move.
 Result<CameraPath> read_path(const std::vector<PlacedNode>& nodes, uint32_t camera_node, Animations& animations) {
   CameraPath path;
   for (const uint32_t link : chain_to(nodes, camera_node)) {

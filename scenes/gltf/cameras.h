@@ -16,8 +16,8 @@ struct Cameras {
   std::vector<CameraPath> paths;
 };
 
-// One camera for each node that carries one, and a path for each that an animation moves, itself or through its
-// ancestors. Orthographic cameras are left out: rays of ours start at one point.
+// Reads a camera for each node that carries one, and a path for each camera that an animation moves, itself or through
+// its ancestors. Orthographic cameras are left out, because all rays of a frame start at one point.
 Result<Cameras> read_cameras(const Document& document, const std::vector<PlacedNode>& nodes,
                              Animations& animations);
 

@@ -128,7 +128,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// tinygltf sees JSON alone. It throws on some of what it does not expect.
+// Gives tinygltf the JSON only. It throws on some input that it does not expect.
 Result<void> read_structure(json root, tinygltf::Model& model) {
   root.erase("buffers");
   root.erase("images");

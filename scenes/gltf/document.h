@@ -1,8 +1,8 @@
-// A glTF file taken apart: its structure as tinygltf reads it, its bytes as we do. Internal to scenes/gltf/.
+// A glTF file in its parts: tinygltf reads the structure, this code reads the bytes. Internal to scenes/gltf/.
 //
-// tinygltf 2.7 gets neither buffers nor images to read: it copies a BIN chunk up to 8 bytes beyond the file's end,
-// indexes the views of images unchecked, opens any path that a URI names, and wants external buffers exactly as long
-// as declared where glTF allows longer ones.
+// tinygltf 2.7 is given neither buffers nor images: it copies a BIN chunk up to 8 bytes beyond the file's end, does not
+// check the buffer views of images, opens any path that a URI names, and requires external buffers to be exactly as
+// long as declared, where glTF allows longer ones.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +18,24 @@
 
 namespace gnomon::scenes::gltf {
 
-// Where an image's bytes are; not read before somebody needs it.
+// The place of an image's bytes, which are read when a material needs them.
 struct ImageSource {
-  std::string uri;       // data or a file, or empty:
-  int buffer_view = -1;  // bytes of a buffer
+  std::string uri;       // a data URI or a file; empty if the image lies in a buffer
+  int buffer_view = -1;  // used if `uri` is empty
 };
 
 struct Document {
   Folder folder;
   tinygltf::Model model;                          // without the bytes of buffers and images
-  std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or without bytes where glTF lets them lack
+  std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or empty where glTF allows no bytes
   std::vector<ImageSource> images;
-  std::vector<Bytes> owned;  // what `buffers` looks at
-  // How many sparse elements may still be looked at: a file may name one large accessor again and again.
+  std::vector<Bytes> owned;  // the memory that `buffers` refers to
+  // How many sparse elements may still be read. The limit exists because a file may name one large accessor repeatedly.
   mutable uint64_t sparse_left = uint64_t{1} << 28;
 
-  // The bytes of a buffer view. Error: it or its buffer does not exist, or it ends beyond its buffer.
+  // The bytes of a buffer view. Error: the view or its buffer does not exist, or the view ends beyond its buffer.
   Result<std::span<const uint8_t>> view(int buffer_view) const;
-  // Whether the view's buffer exists but was left without bytes: legal, and everything read from it is zero.
+  // Whether the view's buffer exists but has no bytes. That is legal, and everything read from it is zero.
   bool lacks_bytes(int buffer_view) const;
 };
 
@@ -44,7 +44,7 @@ Result<Document> open_document(const std::filesystem::path& file, const LoadLimi
 // The bytes of a data URI, or of a file in the scene's folder.
 Result<Bytes> read_uri(Folder& folder, const std::string& uri);
 
-// Entry `index` of an array of the file, or why not, as "mesh 7 does not exist".
+// Entry `index` of an array of the file. Error: "mesh 7 does not exist", where `what` is "mesh".
 template <class T>
 Result<const T*> entry(const std::vector<T>& array, int64_t index, const char* what) {
   if (index < 0 || static_cast<uint64_t>(index) >= array.size()) {

@@ -1,4 +1,4 @@
-// Reads files of one folder and never another's. Internal to scenes/gltf/.
+// Reads files of one folder and its subfolders only. Internal to scenes/gltf/.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,17 @@ namespace gnomon::scenes::gltf {
 
 using Bytes = std::vector<uint8_t>;
 
-// The folder of a scene file. `max_bytes` is what may be read through it in all.
+// The folder of a scene file.
 class Folder {
  public:
+  // `max_bytes`: how much may be read through the object in all.
   static Result<Folder> of(const std::filesystem::path& file, uint64_t max_bytes);
 
-  // The scene file itself.
+  // Reads the scene file itself.
   Result<Bytes> read_scene_file();
 
-  // A relative reference of glTF, percent-encoded. Symbolic links are followed first: what counts is where the file
-  // really lies. Only regular files are read: no device, no pipe.
+  // `uri`: a relative reference of glTF, percent-encoded. Symbolic links are resolved first, and the resolved path must
+  // lie within the folder. Only regular files are read, no devices and no pipes.
   Result<Bytes> read(const std::string& uri);
 
  private:

@@ -21,14 +21,15 @@ uint64_t triangles_of(int mode, uint64_t corners) {
   return corners < 3 ? 0 : corners - 2;
 }
 
-// glTF 2.0, 3.7.2.1. Every second triangle of a strip turns the other way round.
+// Corners of triangle `i` of a list, strip or fan (glTF 2.0, 3.7.2.1). Every second triangle of a strip is reversed.
 glm::uvec3 triangle(int mode, uint32_t i) {
   if (mode == TINYGLTF_MODE_TRIANGLES) return {3 * i, 3 * i + 1, 3 * i + 2};
   if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return {i + 1, i + 2, 0};
   return i % 2 == 0 ? glm::uvec3(i, i + 1, i + 2) : glm::uvec3(i, i + 2, i + 1);
 }
 
-// The vertex of each corner: the indices, or 0, 1, 2, ... without. Error: an index beyond the vertices.
+// The vertex of each corner: the indices, or 0, 1, 2, ... if there are none. Error: an index beyond the vertices, or
+// more than `max_corners`.
 Result<Corners> read_corners(const Document& document, int indices, size_t vertices, uint64_t max_corners) {
   const Error too_many{"has more triangles than the scene may have"};
   if (indices == -1) {
@@ -52,7 +53,8 @@ Result<Corners> read_corners(const Document& document, int indices, size_t verti
   return corners;
 }
 
-// Many primitives may share one large accessor: each keeps only what it uses.
+// Returns the vertices that the corners use, and renumbers the corners accordingly. Many primitives may share one large
+// accessor; each keeps only the vertices that it uses.
 Corners take_used(Corners& corners) {
   Corners used = corners;
   std::sort(used.begin(), used.end());
@@ -108,7 +110,7 @@ class Attributes {
   }
 
  private:
-  // Nothing, where the primitive has no such attribute.
+  // The elements of that attribute; nullopt if the primitive does not have it.
   Result<std::optional<Elements>> of(const std::string& name, int type) const {
     const int accessor = attribute(source_, name);
     if (accessor == -1) return std::optional<Elements>();
@@ -124,7 +126,7 @@ class Attributes {
   Corners used_;
 };
 
-// Nothing, where the primitive has no triangles.
+// nullopt if the primitive has no triangles.
 using MaybePrimitive = std::optional<Primitive>;
 
 Result<uint32_t> material_of(const tinygltf::Primitive& source, const Materials& materials) {

@@ -10,9 +10,10 @@
 
 namespace gnomon::scenes::gltf {
 
-// Strips and fans become lists; points and lines are left out, and so are vertices that no triangle uses when they
-// are many. Normals that are not unit vectors are made so; where one cannot be, the primitive gets none. Skins and
-// morph targets stay in their rest pose. Error: names the mesh; also when it has more than `max_triangles`.
+// Reads mesh `index`. Strips and fans become lists; points and lines are left out, and so are the unused vertices of a
+// primitive that has more vertices than corners. Normals are normalised; if one cannot be, the primitive gets none.
+// Skins and morph targets stay in their rest pose. Error: the mesh is not valid or has more than `max_triangles`; the
+// message names the mesh.
 Result<Mesh> read_mesh(const Document& document, int index, const Materials& materials, uint64_t max_triangles);
 
 uint64_t triangle_count(const Mesh& mesh);

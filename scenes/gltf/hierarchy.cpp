@@ -8,7 +8,7 @@
 namespace gnomon::scenes::gltf {
 namespace {
 
-// Copies `from` to `to` if it has as many numbers; leaves the default where it has none.
+// Copies `from` to `to`; an empty `from` leaves the default. Returns false unless there are n numbers, all finite.
 template <size_t n>
 bool take_numbers(const std::vector<double>& from, float (&to)[n]) {
   if (from.empty()) return true;
@@ -49,7 +49,7 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
-// The parent of each node, -1 for roots. Error: two parents, a missing child, a cycle.
+// The parent of each node, -1 for roots. Error: a node has two parents or a missing child, or lies on a cycle.
 Result<std::vector<int>> parents_of(const tinygltf::Model& model) {
   std::vector<int> parents(model.nodes.size(), -1);
   for (size_t i = 0; i < parents.size(); ++i) {
@@ -60,8 +60,8 @@ Result<std::vector<int>> parents_of(const tinygltf::Model& model) {
       parent = static_cast<int>(i);
     }
   }
-  // Each node has one way up; a way that comes back to a node of its own is a cycle.
-  std::vector<size_t> seen_on(parents.size(), 0);  // number of the way that came by first
+  // From each node one path leads upwards; a path that returns to a node of its own is a cycle.
+  std::vector<size_t> seen_on(parents.size(), 0);  // 1 + the start of the path that visited the node first; 0: none
   for (size_t start = 0; start < parents.size(); ++start) {
     size_t node = start;
     for (; seen_on[node] == 0; node = static_cast<size_t>(parents[node])) {
@@ -112,7 +112,7 @@ class Walk {
   }
 
  private:
-  // Last first, so that the stack gives them back in order.
+  // Pushes the last node first, so that the stack returns them in order.
   void push(const std::vector<int>& nodes, uint32_t parent) {
     for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) stack_.push_back({*it, parent});
   }

@@ -1,4 +1,4 @@
-// The node hierarchy: what of a file stands where in the world. Internal to scenes/gltf/.
+// The node hierarchy: places the nodes of a file in the world. Internal to scenes/gltf/.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,18 +15,18 @@ namespace gnomon::scenes::gltf {
 // A node that the scene reaches.
 struct PlacedNode {
   int node = -1;            // index in the file
-  uint32_t parent = kNone;  // index among the placed nodes, always a smaller one
+  uint32_t parent = kNone;  // index among the placed nodes, less than this node's own
   uint32_t depth = 0;
   NodeTransform local;
   glm::dmat4 to_world{1.0};
 };
 
-// The nodes of the default scene (the first, where the file names none; all roots, where it has no scenes), parents
-// before children, in the file's order. Error: a node that does not exist, has two parents, lies on a cycle or too
-// deep, or has a transform that is not valid.
+// The nodes of the default scene (the first scene if the file names none; all roots if it has no scenes), parents
+// before children, in the file's order. Error: a node does not exist, has two parents, lies on a cycle or too deep, or
+// has a transform that is not valid.
 Result<std::vector<PlacedNode>> place_nodes(const tinygltf::Model& model, const LoadLimits& limits);
 
-// "node 3 'lamp'", for errors.
+// The node's name in error messages: "node 3 'lamp'".
 std::string node_name(const tinygltf::Model& model, int node);
 
 }  // namespace gnomon::scenes::gltf

@@ -7,7 +7,7 @@
 
 namespace {
 
-// The largest block that stb_image may ask for while this thread decodes one image.
+// The largest block that stb_image may allocate while this thread decodes an image.
 thread_local size_t largest_block = 0;
 
 void* limited_malloc(size_t size) { return size <= largest_block ? std::malloc(size) : nullptr; }
@@ -31,7 +31,7 @@ void* limited_realloc(void* block, size_t size) {
 namespace gnomon::scenes::gltf {
 
 Result<Image> decode_image(std::span<const uint8_t> bytes, uint64_t max_texels) {
-  constexpr size_t kSlack = size_t{1} << 20;  // tables, and stb's first guesses
+  constexpr size_t kSlack = size_t{1} << 20;  // for tables, and for stb_image's initial buffers
   if (bytes.empty() || bytes.size() > INT_MAX) return Error{"is empty or too large"};
   const int size = static_cast<int>(bytes.size());
   int width = 0;
@@ -46,7 +46,7 @@ Result<Image> decode_image(std::span<const uint8_t> bytes, uint64_t max_texels) 
     return Error{"of " + std::to_string(width) + " x " + std::to_string(height) +
                  " takes the scene beyond its limit"};
   }
-  // 8 bytes a texel: 16 bits in four channels. stb doubles its buffer while it unpacks.
+  // 8 bytes per texel: 16 bits in four channels. stb_image doubles its buffer while it unpacks.
   largest_block = kSlack + 2 * (8 * texels + static_cast<size_t>(height)) + bytes.size();
   const std::unique_ptr<stbi_uc, decltype(&std::free)> texel_bytes(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &std::free);

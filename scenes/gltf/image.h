@@ -1,5 +1,4 @@
-// Decodes the images that glTF allows: PNG and JPEG. stb_image stands behind this header alone. Internal to
-// scenes/gltf/.
+// Decodes the images that glTF allows: PNG and JPEG. Only its implementation uses stb_image. Internal to scenes/gltf/.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +15,9 @@ struct Image {
   std::vector<uint8_t> rgba;  // 8 bits, rows from the top
 };
 
-// Size comes from the header and is checked against `max_texels` before anything is decoded; no step of decoding may
-// take more memory than an image of that size explains (a few bytes of a PNG can unpack to gigabytes).
+// The size in the image's header is checked against `max_texels` before anything is decoded, and each allocation of the
+// decoder is limited by that size, because a few bytes of a PNG can unpack to gigabytes. Error: the data is neither PNG
+// nor JPEG, is damaged, or exceeds `max_texels`.
 Result<Image> decode_image(std::span<const uint8_t> bytes, uint64_t max_texels);
 
 }  // namespace gnomon::scenes::gltf

@@ -14,11 +14,11 @@ using nlohmann::json;
 
 constexpr size_t kMaxTextBytes = size_t{1} << 30;
 constexpr size_t kMaxDepth = 64;  // glTF itself needs 8
-// tinygltf takes up to 2 KB for an empty entry of an array: three bytes of JSON.
+// tinygltf allocates up to 2 KB for an empty entry of an array, which is three bytes of JSON.
 constexpr size_t kMaxNodes = size_t{1} << 20;
 constexpr size_t kMaxEntries = size_t{1} << 18;
 
-// What a file may require. Extensions that only change how a surface looks are ignored.
+// The extensions that a file may require. Those that only change the appearance of a surface are ignored.
 constexpr std::array<std::string_view, 17> kSupported = {"KHR_lights_punctual",
                                                          "KHR_mesh_quantization",
                                                          "KHR_texture_transform",
@@ -36,7 +36,7 @@ constexpr std::array<std::string_view, 17> kSupported = {"KHR_lights_punctual",
                                                          "KHR_materials_volume",
                                                          "KHR_xmp_json_ld",
                                                          "KHR_xmp"};
-// Those that are read; the values of all others need not be kept.
+// The extensions that the loader reads; all others are removed.
 constexpr std::array<std::string_view, 3> kRead = {"KHR_lights_punctual", "KHR_texture_transform",
                                                    "KHR_materials_emissive_strength"};
 
@@ -45,7 +45,7 @@ bool contains(const List& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-// The parser needs no stack for nesting, but copying and printing do.
+// Checked on the text, because the parser does not recurse, but copying and printing a JSON value do.
 bool nested_too_deeply(std::string_view text) {
   size_t depth = 0;
   bool in_string = false;
@@ -74,7 +74,7 @@ void keep_what_is_read(json& object) {
   }
 }
 
-// JSON does not tell 36.0 from 36, tinygltf does.
+// Turns 36.0 into 36: JSON does not distinguish the two, but tinygltf does.
 void make_whole(json& number) {
   const double v = number.get<double>();
   if (v != std::floor(v) || std::abs(v) > INT32_MAX) return;
@@ -89,7 +89,8 @@ void normalise(json& value) {
   }
 }
 
-// An accessor of a kind that later versions may bring hurts only who uses it: it keeps its place, with no elements.
+// Replaces accessors of unknown types by empty ones, so that a type of a later version is an error only where it is
+// used. The other accessors keep their indices.
 void blank_unknown_accessors(json& root) {
   constexpr std::array<std::string_view, 7> kTypes = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
   const auto accessors = root.find("accessors");
@@ -138,7 +139,7 @@ Result<void> check_counts(const json& root) {
   return {};
 }
 
-// nlohmann quotes the bytes that it fell over.
+// Replaces the characters that are not printable: nlohmann's messages quote the bytes that it could not parse.
 std::string printable(std::string text) {
   const auto odd = [](char c) { return c < ' ' || c > '~'; };
   std::replace_if(text.begin(), text.end(), odd, '?');

@@ -1,4 +1,4 @@
-// The JSON of a glTF file, made safe for tinygltf. Internal to scenes/gltf/.
+// Reads the JSON of a glTF file and makes it safe for tinygltf. Internal to scenes/gltf/.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,9 +8,9 @@
 
 namespace gnomon::scenes::gltf {
 
-// Refuses what is no glTF 2 object, requires an extension that we do not support, is nested too deeply for code that
-// recurses, or has more entries than memory should pay for. Leaves out what nobody reads: extras, and extensions
-// other than those supported.
+// Error: the text is not a glTF 2 object, requires an extension that is not supported, is nested too deeply for
+// recursive code, or has too many entries. The result leaves out extras and all extensions that the loader does not
+// read.
 Result<nlohmann::json> parse_gltf_json(std::string_view text);
 
 }  // namespace gnomon::scenes::gltf

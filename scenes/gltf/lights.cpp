@@ -46,7 +46,7 @@ Result<void> set_strength(const tinygltf::Light& source, Light& light) {
   return {};
 }
 
-// Squares of distances must stay within floats.
+// Metres. Squares of distances must stay within the range of floats.
 constexpr float kFarthest = 1e9f;
 
 Result<void> set_place(const PlacedNode& node, Light& light) {

@@ -1,4 +1,4 @@
-// KHR_lights_punctual. Internal to scenes/gltf/.
+// Reads lights (KHR_lights_punctual). Internal to scenes/gltf/.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace gnomon::scenes::gltf {
 
-// The light that a node carries, if it does. It shines along the node's -Z; the node's scale changes neither its
-// range nor its cone. Error: says what of it is not valid.
+// The light that a node carries; nullopt if it carries none. The light shines along the node's -Z; the node's scale
+// changes neither its range nor its cone. Error: a value of the light is not valid.
 Result<std::optional<Light>> light_at(const tinygltf::Model& model, const PlacedNode& node);
 
 }  // namespace gnomon::scenes::gltf

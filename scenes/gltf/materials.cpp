@@ -36,7 +36,8 @@ Result<Image> read_image(Document& document, int index, uint64_t max_texels) {
   return decoded(*bytes);
 }
 
-// Reads each texture once, however many materials use it, and a broken image too.
+// Reads each texture once, however many materials use it. An image that cannot be read is tried once, however many
+// textures use it.
 class Textures {
  public:
   Textures(Document& document, uint64_t max_texels) : document_(document), texels_left_(max_texels) {}
@@ -112,7 +113,7 @@ TextureCoordinates coordinates_of(const tinygltf::TextureInfo& info) {
   if (t.Has("texCoord") && t.Get("texCoord").IsInt()) coordinates.set = t.Get("texCoord").GetNumberAsInt();
   const float c = std::cos(angle);
   const float s = std::sin(angle);
-  // Translation x rotation x scale, in columns, as the extension's text has it.
+  // Translation x rotation x scale, in columns, as the specification of KHR_texture_transform defines it.
   coordinates.transform = glm::mat3(c * scale.x, -s * scale.x, 0.0f,  //
                                     s * scale.y, c * scale.y, 0.0f,   //
                                     offset.x, offset.y, 1.0f);
@@ -153,7 +154,8 @@ bool all_finite(const Material& m) {
   return std::all_of(std::begin(numbers), std::end(numbers), [](float v) { return std::isfinite(v); });
 }
 
-// A texture may leave its image to an extension that we do not read: then it is as if it were not there.
+// Whether the texture names an image. It may leave that to an extension that is not supported; then it is treated as
+// absent.
 bool has_source(const Document& document, int texture) {
   const auto found = entry(document.model.textures, texture, "texture");
   return !found || (*found)->source != -1;

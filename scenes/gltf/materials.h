@@ -10,21 +10,22 @@
 
 namespace gnomon::scenes::gltf {
 
-// Which uvs a material's base colour texture wants, and what is done to them (KHR_texture_transform).
+// The set of uvs that a material's base colour texture uses, and their transform (KHR_texture_transform).
 struct TextureCoordinates {
   int set = 0;
   glm::mat3 transform{1.0f};
 };
 
 struct Materials {
-  std::vector<Material> materials;              // those of the file, then a default one
+  std::vector<Material> materials;              // those of the file, then the default material
   std::vector<TextureCoordinates> coordinates;  // one for each material
   std::vector<Texture> textures;
   uint32_t default_material = 0;
 };
 
-// A base colour texture that is missing, broken or neither PNG nor JPEG is left out with a warning: its surface keeps
-// the plain base colour. Where an alpha test needs it, that is an error: shadows would be wrong.
+// A base colour texture that is missing, damaged, neither PNG nor JPEG, or takes all textures beyond `max_texels` is
+// left out with a warning, and its surface keeps the plain base colour. Error: an alpha test needs such a texture, so
+// that shadows would be wrong; or a material has a number that is not finite.
 Result<Materials> read_materials(Document& document, uint64_t max_texels);
 
 }  // namespace gnomon::scenes::gltf

@@ -1,4 +1,4 @@
-// tinygltf's header, with the switches that its implementation is compiled with.
+// Includes tinygltf's header with the switches that its implementation is compiled with.
 #pragma once
 
 #define TINYGLTF_NO_FS

@@ -1,4 +1,4 @@
-// Types of the JSON values that tinygltf would otherwise take for absent, wrap around or cut. Internal to
+// Checks the types of JSON values that tinygltf would otherwise treat as absent, wrap around or truncate. Internal to
 // scenes/gltf/.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace gnomon::scenes::gltf {
 
-// Error: names the place and what it should hold, as "nodes 3: 'translation' is not an array of numbers". A missing
-// value is no error.
+// Error: a value has another type; the message names the place and the type, as "nodes 3: 'translation' is not an array
+// of numbers". A missing value is not an error.
 Result<void> check_types(const nlohmann::json& root);
 
 }  // namespace gnomon::scenes::gltf

@@ -1,5 +1,5 @@
-// The one place where tinygltf is compiled.
-#include <fstream>  // its writers, unused here, name std::ofstream even without file access
+// Compiles tinygltf's implementation.
+#include <fstream>  // tinygltf's writers, unused here, name std::ofstream even with TINYGLTF_NO_FS
 
 #define TINYGLTF_IMPLEMENTATION
 #include "scenes/gltf/model.h"

@@ -41,7 +41,7 @@ Result<std::vector<uint8_t>> decode_data_uri(const std::string& uri) {
     const std::string text = percent_decoded(uri.substr(comma + 1));
     return std::vector<uint8_t>(text.begin(), text.end());
   }
-  // tinygltf's decoder knows a few media types only; the bytes do not depend on the type.
+  // tinygltf's decoder accepts a few media types only; the bytes do not depend on the type.
   std::vector<uint8_t> bytes;
   std::string media_type;
   if (!tinygltf::DecodeDataURI(&bytes, media_type, "data:application/octet-stream;base64," + uri.substr(comma + 1),

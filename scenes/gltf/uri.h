@@ -1,4 +1,4 @@
-// References of glTF to bytes elsewhere. Internal to scenes/gltf/.
+// URIs by which glTF refers to bytes. Internal to scenes/gltf/.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ std::string percent_decoded(const std::string& text);
 
 bool is_data_uri(const std::string& uri);
 
-// RFC 2397, whatever media type it names: base64 or percent-encoded.
+// Decodes a data URI (RFC 2397) of any media type, base64 or percent-encoded. Error: the data cannot be decoded.
 Result<std::vector<uint8_t>> decode_data_uri(const std::string& uri);
 
 }  // namespace gnomon::scenes::gltf

@@ -1,4 +1,5 @@
-// The alpha test where a segment meets triangle (p0, p1, p2): its Pluecker edge numbers are the weights.
+// The alpha test at the point where a segment meets triangle (p0, p1, p2). The Pluecker edge values are proportional to
+// the barycentric weights.
 bool blocks_by_alpha(uint triangle, vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2) {
   precise vec3 a = p0 - origin;
   precise vec3 b = p1 - origin;

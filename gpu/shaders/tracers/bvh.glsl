@@ -1,6 +1,6 @@
-// Walks a bounding volume hierarchy without a stack: nodes lie in depth-first order, a miss follows `skip`
-// (gpu/tracers/bvh_build.h). Bit-identical to testing every triangle: boxes are met whenever their triangles are.
-// The includer has defined struct Hierarchy; first_triangle is added to the numbers of its triangles.
+// Walks a bounding volume hierarchy without a stack: nodes are in depth-first order, and a miss follows `skip`
+// (gpu/tracers/bvh_build.h). The result is bit-identical to testing every triangle, because a box is met whenever one
+// of its triangles is. The includer defines struct Hierarchy; first_triangle is added to the numbers of its triangles.
 #include "tracers/alpha.glsl"
 
 struct BvhNode {

@@ -1,5 +1,5 @@
-// Light buffers as the shader reads them; gpu/tracers/light_buffer/light_buffer.h says what they are and why the
-// answers are exact. query.cpp does the same in C++.
+// Light buffers as the shader reads them. gpu/tracers/light_buffer/light_buffer.h defines them and explains why the
+// answers are exact; query.cpp is the same query in C++.
 #include "tracers/alpha.glsl"
 
 const uint kTopLevel = 8u;
@@ -34,10 +34,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Li
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
 
-// By way of int: vector units convert to that, not all to uint.
+// Converts to int first, because not all vector units can convert to uint.
 uvec2 to_fixed(vec2 p) { return uvec2(ivec2(clamp(p, vec2(0.0), vec2(16383.0)))); }
 
-// A place on a light's faces, in fixed point, and the depth there.
+// A place on a light's faces, in fixed point, and the depth of the point.
 struct Place {
   uint face;
   uvec2 at;
@@ -62,7 +62,7 @@ Place flat_place(LightView view, vec3 rel) {
                dot(view.depth_axis, rel));
 }
 
-// `rel`: of a point to the light's reference.
+// `rel`: a point relative to the light's reference.
 Place place_of(LightView view, vec3 rel) {
   if (view.directional != 0u) return flat_place(view, rel);
   return cube_place(rel);
@@ -82,7 +82,7 @@ uint leaf_at(uint cell, Place place) {
   return Uints(push.grid).at[(cell >> kDepthBits) + (sub.y << bits) + sub.x];
 }
 
-// In 256ths of the leaf's side, x in the low half. `count`: the leaf's, with its level.
+// The place in 256ths of the leaf's side, x in the low half. `count`: Leaf::count, which contains the level.
 uint place_in_leaf(uvec2 at, uint count) {
   uvec2 place = ((at << (count >> kCountBits)) & ((1u << kIndexBits) - 1u)) >> (kIndexBits - 8u);
   return place.x | place.y << 16;

@@ -1,4 +1,5 @@
-// Asks the device's own ray query. Opaque triangles end it; those with an alpha test are candidates that we judge.
+// Traces by the device's ray query. Opaque triangles end it; triangles with an alpha test are candidates that the
+// shader tests.
 #include "tracers/alpha.glsl"
 
 bool candidate_blocks(uint triangle, vec3 origin, vec3 direction) {

@@ -42,7 +42,7 @@ double nearest_in(const Footprint& f, const Rect& rect) {
 }
 
 bool fit_near_plane(std::span<const Footprint* const> met, const Rect& rect, Linear& plane) {
-  // Planes of the footprints that reach nearest to the light are worth trying, and the flat one.
+  // The candidates are the planes of the footprints that reach nearest to the light, and a plane of constant nearness.
   std::array<const Footprint*, kCandidates> nearest{};
   std::array<double, kCandidates> nearness;
   nearness.fill(-kInfinity);

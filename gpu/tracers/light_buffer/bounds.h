@@ -1,4 +1,4 @@
-// The two planes of a node, fitted to the footprints that meet it.
+// Fits the near plane and the cover plane of a node to the footprints that meet it.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace gnomon::gpu::light_buffer {
 
-// The footprint that covers the whole rectangle nearest to the light; nullptr: none does.
+// Of the footprints that cover the complete rectangle, the one nearest to the light; nullptr if none covers it.
 const Footprint* find_cover(std::span<const Footprint* const> met, const Rect& rect);
 
-// Is all that the rectangle shows of `f` behind `cover`? Then whatever `f` darkens is dark by the cover.
+// Whether everything that the rectangle shows of `f` is behind `cover`, so that `cover` darkens whatever `f` does.
 bool hidden(const Footprint& f, const Footprint& cover, const Rect& rect);
 
-// A plane in front of all footprints, as tight as one plane can be made cheaply. False: an unbounded footprint is
-// among them.
+// Sets `plane` to a plane in front of all footprints, fitted tightly but not optimally. Returns false if one of the
+// footprints is unbounded.
 bool fit_near_plane(std::span<const Footprint* const> met, const Rect& rect, Linear& plane);
 
-// Nearness of the nearest part of `f` that the rectangle shows; infinite for an unbounded one.
+// The nearness of the nearest part of `f` that the rectangle shows; infinite if `f` is unbounded.
 double nearest_in(const Footprint& f, const Rect& rect);
 
 }  // namespace gnomon::gpu::light_buffer

@@ -13,12 +13,12 @@
 namespace gnomon::gpu::light_buffer {
 namespace {
 
-constexpr size_t kChunk = 4096;  // triangles set up by one call
+constexpr size_t kChunk = 4096;  // triangles whose footprints one call of parallel_for's body computes
 
 // One light's footprints, face by face.
 using Footprints = std::vector<std::vector<Footprint>>;
 
-// One root square and what may meet it.
+// One root square and the footprints that may meet it.
 struct Root {
   size_t face = 0;
   uint32_t i = 0, j = 0;
@@ -35,7 +35,7 @@ class LightBuild {
       add_roots(f);
     }
     for (const Root& root : roots_) met_by_all_ += root.met.size();
-    // Long ones first, so that no thread is left with one at the end.
+    // Roots with many footprints come first, so that no thread starts one of them at the end.
     order_.resize(roots_.size());
     std::iota(order_.begin(), order_.end(), size_t{0});
     std::stable_sort(order_.begin(), order_.end(),
@@ -45,8 +45,8 @@ class LightBuild {
   size_t face_count() const { return faces_.faces.size(); }
   const LightView& view() const { return faces_.view; }
 
-  // One root in `stride`, in the order of their faces; the others stay empty. `progress`, if any, is called on this
-  // thread with the share of the footprints that were looked at.
+  // Builds one root in `stride`; the pieces are in the order of the faces, and those of the other roots stay empty.
+  // `progress`, if any, is called on the calling thread with the share of the footprints that were processed.
   std::vector<Piece> pieces(const Detail& detail, size_t stride,
                             const std::function<void(double)>& progress = {}) const {
     std::vector<Piece> pieces(roots_.size());
@@ -68,7 +68,7 @@ class LightBuild {
   bool stopped() const { return stop_.stop_requested(); }
 
  private:
-  // What cannot block a segment of this light: beyond its range.
+  // Whether the triangle is within the light's range, so that it may block one of its segments.
   bool reaches(const std::array<glm::dvec3, 3>& corners) const {
     if (light_.kind == 2 || light_.reach == 0.0f) return true;
     const glm::dvec3 low = glm::min(corners[0], glm::min(corners[1], corners[2]));
@@ -144,13 +144,14 @@ uint64_t bytes_of(const std::vector<Piece>& pieces) {
   return bytes;
 }
 
-// Less by about a fifth. Long lists are divided as before: they cost most.
+// A coarser detail, which takes about a fifth less memory. Long lists are still divided, because they cost most.
 Detail coarser(Detail detail) {
   detail.longest_walk *= 1.4;
   return detail;
 }
 
-// As fine as fits into `bytes`, beside the cells.
+// The pieces of the finest detail that fits into `bytes`, without the cells. After kMostSteps steps the result may be
+// larger.
 std::vector<Piece> fitting_pieces(const LightBuild& build, Detail detail, uint64_t bytes,
                                   const std::function<void(double)>& progress) {
   constexpr size_t kStride = 16;
@@ -189,7 +190,7 @@ class Assembly {
 
   void append(const Piece& piece, size_t first_cell) {
     const uint32_t block_base = static_cast<uint32_t>(out_.grid.size());
-    const uint32_t leaf_base = static_cast<uint32_t>(out_.leaves.size()) - 1;  // its leaf 0 is ours
+    const uint32_t leaf_base = static_cast<uint32_t>(out_.leaves.size()) - 1;  // all pieces share leaf 0
     const uint32_t entry_base = static_cast<uint32_t>(out_.entries.size());
     for (size_t y = 0; y < kRootCells; ++y) {
       for (size_t x = 0; x < kRootCells; ++x) {
@@ -236,7 +237,7 @@ LightBuffer build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
     };
     progress(0);
     const LightBuild build(mesh, bounds, lights[l], threads, settings.stop);
-    // What earlier lights left over is shared by those to come.
+    // The remaining lights share the part of the budget that earlier lights did not use.
     const uint64_t cells = build.face_count() * kCellCount * sizeof(uint32_t);
     const uint64_t used = buffer.memory_bytes();
     const uint64_t share = budget > used ? (budget - used) / (lights.size() - l) : 0;

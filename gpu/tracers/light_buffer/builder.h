@@ -13,19 +13,19 @@
 namespace gnomon::gpu::light_buffer {
 
 struct BuildSettings {
-  Detail detail;              // as fine as it may become
-  uint64_t budget_bytes = 0;  // of the whole scene; coarser detail is taken until it is kept. 0: default_budget
-  unsigned threads = 0;       // 0: as many as the machine has
-  // Called now and then with a light's number and the share of its work that is done, 0 to 1; from the calling thread.
+  Detail detail;              // the finest detail
+  uint64_t budget_bytes = 0;  // for the complete scene; coarser detail is used to keep it. 0: default_budget
+  unsigned threads = 0;       // 0: one for each hardware thread
+  // Called repeatedly on the calling thread with a light's number and the share of its work that is done, 0 to 1.
   std::function<void(size_t light, double share)> progress;
   std::stop_token stop;  // once stopped, build returns soon
 };
 
-// What a scene of so many lights may take where nothing else is said.
+// The memory budget of a scene with so many lights, in bytes, if none is configured.
 uint64_t default_budget(size_t lights);
 
-// The same input gives the same bytes, whatever the number of threads. `bounds`: of the mesh. What it returns after
-// settings.stop was asked to stop is incomplete and of no use.
+// Blocking. The same input gives the same bytes, whatever the number of threads. `bounds`: of the mesh. After a request
+// to stop, the result is incomplete and must be discarded.
 LightBuffer build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,
                   std::span<const exact::TracedLight> lights, const BuildSettings& settings);
 

@@ -12,7 +12,7 @@
 namespace gnomon::gpu::light_buffer {
 namespace {
 
-// To be raised whenever the same scene and settings would be built into other bytes, or be read otherwise.
+// To be increased whenever the same scene and settings would give other bytes, or bytes with another meaning.
 constexpr uint32_t kVersion = 3;
 constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
 
@@ -69,7 +69,7 @@ void write_array(std::ofstream& out, const std::vector<T>& array) {
   out.write(reinterpret_cast<const char*>(array.data()), static_cast<std::streamsize>(array.size() * sizeof(T)));
 }
 
-// What is wrong with the header; empty: nothing. Checked before memory is asked for.
+// The fault of the header; empty if it is valid. The file is untrusted, and this is checked before memory is allocated.
 std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes) {
   if (header.magic != kMagic) return "is no light buffer";
   if (header.version != kVersion) return "is of version " + std::to_string(header.version);
@@ -130,7 +130,7 @@ Result<void> save(const std::filesystem::path& folder, const CacheKey& key, cons
   std::filesystem::create_directories(folder, failed);
   if (failed) return Error{"creating '" + folder.string() + "': " + failed.message()};
   const std::filesystem::path file = cache_file(folder, key);
-  // A name of this process's own: two daemons may share the folder.
+  // The name is unique to the process, because two daemons may share the folder.
   const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());
   const Header header = describe(key, buffer);
   std::ofstream out(part, std::ios::binary | std::ios::trunc);

@@ -1,7 +1,7 @@
-// Light buffers on disk, so that a scene that was seen before is ready at once.
+// Light buffers on disk, so that a scene that was built before is ready at once.
 //
-// A file is found by what it was built from: the scene's content hash, the settings and this code's version. What it
-// holds is checksummed; a damaged, shortened or foreign file is as good as none and is written anew.
+// A file's name derives from what it was built from: the scene's content hash, the settings and the version of this
+// code. Its content is checksummed; a damaged, truncated or foreign file is treated as missing and is replaced.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,20 @@ namespace gnomon::gpu::light_buffer {
 
 struct CacheKey {
   scenes::ContentHash content{};
-  uint64_t settings = 0;  // of the budget and of everything in the code that changes what is built
+  uint64_t settings = 0;  // hash of the budget and of everything in the code that changes what is built
 };
 
-// `triangles`: in the order by which the buffer speaks of them, which may follow from more than the content.
+// `triangles`: in the order of the buffer's triangle numbers, which may depend on more than the content.
 CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings,
                    std::span<const glm::uvec3> triangles = {});
 
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key);
 
-// Nothing: no such file, or not one to trust; then `why` says what is wrong with it, empty where there is none.
+// Returns nullopt if there is no such file or if it is not valid. `why` is set to the fault; empty if there is no file.
 std::optional<LightBuffer> load(const std::filesystem::path& folder, const CacheKey& key, std::string& why);
 
-// Creates the folder. Readers see the old file or the new one, never a part. Error: the system's reason.
+// Writes the file, and creates the folder if need be. Concurrent readers see the old file or the new one, never a part.
+// Error: the system's reason.
 Result<void> save(const std::filesystem::path& folder, const CacheKey& key, const LightBuffer& buffer);
 
 }  // namespace gnomon::gpu::light_buffer

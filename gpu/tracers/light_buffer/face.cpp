@@ -22,7 +22,7 @@ Face cube_face(uint32_t index) {
   return face;
 }
 
-// Does the cone around `axis` meet the face's pyramid? Compared with the pyramid's circumscribed cone.
+// Whether the cone around `axis` may meet the face's pyramid. The test uses the pyramid's circumscribed cone.
 bool cone_meets_face(const glm::dvec3& axis, double outer_cone_cos, const Face& face) {
   const double half_angle = std::atan(std::sqrt(2.0)) + 0.01;
   const double cone = std::acos(glm::clamp(outer_cone_cos, -1.0, 1.0));

@@ -1,5 +1,5 @@
-// How a light sees the world: a plane picture in coordinates (u, v), and a nearness that is linear over the picture
-// of any plane.
+// The projection of the world onto a light's faces: picture coordinates (u, v), and a nearness that is linear in them
+// over the picture of any plane.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ struct Face {
   bool perspective = true;
   glm::dvec3 u_axis, v_axis, depth_axis;
   double low_u = 0, low_v = 0, size = 0;  // the square that the face covers
-  double farthest = 0;                    // no point asked for is farther from the reference
+  double farthest = 0;                    // upper bound of the distance of queried points from the reference
 
   glm::dvec3 to_face(const glm::dvec3& rel) const {
     return {glm::dot(u_axis, rel), glm::dot(v_axis, rel), glm::dot(depth_axis, rel)};
@@ -36,19 +36,21 @@ struct Face {
   // Square (i, j) of 2^level x 2^level, padded by more than the rounding of a query's fixed-point place.
   Rect square(uint32_t level, uint32_t i, uint32_t j) const;
 
-  // Where within square (i, j) of `level` a query's place may be for a point of `box`; as ListEntry::box.
+  // The places within square (i, j) of `level` that a query may compute for a point of `box`; encoded as
+  // ListEntry::box.
   uint32_t box_in_square(const Rect& box, uint32_t level, uint32_t i, uint32_t j) const;
 
-  // The plane P (dot(P, rel) = 1) on which the nearness is `f`, moved towards the light (`towards` 1) or away (-1)
-  // by more than the rounding of the shader's dot product. False: such a plane has no such form.
+  // Sets `out` to the plane P (dot(P, rel) = 1) on which the nearness is `f`, moved towards the light (`towards` 1) or
+  // away from it (-1) by more than the rounding of the shader's dot product. Returns false if the plane has no such
+  // form.
   bool plane(const Linear& f, double towards, glm::vec3& out) const;
 
-  // What depth is multiplied with to be compared with 1, rounded towards the light.
+  // The factor of a depth such that the product is compared with 1, rounded towards the light.
   float reciprocal_depth(double nearness) const;
 };
 
-// A light's own view and its faces, for a scene within `bounds`. A spot light has the faces that its cone meets; the
-// others have no footprints to show (`used` false).
+// A light's view and its faces, for a scene within `bounds`. Of a spot light, only the faces that its cone meets are
+// used; the others have no footprints.
 struct LightFaces {
   LightView view;
   std::vector<Face> faces;

@@ -43,7 +43,7 @@ std::array<Linear, 3> edge_functions(const Face& face, const Corners& p) {
 
 constexpr Rect kEverywhere{-kInfinity, -kInfinity, kInfinity, kInfinity};
 
-// Box of the picture of points; everything if one is not before the light.
+// The box of the picture of points; unbounded if one of them is not in front of the light.
 template <class Points>
 Rect picture_box(const Face& face, const Points& points) {
   Rect box{kInfinity, kInfinity, -kInfinity, -kInfinity};
@@ -56,7 +56,7 @@ Rect picture_box(const Face& face, const Points& points) {
   return box;
 }
 
-// A picture's box where each point may lie `by` beside its place.
+// The box of a picture whose points may each be displaced by `by`.
 Rect moved(const Rect& box, const Face& face, const Corners& p, double by) {
   const double depth = face.perspective ? std::min(p[0].z, std::min(p[1].z, p[2].z)) - by : 1.0;
   if (depth <= 0.0) return kEverywhere;

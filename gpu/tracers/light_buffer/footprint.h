@@ -14,7 +14,7 @@
 //   - Other triangles (edge-on to the light, slivers, touching it) may pass the edges and the plane by chance, with
 //     either orientation. But the test also asks for a point within D / 4096 of the triangle's box: that box gives
 //     them their place and a constant `nearest`, and they never cover.
-// tests/unit/gpu/light_buffer holds this against brute force over soups made to break it.
+// tests/unit/gpu/light_buffer compares this with brute force over random scenes that are made to break it.
 #pragma once
 
 #include <array>
@@ -28,26 +28,26 @@ namespace gnomon::gpu::light_buffer {
 
 struct Footprint {
   std::array<Linear, 3> edges;  // inside: all >= 0
-  std::array<double, 3> slack;  // can be hit where all >= -slack; is surely hit where all >= slack
-  Linear nearest{0.0};          // no point before this nearness is hidden by the triangle
-  Linear cover{0.0};            // every point behind this nearness is, where `covers` says so
-  Rect box{};                   // nothing is hit outside
+  std::array<double, 3> slack;  // can be hit if all >= -slack; is certainly hit if all >= slack
+  Linear nearest{0.0};          // no point in front of this nearness is hidden by the triangle
+  Linear cover{0.0};            // every point behind this nearness is hidden, where covers() holds
+  Rect box{};                   // the triangle cannot be hit outside
   uint32_t triangle = 0;
   bool regular = true;
-  bool bounded = true;  // false: it reaches the light's plane, `nearest` means nothing
+  bool bounded = true;  // false: the triangle reaches the light's plane, and `nearest` is not defined
   bool can_cover = true;
 };
 
-// Corners are relative to the light's reference. Nothing: no segment on this face can hit the triangle.
+// `corners` are relative to the light's reference. Returns nullopt if no segment on this face can hit the triangle.
 std::optional<Footprint> footprint(const Face& face, double diameter, const std::array<glm::dvec3, 3>& corners);
 
-// May a segment through the rectangle be found to hit the triangle?
+// Whether a segment through the rectangle may be found to hit the triangle.
 bool meets(const Footprint& f, const Rect& rect);
 
-// Is every segment through the rectangle, to a point behind `cover`, found to hit the triangle?
+// Whether every segment through the rectangle, to a point behind `cover`, is found to hit the triangle.
 bool covers(const Footprint& f, const Rect& rect);
 
-// Upper bound of f.nearest - plane over what the rectangle shows of a bounded triangle.
+// An upper bound of f.nearest - plane over the part of a bounded triangle that the rectangle shows.
 double excess(const Footprint& f, const Rect& rect, const Linear& plane);
 
 }  // namespace gnomon::gpu::light_buffer

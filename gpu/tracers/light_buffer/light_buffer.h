@@ -1,16 +1,17 @@
-// Light buffers after Haines and Greenberg (1986): for each light, what can block a segment that leaves the light
-// in a given direction. Built once for a scene, exact for hard shadows, shared by every view.
+// Light buffers after Haines and Greenberg, "The Light Buffer: A Shadow-Testing Accelerator" (1986): for each light,
+// the triangles that can block a segment that leaves the light in a given direction. They are built once for a scene,
+// exact for hard shadows, and shared by every view.
 //
 // A light sees the world through faces: the six of a cube around a point light, one orthographic face for a
 // directional one. A face is a grid of 2^kTopLevel squared cells, a cell a block of 2^k x 2^k words, 0 <= k <=
 // kBlockBits, chosen by need; a word names a leaf, and neighbouring words may name the same one. So a query reads
 // two words and then its leaf, however fine the leaf is. A leaf has
 //   a near plane   a point on the light's side of it is lit: nothing that meets the leaf reaches before it;
-//   a cover plane  a point behind it is dark: one opaque triangle hides the whole leaf;
+//   a cover plane  a point behind it is dark: one opaque triangle hides the complete leaf;
 //   a list         the triangles in between, near to far, each with its nearest reciprocal depth.
 //
 // Why the answer equals the shared triangle test (gpu/shaders/exact.glsl) run over every triangle, bit for bit:
-//   1. whatever is left of a list is decided by that very test;
+//   1. the entries of a list are decided by that test itself;
 //   2. a triangle is left out of a leaf only if the test, with all its rounding, must say "no" for every segment
 //      that asks the leaf. footprint.h bounds that rounding: a triangle's edges are moved outwards by it, and
 //      triangles too thin for the bound (edge-on to the light, slivers, touching the light) are listed wherever
@@ -35,7 +36,7 @@ inline constexpr uint32_t kCellCount = 1u << (2 * kTopLevel);
 inline constexpr uint32_t kCountBits = 24;
 inline constexpr uint32_t kDepthBits = 3;  // of a cell's word: k; the others: where its block starts
 
-// As the shader reads it. `rel` is a surface point relative to the light's reference point, in world axes.
+// A leaf, as the shader reads it. `rel` is a surface point relative to the light's reference point, in world axes.
 struct Leaf {
   glm::vec3 near_plane{0.0f};   // dot(near_plane, rel) < 1: lit
   uint32_t first = 0;           // of the list, in LightBuffer::entries
@@ -44,8 +45,9 @@ struct Leaf {
 };
 static_assert(sizeof(Leaf) == 32);
 
-// `box`: what the triangle can block of the leaf, as u0, v0, u1, v1 from the low byte up, both ends included, in
-// 256ths of the leaf's side. depth * reciprocal_depth < 1: the point lies before this triangle and all that follow.
+// An entry of a leaf's list. `box`: the part of the leaf that the triangle can block, as u0, v0, u1, v1 from the low
+// byte up, both ends included, in 256ths of the leaf's side. If depth * reciprocal_depth < 1, the point lies in front
+// of this triangle and of all that follow.
 struct ListEntry {
   uint32_t box = 0;
   float reciprocal_depth = 0;
@@ -55,8 +57,9 @@ struct ListEntry {
 };
 static_assert(sizeof(ListEntry) == 12);
 
-// What a query needs to know of a light beside its TracedLight. Point and spot: `reference` is the light's position
-// and depth is the largest component of rel. Directional: a point far up the light; the axes span the face.
+// The data of a light that a query needs beside its TracedLight. Point and spot: `reference` is the light's position,
+// and depth is the largest component of rel. Directional: `reference` is a point far towards the light, and the axes
+// span the face.
 struct LightView {
   glm::vec3 reference{0.0f};
   uint32_t directional = 0;

@@ -43,7 +43,7 @@ const Leaf& find_leaf(const LightBuffer& buffer, const LightView& light, const P
   return buffer.leaves[buffer.grid[(cell >> kDepthBits) + (y << bits) + x]];
 }
 
-// In 256ths of the leaf's side.
+// The place in 256ths of the leaf's side.
 glm::uvec2 place_in_leaf(const Position& p, const Leaf& leaf) {
   const uint32_t level = leaf.count >> kCountBits;
   const uint32_t mask = (1u << kIndexBits) - 1;

@@ -1,4 +1,4 @@
-// The query in C++, step by step what light_buffer.glsl does: for tests and statistics.
+// The query of shaders/tracers/light_buffer.glsl in C++, step by step, for tests and statistics.
 #pragma once
 
 #include "gpu/exact_cpp.h"
@@ -15,7 +15,8 @@ struct Answer {
   uint32_t tested = 0;  // triangles
 };
 
-// Precondition: segment.traced, by exact::shadow_segment. Every listed triangle blocks, alpha tests are not asked.
+// Treats every triangle as opaque, as it makes no alpha tests. Precondition: exact::shadow_segment made the segment,
+// and segment.traced.
 Answer query(const LightBuffer& buffer, const LightView& light, const scenes::WorldMesh& mesh,
              const exact::ShadowSegment& segment);
 

@@ -39,21 +39,22 @@ class Builder {
     if (!fit_near_plane(met, rect, nearness) ||
         (!face_.plane(nearness, 1.0, leaf.near_plane) &&
          !face_.plane(Linear(0, 0, nearest_of_all(rect, met)), 1.0, leaf.near_plane))) {
-      // No plane: never in front of it, at any depth that a float can hold.
+      // There is no near plane: this one has no point in front of it at any depth that a float can hold.
       leaf.near_plane = glm::vec3(face_.depth_axis * 1e30);
     }
     return nearness;
   }
 
-  // Fine leaves are many and seen by few pixels: they are divided further only for long lists.
+  // Fine leaves are many and few pixels see each of them, so that only long lists justify dividing them further.
   double patience(uint32_t level) const {
     return level <= detail_.usual_level
                ? detail_.longest_walk
                : std::ldexp(detail_.longest_walk, static_cast<int>(level - detail_.usual_level));
   }
 
-  // Triangles tested for a point on one of the footprints, on average over them: none where it lies on the near
-  // plane, else those before it. What is seen in a scene is mostly what casts its shadows.
+  // An estimate of the triangles that are tested for a point on one of the footprints, on average over the footprints:
+  // none if it lies on the near plane, else those in front of it. It assumes that the visible surfaces of a scene are
+  // mostly those that cast its shadows.
   static double walk(const Rect& rect, const Met& met, const Linear& near) {
     size_t walking = 0;
     for (const Footprint* f : met) {
@@ -71,7 +72,7 @@ class Builder {
     return nearest;
   }
 
-  // False where dividing would not shorten the lists.
+  // Divides the square; returns false if that would not shorten the lists.
   bool divide(uint32_t level, uint32_t i, uint32_t j, const Met& met) {
     std::array<Met, 4> child;
     size_t total = 0;
@@ -104,7 +105,7 @@ class Builder {
     return static_cast<uint32_t>(out_.leaves.size()) - 1;
   }
 
-  // Leaves of at least a cell go to all cells that they hold, finer ones into the open cell's patch.
+  // Writes the leaf to all cells that it contains, or into the open cell's patch if it is finer than a cell.
   void place(uint32_t level, uint32_t i, uint32_t j, uint32_t leaf) {
     if (level < kTopLevel) {
       const uint32_t word = add_block(0, &leaf);
@@ -120,7 +121,7 @@ class Builder {
     for (uint32_t y = j; y < j + side; ++y) std::fill_n(grid + y * grid_side + i, side, value);
   }
 
-  // The patch, no finer than it need be, becomes the cell's block.
+  // Writes the patch as the cell's block, at the coarsest level that holds its leaves.
   void close_cell(uint32_t i, uint32_t j) {
     const uint32_t bits = deepest_ - kTopLevel;
     const uint32_t step = kPatchSide >> bits;
@@ -143,7 +144,7 @@ class Builder {
   const Face& face_;
   const Detail& detail_;
   Piece& out_;
-  uint32_t deepest_ = kTopLevel;                           // of the open cell
+  uint32_t deepest_ = kTopLevel;                           // finest level of the open cell's leaves
   std::array<uint32_t, kPatchSide * kPatchSide> patch_{};  // its leaves, at the finest level
 };
 

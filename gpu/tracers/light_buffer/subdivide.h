@@ -1,4 +1,4 @@
-// One root square of a face, divided into leaves top down.
+// Divides a root square of a face into leaves, top down.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@ inline constexpr uint32_t kRootCount = 1u << (2 * kRootLevel);
 inline constexpr uint32_t kRootCells = 1u << (kTopLevel - kRootLevel);  // along a side
 
 struct Detail {
-  double longest_walk = 1.0;  // leaves where more triangles are tested, on average, are divided
-  uint32_t usual_level = 8;   // beyond, each level must promise twice as much
+  double longest_walk = 1.0;  // leaves are divided if more triangles are tested on average
+  uint32_t usual_level = 8;   // beyond it, each level doubles that limit
   uint32_t finest_level = kFinestLevel;
 };
 
-// A part of a light buffer; what its words and leaves index is in these arrays. Leaf 0 is empty.
+// A part of a light buffer. Its words and leaves index these arrays. Leaf 0 is empty.
 struct Piece {
   std::vector<uint32_t> cells;  // kRootCells squared
   std::vector<uint32_t> blocks;

@@ -1,4 +1,4 @@
-// What stands in the living room. Every model has its origin on the floor (or where it hangs) and faces +Z.
+// The models of the living room. Each has its origin on the floor (or where it hangs) and faces +Z.
 #pragma once
 
 #include <cstdint>

@@ -46,12 +46,12 @@ void add_walls(Stage& stage, const Palette& palette) {
   add_box(walls.in(palette.blush_wall), {-0.4f, low, -kWall}, {kWidth + 0.4f, high, 0.0f});
   const float end = kDepth + 0.5f * kWall, start = -0.5f * kWall;
   add_box(pale, {kWidth, low, start}, {kWidth + kWall, high, end});
-  // West: four blocks about the window. They reach into one another by nothing but meet inside the frame's depth.
+  // West: four blocks around the window. They do not overlap, and their seams lie within the depth of the frame.
   add_box(pale, {-kWall, low, start}, {0.0f, high, kWindowNorth}, 0.002f);
   add_box(pale, {-kWall, low, kWindowSouth}, {0.0f, high, end}, 0.002f);
   add_box(pale, {-kWall, low, kWindowNorth}, {0.0f, kWindowLow, kWindowSouth}, 0.0005f);
   add_box(pale, {-kWall, kWindowHigh, kWindowNorth}, {0.0f, high, kWindowSouth}, 0.0005f);
-  // South: the same about the door.
+  // South: the blocks around the door.
   const float south = kDepth, back = kDepth + kWall;
   add_box(pale, {-0.4f, low, south}, {kDoorWest, high, back}, 0.0005f);
   add_box(pale, {kDoorEast, low, south}, {kWidth + 0.4f, high, back}, 0.0005f);

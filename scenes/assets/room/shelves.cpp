@@ -72,7 +72,7 @@ Model bookcase(const Palette& palette) {
   Model model{"bookcase", {}};
   add_carcass(model.in(palette.walnut));
   const float pitch = (kCaseWidth - kBoard) / kBays - kBoard;
-  // Where books do not fill a bay: from which share of its width on it is free for ornaments.
+  // The share of each bay's width that books fill; the rest is free for ornaments.
   const float filled[kShelves][kBays] = {
       {1, 0.55f, 1}, {0.45f, 1, 0.8f}, {1, 0.35f, 0.6f}, {0.6f, 1, 0}, {0.8f, 0.5f, 0.9f}};
   for (int shelf = 0; shelf < kShelves; ++shelf) {

@@ -35,7 +35,7 @@ Model rug(const Palette& palette) {
   for (const uint32_t wool : {palette.rug_field, palette.rug_border}) {
     Mesh part = pile;
     std::erase_if(part.triangles, [&](const glm::uvec3& t) {
-      // Both triangles of a knot share its diagonal, whose middle is the knot's.
+      // Both triangles of a knot share its diagonal, whose middle is the middle of the knot.
       const glm::vec3 a = pile.positions[t.x], b = pile.positions[t.y], c = pile.positions[t.z];
       const glm::vec3 middle = 0.5f * (glm::min(glm::min(a, b), c) + glm::max(glm::max(a, b), c));
       return in_border(middle.x, middle.z) != (wool == palette.rug_border);

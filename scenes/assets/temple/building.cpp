@@ -151,7 +151,7 @@ void add_ground(Stage& stage, const Palette& palette) {
 }
 
 void add_walls(Stage& stage, const Palette& palette) {
-  // Side walls with tall windows between the columns; the same wall serves both sides, turned about.
+  // Side walls with tall windows between every other pair of columns; those of the eastern wall are mirrored.
   std::vector<Opening> windows;
   for (int i = 0; i + 1 < kColumns; ++i) {
     const float middle = -kFirstColumn + kBay * (static_cast<float>(i) + 0.5f);

@@ -1,4 +1,4 @@
-// What the sun temple is made of. Models stand with their origin on the ground and face +Z.
+// The models of the sun temple. Each has its origin on the ground and faces +Z.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct Palette {
 
 void add_ground(Stage& stage, const Palette& palette);   // paving, steps, dais
 void add_walls(Stage& stage, const Palette& palette);    // courses of blocks, windows, gate, apse
-void add_country(Stage& stage, const Palette& palette);  // what is seen through gate and windows
+void add_country(Stage& stage, const Palette& palette);  // the landscape seen through gate and windows
 void add_roof(Stage& stage, const Palette& palette);     // beams, coffers, the broken bay
 
 Model column(const Palette& palette);  // base, fluted shaft, leafed capital; kColumnHeight high

@@ -13,7 +13,7 @@ namespace {
 using namespace gpu;
 
 constexpr uint32_t kWidth = 320, kHeight = 200;
-// Metres on the floor about the shadow's edge and the cone's: what the offset of the segments' origins may move.
+// Metres on the floor around the edges of the shadow and of the cone, which the offset of the segments' origins moves.
 constexpr float kMargin = 0.002f;
 
 // Where the segment from the floor point to the light passes the square's height.
@@ -24,7 +24,7 @@ glm::vec2 passing(const scenes::Light& light, glm::vec3 floor) {
   return {at.x, at.z};
 }
 
-// Lit, dark, or nothing said so near to an edge.
+// Lit, dark, or undecided, because the point is too near to an edge.
 std::optional<bool> expected(const scenes::Light& light, glm::vec3 floor) {
   const glm::vec2 p = glm::abs(passing(light, floor));
   const float out = std::max(p.x, p.y) - 0.5f;

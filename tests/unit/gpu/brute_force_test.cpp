@@ -77,7 +77,7 @@ TEST(BruteForceTest, SeventyLightsEachHaveTheirOwnPlane) {
     if (tracer == "bvh") {
       EXPECT_EQ(count.differing, 0u);
     }
-    // A device's own triangle test may round otherwise; a plane out of place would differ by far more.
+    // The device's own triangle test may round differently; a misplaced plane would differ by far more.
     EXPECT_LE(count.differing, count.surfaces * 70 / 1000) << tracer;
   }
 }

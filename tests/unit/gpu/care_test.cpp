@@ -1,4 +1,4 @@
-// Which bits a frame valid_bits about: exactly those of the segments that exact.glsl traces, for every tracer.
+// The valid bits of a frame are exactly those of the segments that exact.glsl traces, for every tracer.
 #include <gtest/gtest.h>
 
 #include "gpu/scene/resident_scene.h"

@@ -1,5 +1,5 @@
-// A scene is served before what the tracer builds for its lights is there, and by that as soon as it is: every frame
-// before, during and after the change is bit for bit what a plain hierarchy says.
+// A scene is served before the tracer's build for its lights has ended, and by its result as soon as it has: every
+// frame before, during and after the change equals that of a plain hierarchy, bit for bit.
 #include <gtest/gtest.h>
 
 #include <condition_variable>
@@ -17,7 +17,7 @@ using namespace gpu;
 constexpr SceneId kScene{1};
 constexpr uint32_t kWidth = 120, kHeight = 80, kLights = 4;
 
-// What wakes the owner of a renderer when something beside the frames is done.
+// Notifies the owner of a renderer when work beside the frames has ended.
 class Bell {
  public:
   std::function<void()> ring() {
@@ -92,7 +92,7 @@ class FirstBuild : public testing::Test {
   }
 
   const std::vector<std::string> tracers_ = tracers();
-  // More than what is built at once because it takes no time.
+  // More triangles than a short build, which is done at once, may have.
   const scenes::ScenePtr scene_ = triangle_soup(7, 9000, kLights);
   Bell bell_;
   std::unique_ptr<Renderer> renderer_, plain_;
@@ -179,7 +179,7 @@ TEST_F(FirstBuild, ASceneThatLeavesEndsItsBuild) {
   EXPECT_EQ(frame(*renderer_, 3).masks, frame(*plain_, 3).masks);
 }
 
-// What takes no time is not worth a second way.
+// A short build is done at once, without frames that are traced by a hierarchy.
 TEST_F(FirstBuild, ASmallSceneIsBuiltAtOnce) {
   const auto small = triangle_soup(3, 300, 2);
   renderer_->bring(

@@ -1,4 +1,4 @@
-// Builds beside the frames: one after the other, of little priority, and ended when nobody wants them.
+// Builds beside the frames: they run one after the other, at low priority, and stop when they are no longer needed.
 #include "gpu/scene/light_builds.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using namespace gpu;
 
 constexpr SceneId kRoom{1}, kHall{2};
 
-// Waits for what is left for the owner, and does it.
+// Waits for a result that the owner's thread must finish, and finishes it.
 struct Owner {
   LightBuilds builds;
   Inbox<int> woken;
@@ -65,7 +65,7 @@ TEST(LightBuilds, GivesFramesPrecedence) {
   EXPECT_GT(niceness, getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())));
 }
 
-// Works until it is stopped, and says whether it was.
+// A build that runs until it is stopped, and reports whether it was.
 LightBuilds::Work endless(std::promise<void>& begun, bool& stopped) {
   return [&](const BuildWatch& watch) {
     begun.set_value();

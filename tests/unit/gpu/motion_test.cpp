@@ -1,4 +1,4 @@
-// Scenes in motion: at any time the masks are those of the whole scene stopped at that time, whatever moves.
+// Scenes in motion: at any time the masks are those of the scene frozen at that time, whatever moves.
 #include <gtest/gtest.h>
 
 #include <future>
@@ -20,7 +20,7 @@ constexpr uint32_t kWidth = 100, kHeight = 60;
 
 CameraView camera() { return look_at({0.5f, 0.6f, 2.4f}, {0.5f, 0.5f, 0.5f}, 0.8f, kWidth, kHeight); }
 
-// How many bits may differ for roundings of the tracer's own: none, but for the device's ray queries.
+// The number of bits that may differ by the tracer's own rounding: none, except for the device's ray queries.
 size_t allowed(const std::string& tracer, const Count& count) {
   return tracer == "ray_query" ? (count.lit + count.dark) / 1000 : 0;
 }
@@ -114,7 +114,7 @@ TEST(Motion, MaskedTrianglesMoveWithTheirHoles) {
   }
 }
 
-// A frame's pose is its slot's: neither another frame in flight nor one between its bands changes it.
+// A slot keeps its frame's pose: neither another frame in flight nor a frame between its bands changes it.
 TEST(Motion, FramesInFlightHaveTheirOwnTimes) {
   const auto scene = swinging_soup(4, {true, true});
   auto probe = SurfaceProbe::create(device_options(), scene);

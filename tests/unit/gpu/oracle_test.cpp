@@ -69,8 +69,8 @@ struct Difference {
   }
 };
 
-// Light buffers as this very program has built them; those of any other are removed. Only a run that is about the
-// rasteriser takes them from here: every other builds anew, and leaves what it built.
+// The cache folder for light buffers that this build of the program has made; those of other builds are removed. Only
+// runs that test the rasteriser read the cache; all others build again, and write it.
 fs::path kept_light_buffers() {
   static const fs::path folder = [] {
     struct stat program {};
@@ -84,7 +84,7 @@ fs::path kept_light_buffers() {
   return folder;
 }
 
-// Scenes that gpu_oracle_compute_raster does not ask for are not worth the disk.
+// Only scenes that gpu_oracle_compute_raster uses are cached.
 bool is_kept(const scenes::Scene& scene) {
   return scene.name != "oa_minia" && scene.name != "country_kitchen" && scene.name != "grey_white_room";
 }

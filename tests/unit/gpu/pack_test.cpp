@@ -1,4 +1,4 @@
-// What the GPU packs is what common/packed_mask.h packs: the same classes, the same words in the same order.
+// The GPU packs masks as common/packed_mask.h does: the same classes, and the same words in the same order.
 #include <gtest/gtest.h>
 
 #include "tests/unit/gpu/made_scenes.h"
@@ -13,7 +13,7 @@ struct Bytes {
   size_t packed = 0, whole = 0;
 };
 
-// One frame, packed there and here.
+// One frame, packed on the GPU and on the CPU.
 Bytes compare(BlockingFrame& frame, uint32_t width, uint32_t height) {
   const CameraView camera = look_at({0.5f, 0.6f, 2.2f}, {0.5f, 0.5f, 0.5f}, 0.8f, width, height);
   const auto grid = frame.reserve(width, height);
@@ -40,7 +40,7 @@ std::unique_ptr<BlockingFrame> packing(const scenes::ScenePtr& scene) {
 TEST(Pack, EqualsPackingOnTheCpu) {
   for (const uint32_t lights : {1u, 3u, 37u}) {
     auto frame = packing(triangle_soup(lights, 400, lights));
-    // Up and down through one slot; numbers of words that are no multiples of what packs together.
+    // Sizes go up and down through one slot; the numbers of words are not multiples of a group's.
     for (const auto& [width, height] : {std::pair{100u, 60u}, {333u, 187u}, {8u, 8u}, {1u, 1u}, {640u, 360u}}) {
       SCOPED_TRACE(testing::Message() << lights << " lights, " << width << "x" << height);
       compare(*frame, width, height);

@@ -55,13 +55,13 @@ struct Difference {
   uint64_t pixels = 0, surfaces = 0, edges = 0, ties = 0, unexplained = 0;
 };
 
-// Two triangles that may be said to be equally near: depths that are written as floats differ in their last bits.
+// Whether two triangles count as equally near: depths, which are written as floats, may differ in their last bits.
 bool equally_near(const CameraView& camera, const SurfaceSample& a, const SurfaceSample& b) {
   const float da = glm::length(a.position - camera.position), db = glm::length(b.position - camera.position);
   return std::abs(da - db) <= 1e-3f * std::max(da, db);
 }
 
-// A pixel may differ where the other picture has this one's triangle, or nothing, next to it: an edge goes through.
+// A pixel may differ if an edge passes through it: next to it, the other picture has this one's triangle, or nothing.
 Difference compare(const Picture& hardware, const Picture& compute, const CameraView& camera) {
   Difference d;
   for (uint32_t y = 0; y < hardware.height; ++y)
@@ -170,7 +170,7 @@ scenes::ScenePtr floor_of(uint32_t cells, float half) {
   return make_scene(positions, triangles, {point_light({0, 3, 0})});
 }
 
-// Small, middling and huge triangles, near enough for the near plane to cut some: every pixel that looks down shows one.
+// Small, medium and huge triangles, some of which the near plane cuts: every pixel that looks down shows one.
 TEST_F(Raster, LeavesNoHoleBetweenNeighbours) {
   for (const uint32_t cells : {1u, 2u, 13u, 90u, 400u}) {
     Drawn drawn(floor_of(cells, 50.0f), "gbuffer_compute");

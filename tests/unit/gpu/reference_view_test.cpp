@@ -1,4 +1,4 @@
-// The reference client's picture against the formula, and against what the mask says.
+// The reference client's picture against the formula, and against the mask.
 #include "gpu/picture/reference_view.h"
 
 #include <gtest/gtest.h>

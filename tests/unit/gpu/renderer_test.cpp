@@ -81,7 +81,7 @@ TEST(RendererTest, SlotsComeBackWhenLeasesAreDropped) {
 
 std::vector<uint64_t> words_of(const FrameDone& done) { return unpacked(done.mask.mask()); }
 
-// A frame in bands, others' frames between them, is bit for bit the frame in one.
+// A frame in bands, with other frames in between, equals the frame in one submit, bit for bit.
 TEST(RendererTest, BandsMakeTheSameFrame) {
   auto renderer = renderer_with_scene(3);
   const TileGrid grid{200, 120, 1};
@@ -109,7 +109,7 @@ TEST(RendererTest, BandsMakeTheSameFrame) {
   EXPECT_EQ(renderer->free_slots(), 3u);
 }
 
-// What is left out is lit everywhere, and the other lights are what they were.
+// Untraced lights are lit everywhere, and the other lights are unchanged.
 TEST(RendererTest, UntracedLightsAreLit) {
   auto renderer = renderer_with_scene(2);
   constexpr SceneId kSoup{2};

@@ -1,4 +1,4 @@
-// Looks into a frame, for tests and benchmarks: the very surface points that the trace pass starts from, and the
+// Exposes the inside of a frame to tests and benchmarks: the surface points from which the trace pass starts, and the
 // masks that it makes of them.
 #pragma once
 

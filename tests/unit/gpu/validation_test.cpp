@@ -1,4 +1,4 @@
-// All kinds of work under VK_LAYER_KHRONOS_validation, with synchronization checks: it has nothing to say.
+// All kinds of work under VK_LAYER_KHRONOS_validation, with synchronization checks, give no messages.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace gpu;
 
-// Messages so far; the layer speaks from any thread.
+// The number of messages so far; the layer reports them on any thread.
 class Heard {
  public:
   RendererOptions options(const std::string& tracer) {
@@ -64,7 +64,7 @@ void render_some(Renderer& renderer, SceneId scene, uint32_t width, uint32_t hei
   for (auto& a : arrivals) a.wait();
 }
 
-// Where it is not installed there is nothing to ask.
+// The tests are skipped if the layer is not installed.
 bool layer_is_there() {
   uint32_t count = 0;
   vkEnumerateInstanceLayerProperties(&count, nullptr);

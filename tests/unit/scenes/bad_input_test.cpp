@@ -12,7 +12,7 @@
 namespace gnomon::scenes::testing {
 namespace {
 
-// Something of everything that the loader reads.
+// A file that contains every kind of data that the loader reads.
 GltfFile rich_file() {
   GltfFile file;
   const std::vector<glm::vec3> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
@@ -51,7 +51,7 @@ GltfFile rich_file() {
   return file;
 }
 
-// Thousands of broken files would warn of thousands of textures.
+// Thousands of damaged files would log thousands of warnings about textures.
 class ManyBadInputs : public ::testing::Test {
  protected:
   void SetUp() override { log::set_level(log::Level::error); }
@@ -99,7 +99,7 @@ TEST_F(ManyBadInputs, FlippedBytesGiveAWholeSceneOrAnError) {
   EXPECT_GT(refused, 0);
 }
 
-// Numbers where the structure is: other digits are the flips that random bytes rarely make.
+// Replaces numbers in the JSON text by others and by values of other types, which random byte flips rarely produce.
 TEST_F(ManyBadInputs, ExchangedNumbersGiveAWholeSceneOrAnError) {
   const std::string text = rich_file().gltf();
   const size_t end = text.find("\"buffers\"");

@@ -92,7 +92,7 @@ TEST(ContentHash, ChangesWithAlphaTestsButNotWithColours) {
   EXPECT_EQ(masked(0, 200, 0.5), masked(255, 200, 0.5));
   EXPECT_NE(masked(0, 200, 0.5), masked(0, 201, 0.5));
   EXPECT_NE(masked(0, 200, 0.5), masked(0, 200, 0.6));
-  EXPECT_EQ(masked(0, 255, 0.5), hash(two_triangles()));  // a test that all pass is none
+  EXPECT_EQ(masked(0, 255, 0.5), hash(two_triangles()));  // an alpha test that every texel passes has no effect
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// KHR_lights_punctual.
+// Lights of glTF files (KHR_lights_punctual).
 #include <gtest/gtest.h>
 
 #include <cmath>

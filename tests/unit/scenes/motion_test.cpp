@@ -1,4 +1,4 @@
-// What moves: where it is at a time, and that it is the same as the whole scene stopped at that time.
+// Motion: the places of moving instances and lights at a time, which are those of the scene frozen at that time.
 #include "scenes/motion.h"
 
 #include <gtest/gtest.h>
@@ -103,7 +103,7 @@ TEST(Motion, ThePlaceOfAnInstanceIsThatAtTimeZero) {
 TEST(Motion, IsThatOfTheWholeSceneStopped) {
   GltfFile file = carousel();
   turn(file, 1);
-  // Through nothing into a mirrored triangle.
+  // The scale passes through 0 to a mirrored triangle.
   animate<glm::vec3>(file, 2, "scale", "LINEAR", {0, 1, 2}, {{1, 1, 1}, {0, 0, 0}, {-1, 1, 1}});
   const ScenePtr scene = file.load_or_fail();
   for (int ms = 0; ms <= 2000; ms += 125) expect_frozen_alike(*scene, std::chrono::milliseconds(ms));

@@ -1,4 +1,4 @@
-// Policies with one mistake each, as somebody might make them. The checks of workload.h must find every one.
+// Policies with one plausible mistake each. The checks of workload.h must detect every one.
 #pragma once
 
 #include <functional>
@@ -14,10 +14,10 @@ struct Account {
   uint32_t ready = 0;
 };
 
-// Which of the tenants with work is next; empty: none. The mistake is in here.
+// Chooses the next of the tenants with work; nullopt if there is none. The mistake is in this function.
 using Choose = std::function<std::optional<size_t>(const std::vector<Account>&)>;
 
-// Sessions of the chosen tenant in turn. Costs are charged as they should be.
+// Serves the sessions of the chosen tenant in turn. Costs are charged correctly.
 class Policy final : public Scheduler {
  public:
   explicit Policy(Choose choose) : choose_(std::move(choose)) {}
@@ -90,12 +90,13 @@ std::optional<size_t> least(const std::vector<Account>& accounts, KeyOf key) {
   return best;
 }
 
-// Counts weights, forgets idleness: who was away takes everything when he comes back.
+// Respects weights but not idleness: a tenant that returns from idleness takes the complete device until it has caught
+// up.
 inline Choose banks_credit() {
   return [](const auto& all) { return least(all, [](const Account& a) { return a.service / a.weight; }); };
 }
 
-// Shares in turns, not by weight or cost.
+// Gives each tenant a turn, whatever its weight and the cost of its jobs.
 inline Choose ignores_weights() {
   return [turn = size_t{0}](const auto& all) mutable -> std::optional<size_t> {
     for (size_t step = 0; step < all.size(); ++step) {
@@ -105,12 +106,12 @@ inline Choose ignores_weights() {
   };
 }
 
-// The heaviest first, always: the light ones starve.
+// Always serves the tenant of the highest weight first, so that the others starve.
 inline Choose heaviest_first() {
   return [](const auto& all) { return least(all, [](const Account& a) { return -a.weight; }); };
 }
 
-// Serves nobody who is above his share, even when nobody else wants the device.
+// Serves no tenant that is above its share, even if no other tenant has work.
 inline Choose keeps_the_device_idle() {
   return [](const auto& all) -> std::optional<size_t> {
     const auto share = [](const Account& a) { return a.service / a.weight; };

@@ -8,7 +8,7 @@
 namespace gnomon::scheduler {
 namespace {
 
-// A device whose costs are known: some noise, and now and then a frame that was held up.
+// A device of known costs, with some noise and occasional frames that were delayed.
 class Device {
  public:
   explicit Device(double noise, double held_up = 0) : noise_(noise), held_up_(held_up) {}

@@ -101,7 +101,7 @@ TEST(Degradation, RecoversWhenTheLoadFalls) {
   EXPECT_EQ(s.degradation.point(), OperatingPoint{});
 }
 
-// A steady overload: first steps down, then tries to go up that become rarer and rarer.
+// A steady overload leads to steps down, and then to attempts to step up that become ever rarer.
 TEST(Degradation, ASteadyOverloadSettles) {
   Session s = session(0.25, 0.5);
   s.run(100, 2, 1);

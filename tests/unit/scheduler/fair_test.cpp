@@ -21,7 +21,7 @@ class Fair : public testing::Test {
 
   void ready(SessionId session, Nanoseconds cost = 1ms) { scheduler_->make_ready(session, {cost}, kNow); }
 
-  // Picks `jobs` times; everybody who is served asks again at once. What each session was charged.
+  // Picks `jobs` times; a session that is served requests its next job at once. Returns what each session was charged.
   std::map<SessionId, Nanoseconds> serve(int jobs, const std::map<SessionId, Nanoseconds>& costs) {
     std::map<SessionId, Nanoseconds> service;
     for (int i = 0; i < jobs; ++i) {
@@ -112,7 +112,7 @@ TEST_F(Fair, RemovalAndWithdrawalForgetTheJob) {
   }
   scheduler_->remove_session(kB);
   scheduler_->withdraw(kC);
-  ready(kB);  // late news of a session that has gone
+  ready(kB);  // a request that arrives after the session was removed
   const auto ticket = scheduler_->pick(kNow);
   EXPECT_EQ(ticket->session, kA);
   EXPECT_FALSE(scheduler_->pick(kNow));

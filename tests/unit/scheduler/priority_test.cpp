@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr TimePoint kNow{};
 
-// Tenant i has priority i and one session, of number i.
+// Tenant i has priority i and one session, whose id is i.
 std::unique_ptr<Scheduler> with_classes(uint32_t classes, double floor) {
   auto scheduler = make_priority(floor);
   for (uint32_t i = 0; i < classes; ++i) {
@@ -21,7 +21,7 @@ std::unique_ptr<Scheduler> with_classes(uint32_t classes, double floor) {
   return scheduler;
 }
 
-// Everybody always has work; service of each class.
+// Returns the service of each class while every session always has a job.
 std::map<uint64_t, Nanoseconds> flood(Scheduler& scheduler, uint32_t classes, int jobs) {
   std::map<uint64_t, Nanoseconds> service;
   for (uint32_t i = 0; i < classes; ++i) scheduler.make_ready(SessionId{i}, {1ms}, kNow);
@@ -91,7 +91,7 @@ TEST(Priority, ARemovedSessionIsForgottenAndItsNumberCanComeBack) {
   auto scheduler = with_classes(2, 0);
   scheduler->make_ready(SessionId{1}, {1ms}, kNow);
   scheduler->remove_session(SessionId{1});
-  scheduler->make_ready(SessionId{1}, {1ms}, kNow);  // late news of a session that has gone
+  scheduler->make_ready(SessionId{1}, {1ms}, kNow);  // a request that arrives after the session was removed
   EXPECT_FALSE(scheduler->pick(kNow));
   scheduler->add_session(SessionId{1}, TenantId{0});
   scheduler->make_ready(SessionId{1}, {1ms}, kNow);
@@ -100,7 +100,7 @@ TEST(Priority, ARemovedSessionIsForgottenAndItsNumberCanComeBack) {
 
 TEST(Priority, AStandingIsWhatATenantWasChargedAndIsOwed) {
   auto scheduler = with_classes(2, 0);
-  scheduler->set_tenant(TenantId{0}, {.weight = 1, .priority = 1});  // as the other one
+  scheduler->set_tenant(TenantId{0}, {.weight = 1, .priority = 1});  // the other tenant's priority
   for (const uint64_t session : {0, 1}) scheduler->make_ready(SessionId{session}, {2ms}, kNow);
   const auto ticket = scheduler->pick(kNow);
   const TenantId other{1 - ticket->tenant.value};

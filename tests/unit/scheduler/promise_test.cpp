@@ -1,4 +1,4 @@
-// The promise of scheduler.h, over millions of picks, and that these checks find a broken policy.
+// Checks the promise of scheduler.h over millions of picks, and that these checks detect broken policies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -106,7 +106,7 @@ TEST(Promise, EveryPolicyIsWorkConserving) {
   }
 }
 
-// The checks are worth something: each of these has one mistake, and is found out.
+// The checks detect each policy of broken_policies.h, which contains one mistake.
 Findings found_of(broken::Choose choose, const Workload& workload) {
   broken::Policy policy(std::move(choose));
   return run(policy, workload);

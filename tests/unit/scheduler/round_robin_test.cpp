@@ -52,7 +52,7 @@ TEST(RoundRobin, RemovalForgetsThePendingView) {
   auto scheduler = with_sessions({kA, kB, kC});
   for (const SessionId session : {kA, kB, kC}) scheduler->make_ready(session, kJob, kNow);
   scheduler->remove_session(kB);
-  scheduler->make_ready(kB, kJob, kNow);  // late news of a session that has gone
+  scheduler->make_ready(kB, kJob, kNow);  // a request that arrives after the session was removed
   EXPECT_EQ(picked(*scheduler), kA);
   EXPECT_EQ(picked(*scheduler), kC);
   EXPECT_FALSE(scheduler->pick(kNow));
@@ -67,7 +67,7 @@ TEST(RoundRobin, ChargeAfterRemovalIsHarmless) {
   scheduler->remove_session(kA);
   scheduler->charge(*ticket, std::chrono::milliseconds(3), kNow);
   EXPECT_EQ(picked(*scheduler), kB);
-  scheduler->remove_session(kA);  // twice is no news either
+  scheduler->remove_session(kA);  // removing a session is idempotent
   EXPECT_FALSE(scheduler->pick(kNow));
 }
 
@@ -96,8 +96,8 @@ TEST(RoundRobin, BackloggedSessionsGetEqualTurns) {
   for (const auto& [session, count] : turns) EXPECT_EQ(count, 1000) << session.value;
 }
 
-// Whoever floods, joins or leaves: between becoming ready and being picked, every other session is picked at most
-// once.
+// Whichever sessions flood, join or leave: between becoming ready and being picked, a session sees every other session
+// picked at most once.
 TEST(RoundRobin, NobodyStarvesUnderRandomTraffic) {
   auto scheduler = with_sessions({});
   std::mt19937 random(7);

@@ -56,7 +56,7 @@ class Run {
   }
 
   Findings run() {
-    const uint64_t patience = 100 * w_.picks;  // with a policy that gives nothing out
+    const uint64_t patience = 100 * w_.picks;  // bounds the run of a policy that picks nothing
     for (uint64_t step = 0; findings_.picks < w_.picks && step < patience; ++step, now_ns_ += 1000) {
       for (uint32_t action = below(4); action > 0; --action) disturb();
       wake_up();
@@ -96,7 +96,7 @@ class Run {
     if (at < sessions_.size()) index_[session.id] = at;
   }
 
-  // Something happens, mostly nothing.
+  // Changes something at random; most calls change nothing.
   void disturb() {
     const uint32_t dice = below(1000);
     const uint32_t t = below(w_.tenants);
@@ -232,7 +232,7 @@ class Run {
     }
   }
 
-  // As PROMISE.md states it.
+  // The bound (2) of PROMISE.md.
   void check_lag(uint32_t i, uint32_t j) {
     const double l = w_.max_cost_ns;
     const double e = w_.error > 0 ? w_.in_flight * l : 0;  // a job may turn out to cost nothing

@@ -1,4 +1,4 @@
-// Random traffic in virtual time, and an account of it that knows nothing of how a policy works.
+// Random traffic in virtual time, and an account of it that is independent of how a policy works.
 //
 // Tenants join, leave, idle, flood and change weight, views are withdrawn, jobs fail, the device is lost. The account
 // checks, at every pick, what the header of the scheduler promises.

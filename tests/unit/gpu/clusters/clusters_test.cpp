@@ -1,4 +1,4 @@
-// Clusters keep every triangle, and contain what they say they contain.
+// Clusters keep every triangle, and their bounds contain their triangles.
 #include "gpu/scene/clusters.h"
 
 #include <gtest/gtest.h>

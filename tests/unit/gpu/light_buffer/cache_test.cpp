@@ -95,7 +95,7 @@ TEST_F(Cache, OtherScenesAndSettingsHaveOtherFiles) {
   std::string why;
   EXPECT_FALSE(light_buffer::load(folder_, other_scene, why));
   EXPECT_FALSE(light_buffer::load(folder_, other_settings, why));
-  // One that was put in another's place does not pass for it.
+  // A file that was copied to another key's name is refused.
   std::filesystem::copy_file(light_buffer::cache_file(folder_, key_),
                              light_buffer::cache_file(folder_, other_scene));
   EXPECT_FALSE(light_buffer::load(folder_, other_scene, why));

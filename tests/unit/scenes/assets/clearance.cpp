@@ -7,7 +7,7 @@
 namespace gnomon::scenes::assets {
 namespace {
 
-// Ericson, Real-Time Collision Detection, 5.1.5.
+// The closest point of a triangle by Ericson, "Real-Time Collision Detection" (2005), 5.1.5.
 float distance_to_triangle(glm::vec3 p, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
   const glm::vec3 ab = b - a, ac = c - a, ap = p - a;
   const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
@@ -33,7 +33,8 @@ bool ray_meets_box(glm::vec3 o, glm::vec3 d, glm::vec3 low, glm::vec3 high) {
   return std::max({enter.x, enter.y, enter.z, 0.0f}) <= std::min({leave.x, leave.y, leave.z});
 }
 
-// Möller and Trumbore; the distance, or infinity.
+// The distance to the triangle along a ray, infinity if the ray misses it (Möller and Trumbore, "Fast, Minimum Storage
+// Ray-Triangle Intersection", 1997).
 float hit(glm::vec3 o, glm::vec3 d, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
   constexpr float kMiss = std::numeric_limits<float>::infinity();
   const glm::vec3 e1 = b - a, e2 = c - a, p = glm::cross(d, e2), s = o - a, q = glm::cross(s, e1);
