@@ -45,7 +45,7 @@ void ThinClient::connect() {
                                .closed = [this](const Error& error) { on_closed(error); }});
 }
 
-// A first connection that fails is the caller's to know of; one that is lost is tried again.
+// A first connection that fails is reported to the caller; one that is lost later is replaced.
 void ThinClient::on_closed(const Error& error) {
   const auto wait = stream_ ? reconnect_.wait_after(stream_->connection().refusal()) : std::nullopt;
   if (closed_ || !opened_once_ || !options_.reconnect || !wait) {
@@ -69,7 +69,7 @@ void ThinClient::look(const protocol::CameraView& camera, Nanoseconds display_de
   remember_asked(index);
 }
 
-// Under the next id.
+// Records the index of the camera that was asked for under the next frame id.
 void ThinClient::remember_asked(uint32_t index) {
   indices_.push_back(index);
   if (indices_.size() <= kMostAsked) return;

@@ -1,9 +1,10 @@
-// The client in one object, for engines: looks through a camera every frame, says what to show. client/view/example.cpp is
-// the whole use of it.
+// The complete client in one object, for engines: takes a camera every frame and returns what to show.
+// client/view/example.cpp demonstrates its use.
 //
 //   look(camera) -> VisibilityStream ... masks -> ShowOrder -> next(): draw this camera with these masks
 //
-// Loses its server and finds it again by itself: meanwhile it shows what it has. Belongs to one Loop and its thread.
+// If the connection to the server is lost it reconnects by itself, and meanwhile shows what it has. Belongs to one Loop
+// and its thread.
 #pragma once
 
 #include <deque>
@@ -22,70 +23,75 @@ namespace gnomon::client {
 struct ThinClientOptions {
   StreamOptions stream;  // its Hello asks for the traced size
   Mode mode = Mode::predicted;
-  size_t ahead = 4;                  // x of mode `predicted`
-  std::unique_ptr<Ahead> automatic;  // what chooses it in mode `auto`
-  bool reconnect = true;
+  size_t ahead = 4;                  // x (client/prediction/mode.h) of mode `predicted`
+  std::unique_ptr<Ahead> automatic;  // what chooses x in mode `auto`
+  bool reconnect = true;             // after a connection that was open is lost
 };
 
-// Masks as they came, and the camera that they are of.
+// Masks as they arrived, and the camera that they are of.
 struct Received {
-  uint32_t index = 0;  // of the camera, among all that were looked through
+  uint32_t index = 0;  // of the camera: how many look() was called with before it
   protocol::CameraView camera;
   AssembledFrame mask;  // mask.missing_tiles(): what did not arrive
   std::vector<protocol::LightInfo> lights;
   Nanoseconds response{};  // from the camera's sending to the last slice's arrival
 };
 
-// What to draw. Not `reprojected`: the masks are this camera's own, or (non-sequential) are to be used as if they were.
+// What to draw. If `reprojected` is false, the masks are this camera's own or, in mode non-sequential, are to be used
+// as if they were.
 struct Showing {
   uint32_t index = 0;
-  uint32_t newest = 0;  // index of the camera of this moment
+  uint32_t newest = 0;  // index of the newest camera
   protocol::CameraView camera;
   std::shared_ptr<const Received> seen;
   bool reprojected = false;
-  Nanoseconds age{};  // since the camera was looked through: the response time
+  Nanoseconds age{};  // since look() was called with the camera: the response time
 
   size_t ahead() const { return index - seen->index; }
 };
 
 class ThinClient {
  public:
+  // Called while the loop runs; each may be empty. They must not destroy the client.
   struct Events {
     std::function<void(const Received&)> received = {};
     std::function<void(const protocol::Message&)> message = {};
   };
 
+  // Starts to connect. `loop` outlives the client.
   ThinClient(Loop& loop, ThinClientOptions options, Events events);
   ThinClient(Loop& loop, ThinClientOptions options) : ThinClient(loop, std::move(options), Events{}) {}
   ~ThinClient();
 
   // Serves the loop until the session is open. Error: why it is not (one line).
   Result<void> wait_open();
-  // Why there is no server, and none will be tried any more.
+  // Why the client is without a session for good; nullopt as long as it has one or tries to get one.
   const std::optional<Error>& failure() const { return failure_; }
-  // The server's answer, if it was that.
+  // The server's answer to the newest connection, if it was Refused.
   const std::optional<protocol::Refused>& refusal() const { return stream_->connection().refusal(); }
   bool online() const { return stream_ && stream_->connection().state() == Connection::State::open; }
   uint32_t reconnects() const { return reconnects_; }
 
-  // The camera of this moment. Without a server it is not sent, but may be shown.
+  // Takes the camera of this frame. Without a session it is not sent, but may still be shown. `display_deadline` is how
+  // long after now its answer is useful; 0: not said.
   void look(const protocol::CameraView& camera, Nanoseconds display_deadline = {});
 
-  // What to show now; nothing new since the last call: nothing.
+  // What to show now; nullopt if that has not changed since the last call, or no masks have arrived yet.
   std::optional<Showing> next();
 
-  // What a prediction turned out to be, for mode `auto` to learn from.
+  // Reports how wrong a prediction was (Ahead::observe), from which mode `auto` learns.
   void observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) {
     order_.ahead().observe(earlier, later, error);
   }
 
-  // Once open, as those below; those of the last connection while another is being made.
+  // Those below are of the newest connection unless they say otherwise. Precondition: wait_open() has returned without
+  // error. While a lost connection is being replaced, welcome() and scene() may be empty.
   size_t in_flight() const { return stream_->in_flight(); }
   const protocol::Welcome& welcome() const { return stream_->connection().welcome(); }
   const protocol::SceneManifest& scene() const { return stream_->scene(); }
-  const TileGrid& grid() const { return stream_->grid(); }  // not before it is open
+  const TileGrid& grid() const { return stream_->grid(); }  // precondition: online()
   StreamCounters counters() const;                          // of all connections
-  uint64_t received_bytes() const;                          // the same
+  uint64_t received_bytes() const;                          // of all connections
   void close(const std::string& reason);
 
  private:

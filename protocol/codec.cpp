@@ -21,13 +21,15 @@ enum class Form : uint8_t { plain = 0, lz4 = 1 };
 constexpr size_t kMaxSlices = std::numeric_limits<uint16_t>::max();
 constexpr size_t kTooLong = std::numeric_limits<size_t>::max();
 
-// A slice is good enough when it fills this much of its payload; after so many trials, whatever fits will do.
+// A slice's length is searched for until its payload is filled to kWellFilled of the limit or, if any length fits,
+// after kMaxTrials trials. Each trial aims at kAim of the limit.
 constexpr double kWellFilled = 0.94;
 constexpr double kAim = 0.98;
 constexpr int kMaxTrials = 5;
-constexpr double kClassWeight = 0.04;  // bytes that a tile's class is expected to take after LZ4
+constexpr double kClassWeight = 0.04;  // expected bytes of a tile's class after LZ4
 
-// Lights of which one tile always fits, whatever it shows: a class and kMaxTileBytes each, or a word a pixel for 32.
+// The number of lights of which one tile always fits, whatever it shows: each light takes a class and kMaxTileBytes; in
+// raw32_lz4, 32 lights take one 32-bit word per pixel.
 uint32_t lights_that_fit(CodecId codec, size_t plain_bytes) {
   const size_t lights = codec == CodecId::raw32_lz4 ? plain_bytes / 256 * 32 : plain_bytes / (1 + kMaxTileBytes);
   return static_cast<uint32_t>(std::min<size_t>(lights, kMaxLights));
@@ -39,13 +41,13 @@ struct FrameEncoder::Workspace {
   TileMaskView frame;
   CodecId codec = CodecId::tiles_lz4;
   size_t limit = 0;  // bytes of a payload
-  double ratio = 1;  // payload bytes for a range's weight, as the last trial had it
+  double ratio = 1;  // payload bytes per unit of weight(), as the last trial measured it
   LZ4_stream_t lz4;
   CodedTiles coded;             // of tiles_lz4
   std::vector<uint64_t> words;  // of a packed frame, for raw32_lz4
   std::vector<uint8_t> plain;
   std::vector<uint8_t> trial;  // the payload tried last
-  std::vector<uint8_t> best;   // the longest so far that fits
+  std::vector<uint8_t> best;   // the longest payload so far that fits
   context::FrameTiles framed;  // of tiles_context
   context::UnitEncoder units;
 
@@ -54,7 +56,8 @@ struct FrameEncoder::Workspace {
                                        : pack_tiles(coded, frame.grid, range, plain);
   }
 
-  // Roughly what the range's payload is proportional to: LZ4 shrinks classes a lot, tiles' bytes hardly.
+  // An estimate to which the range's payload size is roughly proportional: LZ4 compresses classes well and the bytes of
+  // tiles hardly.
   double weight(const SliceRange& range) const {
     if (codec == CodecId::raw32_lz4) return range.tile_count;
     size_t bytes = 0;
@@ -64,7 +67,7 @@ struct FrameEncoder::Workspace {
     return static_cast<double>(bytes) + kClassWeight * range.tile_count * range.light_count;
   }
 
-  // The most tiles, from `least` to `most`, whose payload is expected to be well within the limit.
+  // The most tiles, from `least` to `most`, whose payload is expected to take at most kAim of the limit; else `least`.
   uint32_t guess(SliceRange range, uint32_t least, uint32_t most) const {
     while (least < most) {
       range.tile_count = least + (most - least + 1) / 2;
@@ -77,7 +80,7 @@ struct FrameEncoder::Workspace {
     return least;
   }
 
-  // Makes the range's payload in `trial`. Its size, exact up to twice the limit; beyond that, kTooLong.
+  // Writes the range's payload to `trial` and returns its size: exact up to twice the limit, beyond that kTooLong.
   size_t try_range(const SliceRange& range) {
     if (!pack(range)) return kTooLong;
     trial.resize(1 + 2 * limit);
@@ -97,7 +100,8 @@ struct FrameEncoder::Workspace {
     return trial.size();
   }
 
-  // Finds about the most tiles from range.first_tile on, at most `left`, whose payload fits; leaves it in `best`.
+  // Returns approximately the most tiles from range.first_tile on, at most `left`, whose payload fits, and leaves that
+  // payload in `best`.
   uint32_t cut(SliceRange range, uint32_t left) {
     uint32_t fits = 0;
     uint32_t too_many = left + 1;
@@ -179,7 +183,7 @@ bool is_inside(const SliceRange& range, const TileGrid& grid) {
 
 using PlainBuffer = std::array<uint8_t, kMaxPlainBytes>;
 
-// The payload's plain bytes, in the payload itself or in `buffer`; empty when it has none.
+// The payload's plain bytes, which lie in the payload itself or in `buffer`; empty if the payload is malformed.
 std::span<const uint8_t> plain_bytes(std::span<const uint8_t> payload, PlainBuffer& buffer) {
   if (payload.empty() || payload.size() > 1 + buffer.size()) return {};
   const auto rest = payload.subspan(1);
@@ -225,7 +229,7 @@ Result<void> FrameEncoder::encode(const PackedMaskView& frame, CodecId codec, si
   return cut(codec, max_payload_bytes, out);
 }
 
-// What the workspace's frame and, for tiles_lz4, its coded tiles say.
+// Cuts the frame that encode() has put into the workspace.
 Result<void> FrameEncoder::cut(CodecId codec, size_t max_payload_bytes, EncodedFrame& out) {
   assert(max_payload_bytes >= kMinPayloadBytes);
   clear(out);
@@ -303,7 +307,7 @@ Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> pa
   const SliceRange range{header.first_tile, header.tile_count, header.first_light, header.light_count};
   if (!is_inside(range, grid)) return Error{"a slice's tiles or lights are not of this frame"};
   if (header.codec == CodecId::tiles_context) return context::decode(range, payload, grid, references, words);
-  PlainBuffer buffer;  // not initialised: only what has been unpacked is read
+  PlainBuffer buffer;  // not initialised: only unpacked bytes are read
   const auto plain = plain_bytes(payload, buffer);
   if (plain.empty()) return Error{"a slice's payload is of unknown form or damaged"};
   bool exact = false;

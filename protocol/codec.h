@@ -1,4 +1,5 @@
-// Visibility masks to slices and back. Lossless. Every slice decodes alone.
+// Encodes visibility masks as slices and decodes them. Lossless in every bit that matters (common/packed_mask.h). A
+// slice decodes without the other slices of its frame.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ namespace gnomon::protocol {
 // A frame cut into slices. The payload of slice i is bytes[offsets[i] .. offsets[i + 1]).
 struct EncodedFrame {
   CodecId codec = CodecId::tiles_lz4;
-  std::vector<SliceHeader> slices;  // frame, server_us and gpu_us are left for the sender to fill in
+  std::vector<SliceHeader> slices;  // the sender fills in frame, times, moment and size
   std::vector<uint8_t> bytes;
   std::vector<size_t> offsets;
 
@@ -28,7 +29,7 @@ struct EncodedFrame {
 
 inline constexpr size_t kMinPayloadBytes = 600;
 
-// One per thread: keeps its working memory from frame to frame.
+// One per thread: it reuses its working memory from frame to frame.
 class FrameEncoder {
  public:
   FrameEncoder();
@@ -36,11 +37,12 @@ class FrameEncoder {
   FrameEncoder(FrameEncoder&&) noexcept;
 
   // No payload is longer than `max_payload_bytes` (at least kMinPayloadBytes). `out`'s memory is reused.
-  // An error, and `out` empty, when the frame would take more than the 65,535 slices that a header can number.
-  // A frame without lights has no slices at all.
+  // Error, with `out` empty, if the frame would take more than the 65,535 slices that a header can number.
+  // A frame without lights has no slices.
   Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
-  // The same of the frame unpacked, in less time; of tiles_context in fewer bytes, as free tiles become what is likely.
-  // `reference`, of the same grid, is for tiles_context alone: a frame that the decoder has. `camera`: this frame's.
+  // Equals encoding the unpacked frame, in less time; except that with tiles_context a free tile takes the likelier
+  // class, which takes fewer bytes. `reference` and `camera` are used by tiles_context only: a frame of the same grid
+  // that the decoder has (may be null), and the camera of this frame (nullopt if it is unknown).
   Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out,
                       const MaskReference* reference = nullptr, const std::optional<CameraView>& camera = {});
 
@@ -51,21 +53,22 @@ class FrameEncoder {
   std::unique_ptr<Workspace> workspace_;
 };
 
-// A frame of tiles_context that several threads encode: unit by unit, each by one of them, then it is joined. The slices
-// are the same however many threads take part, and the same as FrameEncoder's.
+// Encodes one frame with tiles_context on several threads: each unit is encoded by one of them, then the slices are
+// joined. The slices do not depend on the number of threads and are identical to FrameEncoder's.
 class SplitFrame {
  public:
-  // Copies what it needs of `frame`. `reference`: of the same grid, or null. `camera`: the frame's, if that is known.
+  // Copies what it needs of `frame`. `reference` is of the same grid, or null. `camera` is the frame's; nullopt if it
+  // is unknown.
   SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference,
              const std::optional<CameraView>& camera = {});
   ~SplitFrame();
 
   size_t unit_count() const;
-  // Any thread; each unit once.
+  // Called once for each unit, from any thread.
   void encode(size_t unit);
-  // After all units. As FrameEncoder::encode.
+  // Precondition: every unit is encoded. Error: as FrameEncoder::encode.
   Result<void> join(EncodedFrame& out);
-  // After all units: the mask that a decoder will have.
+  // The mask that a decoder will have, borrowed from this. Precondition: every unit is encoded.
   TileMaskView decoded() const;
 
  private:
@@ -73,13 +76,14 @@ class SplitFrame {
   std::unique_ptr<Parts> parts_;
 };
 
-// A slice that refers to a frame which is not among `references`, or not the same there: as good as lost.
+// True if the slice refers to a frame that `references` (may be null) does not hold, or holds with another grid or
+// checksum. Such a slice counts as lost.
 bool lacks_reference(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
                      const ReferenceShelf* references);
 
-// Writes a slice's tiles into `words` (grid.word_count() of them, laid out as common/tile_mask.h says).
-// Any bytes give tiles or an error; after an error the slice's own tiles are unspecified and all others untouched.
-// A slice that lacks its reference is an error.
+// Writes a slice's tiles into `words` (grid.word_count() of them, laid out as common/tile_mask.h says). The slice is
+// untrusted: any bytes give tiles or an error. After an error the slice's own tiles are unspecified; all others are
+// never written. Error also if the slice lacks its reference.
 Result<void> decode_slice(const SliceHeader& header, std::span<const uint8_t> payload, const TileGrid& grid,
                           std::span<uint64_t> words, const ReferenceShelf* references = nullptr);
 

@@ -1,8 +1,8 @@
-// Data datagrams: camera updates one way, frame slices the other. WIRE.md has the byte tables.
+// Datagrams of the data channel: camera updates to the server, frame slices to the client. WIRE.md has the byte tables.
 //
 //   | header 20 bytes: version u8, kind u8, flags u16, session u64, sequence u64 | body | seal tag 16 bytes |
 //
-// Decoding is total and allocates nothing.
+// Decoding is total (any bytes give a value or nullopt) and allocates nothing.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline constexpr size_t kSizeBytes = 4;
 inline constexpr size_t kMaxSliceBodyBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 inline constexpr size_t kMaxSlicePayloadBytes = kMaxSliceBodyBytes - kSliceHeaderBytes;
 
-// Of ping and pong: they are as long as the longest datagram that every session uses.
+// Body of ping and pong, whose datagrams have kMaxDatagramBytes: as long as the longest that every session uses.
 inline constexpr size_t kPingBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 
 enum class DatagramKind : uint8_t {
@@ -36,9 +36,9 @@ enum class DatagramKind : uint8_t {
   frame_slice = 2,
   feedback = 3,      // protocol/feedback.h
   frame_parity = 4,  // protocol/parity.h
-  probe = 5,         // zeros: does the path take a datagram of this size?
-  ping = 6,          // client to server, zeros: do datagrams pass?
-  pong = 7,          // the answer, the same
+  probe = 5,         // zeros; tests whether the path carries a datagram of this size
+  ping = 6,          // client to server, zeros; tests whether datagrams pass
+  pong = 7,          // server to client, the answer, zeros
 };
 inline constexpr std::array<DatagramKind, 7> kDatagramKinds{
     DatagramKind::camera_update, DatagramKind::frame_slice, DatagramKind::feedback, DatagramKind::frame_parity,
@@ -52,7 +52,7 @@ struct Header {
   friend bool operator==(const Header&, const Header&) = default;
 };
 
-// Acknowledges slices of one frame: bit i of `slices` is slice first_slice + i.
+// Acknowledges slices of one frame: bit i of `slices` stands for slice first_slice + i.
 struct SliceAck {
   FrameId frame;
   uint16_t first_slice = 0;
@@ -65,7 +65,7 @@ inline constexpr size_t kMaxAcks = 16;
 struct CameraUpdate {
   FrameId frame;
   CameraView camera;
-  uint64_t client_time_us = 0;       // when the camera was sampled, by the client's clock of any origin
+  uint64_t client_time_us = 0;       // client's clock, of any origin, when the camera was sampled
   uint32_t display_deadline_us = 0;  // after client_time_us; 0: none
   uint8_t ack_count = 0;
   std::array<SliceAck, kMaxAcks> acks{};
@@ -85,11 +85,11 @@ struct SliceHeader {
   uint16_t light_count = 0;
   CodecId codec = CodecId::tiles_lz4;
   uint8_t flags = 0;
-  uint16_t padding = 0;    // if flags say so: bytes at the end of the body that are no payload; else 0
-  uint32_t server_us = 0;  // from the camera's arrival to this slice's sending
-  uint32_t gpu_us = 0;     // of it, on the GPU
-  Moment moment;           // on the wire if flags say so; then the payload has kMomentBytes less room
-  // The frame's, where that is not the granted one: on the wire if flags say so, which takes kSizeBytes.
+  uint16_t padding = 0;    // with kSliceIsPadded: bytes at the end of the body that are no payload
+  uint32_t server_us = 0;  // from the camera's arrival to the frame's sending
+  uint32_t gpu_us = 0;     // part of server_us: on the GPU
+  Moment moment;           // on the wire with kSliceHasMoment, which takes kMomentBytes
+  // The frame's size if it is not the granted one; on the wire with kSliceHasSize, which takes kSizeBytes.
   uint16_t width = 0, height = 0;
   friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
 };
@@ -99,14 +99,14 @@ struct FrameSlice {
   std::span<const uint8_t> payload;  // borrowed from the datagram
 };
 
-// Empty when the bytes are no datagram of this version.
+// nullopt if the bytes are malformed, or the header is of another version or an unknown kind.
 std::optional<Header> decode_header(std::span<const uint8_t> datagram);
 std::optional<CameraUpdate> decode_camera_update(std::span<const uint8_t> body);
 std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body);
 
 void write_header(std::span<uint8_t, kHeaderBytes> out, const Header& header);
 
-// Append to `out`. Finite, unit-length values are the caller's promise; decoding checks them.
+// Append to `out`. Precondition: the camera is valid (is_valid); only decoding checks it.
 void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update);
 void append_frame_slice(std::vector<uint8_t>& out, const SliceHeader& header, std::span<const uint8_t> payload);
 

@@ -3,7 +3,7 @@
 //   template <class A> void fields(A& a, Of<A, Stats>& m) { a(m.frames, m.coalesced); a.check(..., "why"); }
 //
 // With A = Writer the fields are appended to a byte vector; with A = Reader they are taken from bytes, and the first
-// thing amiss is kept as the reason. All numbers are little-endian.
+// check that fails is kept as the reason. All numbers are little-endian.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ class Writer {
     out_.insert(out_.end(), value.begin(), value.begin() + static_cast<std::ptrdiff_t>(size));
   }
 
-  // Items beyond `max_count` are not sent: a peer would refuse the whole message.
+  // Items beyond `max_count` are not sent, because a peer would refuse the message.
   template <class T, class WriteItem>
   void list(const std::vector<T>& items, size_t max_count, WriteItem write_item) {
     const size_t count = std::min(items.size(), max_count);
@@ -79,7 +79,7 @@ class Writer {
   std::vector<uint8_t>& out_;
 };
 
-// Allocates only for text and lists, and then no more than the bytes that are there.
+// Allocates only for texts, byte strings and lists, in proportion to the bytes that are present.
 class Reader {
  public:
   static constexpr bool kReading = true;
@@ -126,7 +126,7 @@ class Reader {
   }
 
  private:
-  // The next `size` bytes; none of them, and a reason, when there are fewer or something was amiss before.
+  // Takes the next `size` bytes. Empty, with a reason set, if there are fewer or an earlier check failed.
   std::span<const uint8_t> take(size_t size) {
     check(size <= bytes_.size(), "cut short");
     if (!ok()) return {};
@@ -153,7 +153,7 @@ class Reader {
   const char* why_ = nullptr;
 };
 
-// A structure to read into, or one to write from.
+// T when reading, const T when writing.
 template <class Archive, class T>
 using Of = std::conditional_t<Archive::kReading, T, const T>;
 

@@ -1,4 +1,4 @@
-// A frame's mask as both ends have it, for later frames to refer to.
+// A frame's mask as both ends have it, to which the slices of later frames can refer.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,18 @@
 
 namespace gnomon::protocol {
 
-// Immutable, so that threads may share it.
+// Immutable: any number of threads may read it.
 class MaskReference {
  public:
-  // `mask`: every word as it is coded, bits that do not matter included.
-  // `camera`: what it was seen through, where that is known; the encoder looks for what has moved by it.
+  // `mask` has every word as a decoder has it, including the bits that do not matter. `camera` is the frame's, nullopt
+  // if it is unknown; only the encoder uses it, to search for motion.
   MaskReference(FrameId frame, const TileMaskView& mask, const std::optional<CameraView>& camera = {});
 
   FrameId frame() const { return frame_; }
   const TileGrid& grid() const { return grid_; }
   const std::optional<CameraView>& camera() const { return camera_; }
-  // Of all words; travels with every slice that refers to this, so that a damaged one is noticed.
+  // The low 32 bits of XXH3-64 of all words. Every slice that refers to this frame carries it, so that a decoder whose
+  // copy differs detects that.
   uint32_t checksum() const { return checksum_; }
   const context::BitRows& rows(uint32_t light) const { return lights_[light]; }
 
@@ -38,7 +39,7 @@ class MaskReference {
 
 using MaskReferencePtr = std::shared_ptr<const MaskReference>;
 
-// The newest complete frames that a client has. One thread.
+// The kFrames newest complete frames that a client has. Not thread-safe.
 class ReferenceShelf {
  public:
   static constexpr size_t kFrames = 16;
@@ -48,7 +49,7 @@ class ReferenceShelf {
     frames_.push_back(std::move(reference));
   }
   void clear() { frames_.clear(); }
-  // Null: not here, or not any more.
+  // nullptr if the shelf does not hold the frame, or no longer does.
   const MaskReference* find(FrameId frame) const {
     for (const MaskReferencePtr& reference : frames_)
       if (reference->frame() == frame) return reference.get();

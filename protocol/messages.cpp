@@ -10,7 +10,7 @@
 namespace gnomon::protocol {
 namespace {
 
-// The longest texts and lists, in bytes and items.
+// WIRE.md's limits of texts (bytes) and lists (items).
 constexpr size_t kMaxName = 256;
 constexpr size_t kMaxToken = 512;
 constexpr size_t kMaxScene = 1024;
@@ -63,7 +63,7 @@ void fields(A& a, Of<A, NodeMotion>& m) {
   a.check(m.kind <= 1 && finite && m.period_us > 0, "a motion is of unknown kind, not finite or without time");
 }
 
-// Numbers of a kind, in order of preference. A newer client may prefer what this side has never heard of.
+// A list of identifiers in order of preference. Reading drops unknown ones, which a newer client may list.
 template <class A, class Id>
 void preferences(A& a, Id& list, size_t max_count) {
   a.list(list, max_count, [&](auto& id) { a(id); });
@@ -74,7 +74,7 @@ template <class A>
 void fields(A& a, Of<A, Hello>& m) {
   a(m.version_min, m.version_max, m.features);
   a.check(m.version_min <= m.version_max, "version_min is above version_max");
-  // What follows is laid out as that version has it, which the server refuses.
+  // The rest has the layout of a version that this side does not speak; the server refuses such a Hello.
   if (A::kReading && (kVersion < m.version_min || kVersion > m.version_max)) return;
   a.text(m.client, kMaxName);
   a.text(m.tenant, kMaxName);
@@ -82,7 +82,7 @@ void fields(A& a, Of<A, Hello>& m) {
   preferences(a, m.ciphers, kMaxCiphers);
   a.text(m.scene, kMaxScene);
   a(m.width, m.height, m.border_x, m.border_y, m.rate_hz);
-  // A size that is merely too large is for the server to refuse, with one that would fit.
+  // A size that is merely too large is not malformed: the server refuses it and offers one that fits.
   a.check(m.width > 0 && m.height > 0, "the size is empty");
   a.check(m.border_x < m.width && m.border_y < m.height, "the border leaves no picture");
   a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
@@ -162,7 +162,7 @@ void fields(A& a, Of<A, Resume>& m) {
   a(m.session, m.proof);
 }
 
-// A message's type on the wire is its place in the variant, counted from 1.
+// A message's type on the wire is its index in the variant, counted from 1.
 constexpr std::array<const char*, std::variant_size_v<Message>> kNames = {
     "Hello",    "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded",
     "Draining", "Stats",   "Bye",     "Data",         "Resume"};
@@ -225,7 +225,7 @@ std::vector<uint8_t> encode(const Message& message) {
 
 void MessageReader::feed(std::span<const uint8_t> bytes) {
   if (failed_) return;
-  // Moving what is left only when it is the smaller part keeps the cost per byte constant.
+  // Moving the rest only when it is the smaller part keeps the amortised cost per byte constant.
   if (read_ > buffer_.size() / 2) {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(read_));
     read_ = 0;

@@ -1,6 +1,6 @@
-// Control messages: what client and server say over the stream connection. WIRE.md has the byte tables.
+// Control messages, which client and server exchange over the TLS connection. WIRE.md has the byte tables.
 //
-// Decoding is total: any bytes give a message or an error, and nothing is allocated beyond the message's own size.
+// Decoding is total: any bytes give a message or an error. Memory is allocated in proportion to the message's size.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@
 
 namespace gnomon::protocol {
 
-// The protocol's name within TLS (RFC 7301), as its lists have it: length, then letters. A server of something else
-// that shares a certificate with ours cannot be made to listen to a client of ours, nor the other way round.
+// The protocol's ALPN identifier (RFC 7301) in wire form: length, then characters. It prevents cross-protocol attacks:
+// a server of another protocol that shares a certificate with ours does not accept our clients, nor the reverse.
 inline constexpr std::array<uint8_t, 7> kAlpn{6, 'g', 'n', 'o', 'm', 'o', 'n'};
 
 struct Hello {
@@ -32,7 +32,7 @@ struct Hello {
   std::string scene;
   uint16_t width = 0;  // pixels of the traced buffer, border included
   uint16_t height = 0;
-  uint16_t border_x = 0;  // of these, prediction border: pixels in all, left and right together
+  uint16_t border_x = 0;  // pixels of the width that are prediction border, left and right together
   uint16_t border_y = 0;
   float rate_hz = 0;                // views a second that the client means to ask for; 0: as many as it gets
   std::vector<CodecId> codecs;      // in order of preference; empty: the server's default
@@ -60,7 +60,7 @@ struct Welcome {
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
-// The codes are part of the protocol: never renumbered.
+// The codes are part of the protocol and are never renumbered.
 enum class RefusalCode : uint16_t {
   malformed = 1,
   version = 2,
@@ -95,7 +95,7 @@ struct SceneChanged {
 
 struct LightsChanged {
   std::vector<LightInfo> lights;
-  uint32_t version = 0;  // which frames are of these lights; counts up
+  uint32_t version = 0;  // Moment::lights_version of frames with these lights; counts up
   friend bool operator==(const LightsChanged&, const LightsChanged&) = default;
 };
 
@@ -113,7 +113,7 @@ struct Draining {
   friend bool operator==(const Draining&, const Draining&) = default;
 };
 
-// Server to client, about once a second.
+// Sent by the server about once a second.
 struct Stats {
   uint64_t frames = 0;     // answered in this session
   uint64_t coalesced = 0;  // views replaced by a newer one before they were rendered
@@ -123,22 +123,23 @@ struct Stats {
   friend bool operator==(const Stats&, const Stats&) = default;
 };
 
-// Either side, before it closes on purpose.
+// Sent by either side before it closes the connection on purpose.
 struct Bye {
   std::string reason;
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
-// What a datagram would carry, where no datagrams pass. Either side.
+// What a datagram would carry, on paths that let no datagrams pass. Sent by either side.
 struct Data {
   DatagramKind kind = DatagramKind::camera_update;
-  uint64_t sequence = 0;      // the server's: out of the same count as its datagrams
+  uint64_t sequence = 0;      // the server's: counted together with its datagrams; the client's: any
   std::vector<uint8_t> body;  // up to kMaxDataBytes
   friend bool operator==(const Data&, const Data&) = default;
 };
 inline constexpr size_t kMaxDataBytes = 16'000;
 
-// In the place of a Hello: the session goes on with this connection, as the same Welcome with what holds now says.
+// Sent instead of Hello to continue a session on this connection. A Welcome of the same session, with the values that
+// are now in force, accepts it.
 struct Resume {
   SessionId session;
   Bytes32 proof{};  // resumption_proof (protocol/seal_exporter.h)
@@ -148,19 +149,20 @@ struct Resume {
 using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye,
                              Data, Resume>;
 
-// The whole frame: length, type, body. Texts and lists longer than WIRE.md allows are cut to what it allows, and
-// bytes of a text that are not UTF-8 or control characters become '?'. Other values are the caller's promise.
+// Encodes a complete message: length, type, body. Texts and lists longer than WIRE.md allows are truncated; bytes of a
+// text that are control characters or not UTF-8 become '?'. Precondition: all other values are valid.
 std::vector<uint8_t> encode(const Message& message);
 
-// Takes frames out of a byte stream. Feed it what arrived; take messages until there is none.
+// Splits a byte stream into messages: call feed() with received bytes, then next() until it gives none. One thread.
 class MessageReader {
  public:
-  // `max_bytes`: the longest frame accepted (a server takes small ones before a Hello has been checked).
+  // `max_bytes` is the longest message accepted, its length field included (a server accepts short ones only).
   explicit MessageReader(size_t max_bytes = kMaxControlBytes) : max_bytes_(max_bytes) {}
 
   void feed(std::span<const uint8_t> bytes);
 
-  // Nothing yet: an empty optional. Unknown types are skipped. An error is final: close the connection.
+  // nullopt if no further message is complete. Messages of unknown type are skipped. An error is final: the connection
+  // is to be closed.
   Result<std::optional<Message>> next();
 
  private:
@@ -168,7 +170,7 @@ class MessageReader {
 
   size_t max_bytes_;
   std::vector<uint8_t> buffer_;
-  size_t read_ = 0;  // bytes of buffer_ that are done with
+  size_t read_ = 0;  // bytes of buffer_ that are already decoded
   std::optional<Error> failed_;
 };
 

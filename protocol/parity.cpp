@@ -12,7 +12,7 @@ namespace gnomon::protocol {
 namespace {
 
 using Shard = std::vector<uint8_t>;
-constexpr size_t kTableBytes = 32;  // of ISA-L, for each coefficient
+constexpr size_t kTableBytes = 32;  // ISA-L's multiplication table of one coefficient
 
 template <class A>
 void fields(A& a, Of<A, ParityHeader>& m) {
@@ -43,7 +43,7 @@ std::vector<uint8_t*> pointers(std::vector<Shard>& shards) {
   return all;
 }
 
-// out = rows x in, over GF(2^8). `rows`: one row of in.size() coefficients for each of `out`.
+// out = rows x in, over GF(2^8). `rows` has one row of in.size() coefficients for each shard of `out`.
 void multiply(std::vector<uint8_t>& rows, std::vector<Shard>& in, std::vector<Shard>& out) {
   const int k = static_cast<int>(in.size()), count = static_cast<int>(out.size());
   std::vector<uint8_t> tables(kTableBytes * in.size() * out.size());
@@ -52,7 +52,7 @@ void multiply(std::vector<uint8_t>& rows, std::vector<Shard>& in, std::vector<Sh
   ec_encode_data(static_cast<int>(in.front().size()), k, count, tables.data(), from.data(), to.data());
 }
 
-// Row `index` of the parity: coefficient j is the inverse of (k + index) XOR j.
+// Appends the coefficients of parity shard `index`: coefficient j is the inverse of (k + index) XOR j.
 void append_row(std::vector<uint8_t>& rows, size_t k, size_t index) {
   for (size_t j = 0; j < k; ++j) rows.push_back(gf_inv(static_cast<uint8_t>((k + index) ^ j)));
 }
@@ -102,7 +102,7 @@ std::vector<Shard> rebuild(const Bodies& bodies, std::span<const ParityShard> pa
   const size_t size = parity[0].bytes.size();
   if (size < kShardLengthBytes + std::max<size_t>(1, longest(bodies))) return {};
 
-  // The shards that are there, and the rows that made them: in the place of each missing slice stands a parity shard.
+  // The shards at hand and the matrix rows that made them; a parity shard takes the place of each missing slice.
   std::vector<Shard> in;
   std::vector<uint8_t> made;
   size_t next = 0;
@@ -119,7 +119,7 @@ std::vector<Shard> rebuild(const Bodies& bodies, std::span<const ParityShard> pa
     append_row(made, k, shard.index);
   }
   std::vector<uint8_t> inverse(k * k);
-  if (gf_invert_matrix(made.data(), inverse.data(), static_cast<int>(k)) != 0) return {};  // a shard came twice
+  if (gf_invert_matrix(made.data(), inverse.data(), static_cast<int>(k)) != 0) return {};  // duplicate index
 
   std::vector<uint8_t> rows;
   for (const size_t i : missing) rows.insert(rows.end(), inverse.begin() + i * k, inverse.begin() + (i + 1) * k);

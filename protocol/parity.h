@@ -1,9 +1,9 @@
-// Forward error correction of a frame: its slices in groups, and to each group parity shards from which as many lost
-// slices can be rebuilt. A Cauchy Reed-Solomon code over GF(2^8), by Intel ISA-L (Bloemer et al. 1995). WIRE.md has
-// the format.
+// Forward error correction of a frame: its slices are divided into groups, and from a group's parity shards as many of
+// its lost slices can be rebuilt. A Cauchy Reed-Solomon code over GF(2^8) (J. Bloemer and others, "An XOR-Based
+// Erasure-Resilient Coding Scheme", 1995), computed with Intel ISA-L. WIRE.md has the format.
 //
-// Slice s is in group s % groups, so that a burst of losses hits many groups a little. A slice's shard is its body's
-// length (u16), the body, and zeros up to the longest of its group.
+// Slice s is in group s % groups, so that a burst of losses spreads over many groups. A slice's shard is its body's
+// length (u16), the body, and zeros up to the length of its group's longest shard.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@ inline constexpr size_t kMaxGroupSlices = 128;
 inline constexpr size_t kMaxGroupParity = 64;
 inline constexpr size_t kParityHeaderBytes = 12;
 inline constexpr size_t kShardLengthBytes = 2;
-// A slice's body is this much shorter than the longest body of a datagram, so that its group's parity fits into one.
+// With parity, a slice's body is at least this much shorter than the longest body of a datagram, so that a parity shard
+// of its group fits into one.
 inline constexpr size_t kParityOverhead = kParityHeaderBytes + kShardLengthBytes;
 
 struct ParityHeader {
@@ -27,7 +28,7 @@ struct ParityHeader {
   uint16_t slice_count = 0;  // of the frame
   uint16_t groups = 0;
   uint16_t group = 0;
-  uint8_t index = 0;  // of the group's parity shards
+  uint8_t index = 0;  // of this shard among the group's parity shards
   uint8_t reserved = 0;
   friend bool operator==(const ParityHeader&, const ParityHeader&) = default;
 };
@@ -37,18 +38,19 @@ struct FrameParity {
   std::span<const uint8_t> shard;  // borrowed from the datagram
 };
 
-// Slices of a group: group, group + groups, group + 2 * groups ...
+// The number of slices in the header's group: group, group + groups, group + 2 * groups ...
 inline size_t slices_of_group(const ParityHeader& h) {
   return (size_t{h.slice_count} - h.group + h.groups - 1) / h.groups;
 }
 
-// Total; allocates nothing.
+// Total: any bytes give a FrameParity that borrows from `body`, or nullopt. Allocates nothing.
 std::optional<FrameParity> decode_parity(std::span<const uint8_t> body);
 void append_parity(std::vector<uint8_t>& out, const ParityHeader& header, std::span<const uint8_t> shard);
 
 using Bodies = std::vector<std::span<const uint8_t>>;
 
-// `count` parity shards of a group's slice bodies (1 to kMaxGroupSlices of them; count 1 to kMaxGroupParity).
+// Returns `count` parity shards (1 to kMaxGroupParity) of a group's slice bodies (1 to kMaxGroupSlices of them, none
+// empty).
 std::vector<std::vector<uint8_t>> make_parity(const Bodies& bodies, size_t count);
 
 struct ParityShard {
@@ -56,8 +58,8 @@ struct ParityShard {
   std::span<const uint8_t> bytes;
 };
 
-// The missing bodies (`bodies` has an empty span in their place), in their order. Empty: there are fewer shards than
-// missing bodies, or they are not of one code word.
+// Returns the missing bodies in their order; `bodies` has an empty span in the place of each. Empty if none is missing,
+// if there are fewer shards than missing bodies, or if shards and bodies evidently do not belong together.
 std::vector<std::vector<uint8_t>> rebuild(const Bodies& bodies, std::span<const ParityShard> parity);
 
 }  // namespace gnomon::protocol

@@ -1,5 +1,5 @@
-// The fingerprint of a certificate, for clients that are told in advance which one their server has: SHA-256 of its DER
-// encoding, what `openssl x509 -noout -fingerprint -sha256` shows.
+// The fingerprint of a certificate, by which a client that is given it in advance recognises its server: SHA-256 of the
+// DER encoding, as `openssl x509 -noout -fingerprint -sha256` shows it.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ Pin pin_of(const x509_st* certificate);
 
 std::string to_string(const Pin& pin);  // "sha256:" and 64 hexadecimal digits
 
-// The same; digits may be of either case and have colons between them. Error: what is allowed.
+// Parses the form of to_string(); digits may be of either case and separated by colons. Error: the allowed form.
 Result<Pin> parse_pin(std::string_view text);
 
 }  // namespace gnomon::protocol

@@ -1,4 +1,5 @@
-// Which of the last 1,024 sequence numbers have been seen. What is older counts as seen; so does 0.
+// A sliding window that records which of the last 1,024 sequence numbers have been seen, as IPsec's against replay
+// (RFC 4303, 3.4.3). Older numbers count as seen, and so does 0.
 #pragma once
 
 #include <bitset>
@@ -10,7 +11,7 @@ class ReplayWindow {
  public:
   static constexpr uint64_t kSize = 1024;
 
-  // All up to `newest` counts as seen.
+  // All numbers up to `newest` count as seen.
   explicit ReplayWindow(uint64_t newest = 0) : newest_(newest) { seen_.set(); }
 
   uint64_t newest() const { return newest_; }
@@ -19,7 +20,7 @@ class ReplayWindow {
     return sequence > newest_ || (newest_ - sequence < kSize && !seen_[sequence % kSize]);
   }
 
-  // True the first time that `sequence` comes. Call only for datagrams whose tag is right.
+  // Records `sequence`; false if it counted as seen before. Precondition: its datagram is authentic.
   bool take(uint64_t sequence) {
     if (!is_new(sequence)) return false;
     if (sequence > newest_) forget(sequence);
@@ -28,7 +29,7 @@ class ReplayWindow {
   }
 
  private:
-  // Moves the window up to `sequence`: the places of the numbers in between are free again.
+  // Advances the window to `sequence`, with the numbers in between marked as not seen.
   void forget(uint64_t sequence) {
     if (sequence - newest_ >= kSize) {
       seen_.reset();

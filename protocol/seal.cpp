@@ -7,7 +7,8 @@ namespace {
 
 static_assert(kTagBytes == Aead::kTagBytes);
 
-// Forgeries that a session endures: RFC 9001 (6.6) has 2^36 for ChaCha20-Poly1305, and more for AES-GCM.
+// The integrity limit: wrong tags after which nothing more is opened. RFC 9001 (6.6) has 2^36 for ChaCha20-Poly1305 and
+// more for AES-GCM.
 constexpr uint64_t kMaxForged = uint64_t{1} << 36;
 
 }  // namespace
@@ -49,7 +50,7 @@ void Seal::pass(uint64_t sequence) {
   if (sequence / epoch_datagrams_ != state_.receiving.epoch) begin(receiving_, sequence);
 }
 
-// Its epoch, if that is the next one.
+// Begins the epoch of `sequence` if that is the next one.
 void Seal::begin(SealKeys& keys, uint64_t sequence) {
   const uint64_t epoch = sequence / epoch_datagrams_;
   if (keys.of(epoch)) keys.begin(epoch);

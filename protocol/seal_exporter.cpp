@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kNoKeys = "the TLS session gives no keys";
 
-// Session and cipher are part of what is hashed: whoever mistakes one gets other keys, not wrong ones of the same.
+// Session and cipher are part of the exporter's context, so that a side which mistakes either derives unrelated keys.
 std::array<uint8_t, 9> exporter_context(SessionId session, CipherId cipher) {
   std::array<uint8_t, 9> bytes;
   std::memcpy(bytes.data(), &session.value, 8);

@@ -18,7 +18,7 @@
 namespace gnomon::protocol {
 namespace {
 
-// What cannot fail but for a broken library or no memory left: going on would send in clear.
+// For calls that fail only if OpenSSL is broken or memory is exhausted. Aborts: continuing could send plaintext.
 void must(int done) {
   if (done <= 0) std::abort();
 }
@@ -106,7 +106,7 @@ Secret next_secret(const Secret& secret) {
 
 void EpochSecret::go_on(const Secret& next) {
   by_parity[(epoch + 1) % 2] = next;
-  std::atomic_signal_fence(std::memory_order_seq_cst);  // the compiler keeps the order, and the machine does
+  std::atomic_signal_fence(std::memory_order_seq_cst);  // orders the stores for the compiler; a kill needs no more
   ++epoch;
   std::atomic_signal_fence(std::memory_order_seq_cst);
   wipe(by_parity[(epoch + 1) % 2].data(), sizeof(Secret));

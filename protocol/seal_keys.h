@@ -1,9 +1,9 @@
-// Keys of the data channel, one direction at a time: from the secret that the TLS session exports to the keys of each
-// epoch. WIRE.md, "the seal", is the specification.
+// The key schedule of one direction of the data channel: from the secret that the TLS session exports to the keys of
+// each epoch. WIRE.md, "the seal", is the specification.
 //
-// An epoch is kEpochDatagrams sequence numbers long; each has keys of its own, and its secret is made from the one
-// before by a function that cannot be turned round. So no AES-GCM key seals more than what RFC 9001 (6.6) allows it
-// (2^23 packets), and who takes a secret from memory cannot read what was sent in earlier epochs.
+// An epoch has kEpochDatagrams sequence numbers and keys of its own; its secret is derived from the one before with a
+// one-way function (HKDF-Expand, RFC 5869). So no AES-GCM key seals more than the 2^23 packets that RFC 9001 (6.6)
+// allows, and a secret taken from memory does not reveal what was sent in earlier epochs.
 #pragma once
 
 #include <array>
@@ -22,47 +22,47 @@ inline constexpr uint64_t kEpochDatagrams = uint64_t{1} << 22;
 
 using Secret = std::array<uint8_t, 32>;
 
-// In the same time, whatever they are.
+// Compares in constant time.
 bool is_equal(const Secret& a, const Secret& b);
-// Also where nobody looks at it any more.
+// Overwrites the memory, also where the compiler would drop stores that nothing reads.
 void wipe(void* memory, size_t bytes);
 
-// How far one direction has come: an epoch and its secret, which is all that is needed to go on from there. Whoever is
-// killed between any two instructions leaves one epoch or the next, whole.
+// The progress of one direction: an epoch and its secret, from which all later keys follow. A process that is killed
+// between any two instructions leaves a consistent state, of either this epoch or the next.
 struct EpochSecret {
   uint64_t epoch = 0;
-  std::array<Secret, 2> by_parity{};  // this epoch's at epoch % 2
+  std::array<Secret, 2> by_parity{};  // the current secret is at epoch % 2
 
   const Secret& secret() const { return by_parity[epoch % 2]; }
-  void go_on(const Secret& next);  // to the next epoch; wipes the secret of this one
+  void go_on(const Secret& next);  // advances to the next epoch; wipes the secret of this one
 };
 
-// Of one epoch, from its secret. The key has 16 bytes for AES-128-GCM and 32 for ChaCha20-Poly1305.
+// Key and IV of one epoch, derived from its secret. The key has 16 bytes for AES-128-GCM, 32 for ChaCha20-Poly1305.
 struct AeadKey {
   using Nonce = std::array<uint8_t, 12>;
 
   AeadKey(CipherId cipher, const Secret& secret);
-  ~AeadKey();  // wipes it
+  ~AeadKey();  // wipes the key
   AeadKey(const AeadKey&) = delete;
   std::span<const uint8_t> key() const { return std::span(bytes).first(size); }
 
   std::array<uint8_t, 32> bytes{};
   size_t size;
-  Nonce iv{};  // a datagram's nonce is this, its last bytes XORed with the sequence number
+  Nonce iv{};  // a datagram's nonce is this with its last 8 bytes XORed with the sequence number
 };
 
-// An AEAD with one key. One direction and one thread; its context is made once, and used without allocating.
+// An AEAD (RFC 5116) with one key, for one direction and one thread at a time. Allocates in its constructor only.
 class Aead {
  public:
   static constexpr size_t kTagBytes = 16;
 
   Aead(CipherId cipher, const Secret& secret, bool sealing);
 
-  // `out` has room for text and tag, and is text.data() or does not overlap it.
+  // `out` has room for the text and the tag, and is text.data() or does not overlap `text`.
   void seal(uint64_t sequence, std::span<const uint8_t> header, std::span<const uint8_t> text, uint8_t* out);
 
-  // `sealed` ends with the tag; `out` has room for what stands before it. False: forged or damaged, and `out` holds
-  // nothing of use.
+  // `sealed` ends with the tag; `out` has room for the bytes before it. False if the tag is wrong; `out` is then
+  // unspecified.
   bool open(uint64_t sequence, std::span<const uint8_t> header, std::span<const uint8_t> sealed, uint8_t* out);
 
  private:
@@ -75,32 +75,32 @@ class Aead {
   AeadKey::Nonce iv_{};
 };
 
-// The secret of the next epoch.
+// Derives the secret of the next epoch.
 Secret next_secret(const Secret& secret);
 
-// The AEADs of one direction's epochs around the newest.
+// The AEADs of one direction: of the newest epoch and its neighbours. One thread at a time.
 class SealKeys {
  public:
-  // `at` outlives this, and is kept up to date.
+  // `at` must outlive this object, which advances it.
   SealKeys(CipherId cipher, EpochSecret& at, bool sealing);
-  ~SealKeys();  // wipes what it knows
+  ~SealKeys();  // wipes the secret of the next epoch
   SealKeys(const SealKeys&) = delete;
 
-  // Of the newest epoch, the one before or the one after; null: of none of these.
+  // The AEAD of the newest epoch, the one before or the one after; nullptr for any other and for those before `at`.
   Aead* of(uint64_t epoch);
 
-  // That epoch has begun: one that of() gave an AEAD for.
+  // Makes `epoch` the newest if it is the next one. Precondition: of(epoch) gave an AEAD.
   void begin(uint64_t epoch);
 
  private:
   CipherId cipher_;
   bool sealing_;
   EpochSecret& newest_;
-  Secret after_;                                     // of the epoch after the newest
+  Secret after_;                                     // secret of the epoch after the newest
   std::array<std::unique_ptr<Aead>, 3> by_epoch_{};  // at epoch % 3
 };
 
-// Whether the processor has instructions for AES; without them ChaCha20 is quicker.
+// Whether the processor has instructions for AES-GCM; without them ChaCha20-Poly1305 is faster.
 bool has_aes_instructions();
 
 }  // namespace gnomon::protocol

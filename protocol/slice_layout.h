@@ -1,4 +1,4 @@
-// How the two codecs lay a slice's tiles out as plain bytes, before LZ4. WIRE.md has the formats byte by byte.
+// How the codecs tiles_lz4 and raw32_lz4 lay out a slice's tiles as plain bytes, before LZ4. WIRE.md has the formats.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct SliceRange {
 // A slice's plain bytes never exceed this, so that decoding needs a small fixed buffer.
 inline constexpr size_t kMaxPlainBytes = 1 << 16;
 
-// Every tile of a frame coded, in the order of the frame's words; a slice is then a few copies.
+// All tiles of a frame, coded, in the order of the frame's words; packing a slice is then a few copies.
 struct CodedTiles {
   std::vector<TileClass> classes;
   std::vector<uint8_t> bytes;
@@ -41,8 +41,8 @@ struct CodedTiles {
   size_t used_ = 0;  // of bytes
 };
 
-// Pack: replace `plain`; false when it would exceed kMaxPlainBytes.
-// Unpack: write words of the range, nothing else; false when `plain` is not exactly what the range needs.
+// The pack functions replace `plain`; false if it would exceed kMaxPlainBytes. The unpack functions write words of the
+// range and nothing else; false if `plain` is not exactly what the range needs, and those words are then unspecified.
 bool pack_tiles(const CodedTiles& coded, const TileGrid& grid, const SliceRange& range,
                 std::vector<uint8_t>& plain);
 bool unpack_tiles(std::span<const uint8_t> plain, const SliceRange& range, const TileGrid& grid,
@@ -52,7 +52,7 @@ bool pack_raw32(const TileMaskView& frame, const SliceRange& range, std::vector<
 bool unpack_raw32(std::span<const uint8_t> plain, const SliceRange& range, const TileGrid& grid,
                   std::span<uint64_t> words);
 
-// Index of the word of the range's first tile, `light` lights after its first one.
+// Index of the word of the range's first tile of light range.first_light + `light`.
 inline size_t first_word(const TileGrid& grid, const SliceRange& range, uint32_t light) {
   return size_t{range.first_light + light} * grid.tile_count() + range.first_tile;
 }

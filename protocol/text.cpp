@@ -7,8 +7,8 @@ namespace {
 
 uint8_t byte_at(std::string_view text, size_t i) { return i < text.size() ? static_cast<uint8_t>(text[i]) : 0; }
 
-// Bytes of the character that starts at `i`; 0 when none of UTF-8 (RFC 3629, table of well-formed sequences) or
-// a control character does.
+// Length in bytes of the character that starts at `i`; 0 if it is a control character or the bytes are not well-formed
+// UTF-8 (RFC 3629, 4).
 size_t character_bytes(std::string_view text, size_t i) {
   const uint8_t first = byte_at(text, i);
   if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
@@ -16,7 +16,7 @@ size_t character_bytes(std::string_view text, size_t i) {
                        : (first & 0xf0) == 0xe0         ? 3
                        : first >= 0xf0 && first <= 0xf4 ? 4
                                                         : 0;
-  // The second byte's range keeps out overlong forms, surrogates and what lies beyond U+10FFFF.
+  // The second byte's range excludes overlong forms, surrogates and what is beyond U+10FFFF.
   const uint8_t second = byte_at(text, i + 1);
   const uint8_t low = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const uint8_t high = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;

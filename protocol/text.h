@@ -9,8 +9,8 @@ namespace gnomon::protocol {
 
 bool is_wire_text(std::string_view text);
 
-// `text` as it may be sent: every byte at fault becomes '?', and what is beyond `max_bytes` is cut off between
-// two characters.
+// `text` made valid for the wire: every invalid byte becomes '?', and the text is cut between two characters to at most
+// `max_bytes`.
 std::string wire_text(std::string_view text, size_t max_bytes);
 
 }  // namespace gnomon::protocol

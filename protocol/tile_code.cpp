@@ -6,8 +6,8 @@
 namespace gnomon::protocol {
 namespace {
 
-// The rows that touch a side, as a ring in which neighbours differ by one pixel: number n <= 8 has its n lowest bits
-// set, number n > 8 its 16 - n highest.
+// The runs of ones that touch a side of a row, as a ring in which neighbours differ by one pixel: number n <= 8 has its
+// n lowest bits set, number n > 8 its 16 - n highest.
 constexpr std::array<uint8_t, 16> kRing = {0x00, 0x01, 0x03, 0x07, 0x0f, 0x1f, 0x3f, 0x7f,
                                            0xff, 0xfe, 0xfc, 0xf8, 0xf0, 0xe0, 0xc0, 0x80};
 constexpr uint8_t kNotInRing = 0xff;
@@ -19,14 +19,14 @@ constexpr auto kRingNumbers = [] {
   return numbers;
 }();
 
-// A line's first byte: the first row's number in bits 0 to 3, and these. Its second byte: bit i tells whether row
-// i + 1 is one step away from row i.
+// A line's first byte has the first row's number in bits 0 to 3 and these flags. Bit i of its second byte says whether
+// row i + 1 is one step away from row i.
 constexpr uint8_t kStepsDown = 0x10;
 constexpr uint8_t kColumns = 0x20;
 
 constexpr unsigned row_of(uint64_t word, int row) { return (word >> (row * 8)) & 0xff; }
 
-// Rows become columns: an 8x8 bit matrix transposed in three rounds of swaps (Hacker's Delight 7-3).
+// Transposes the 8x8 bit matrix in three rounds of swaps (H. S. Warren, "Hacker's Delight", 7-3).
 uint64_t transposed(uint64_t word) {
   const auto swap = [&word](int distance, uint64_t mask) {
     const uint64_t differs = (word ^ (word >> distance)) & mask;
@@ -38,7 +38,7 @@ uint64_t transposed(uint64_t word) {
   return word;
 }
 
-// Whether the rows make a line; `flags` and `steps` are then its two bytes.
+// Returns whether the rows make a line; if so, `flags` and `steps` are its two bytes.
 bool find_line(uint64_t word, uint8_t& flags, uint8_t& steps) {
   unsigned number = kRingNumbers[row_of(word, 0)];
   if (number == kNotInRing) return false;

@@ -47,7 +47,7 @@ void CodedTiles::add_mixed(size_t index, uint64_t word) {
 void CodedTiles::code(std::span<const uint64_t> words) {
   begin(words.size());
   for (size_t i = 0; i < words.size(); ++i) {
-    const bool uniform = words[i] + 1 <= 1;  // no bit set, or every one
+    const bool uniform = words[i] + 1 <= 1;  // no bit is set, or all are
     uniform ? add_uniform(i, words[i] & 1) : add_mixed(i, words[i]);
   }
   starts[words.size()] = static_cast<uint32_t>(used_);

@@ -1,4 +1,4 @@
-// Values that both ends of the wire speak of. WIRE.md has their encoding.
+// Values that both ends of the wire exchange. WIRE.md has their encoding.
 #pragma once
 
 #include <array>
@@ -14,27 +14,27 @@ namespace gnomon::protocol {
 
 inline constexpr uint16_t kVersion = 2;
 inline constexpr size_t kMaxDatagramBytes = 1200;
-// With kFeatureFeedback the server looks for paths that take more, up to an Ethernet jumbo frame's.
+// With kFeatureFeedback the server probes for paths that carry longer datagrams, up to an Ethernet jumbo frame's.
 inline constexpr size_t kMaxProbedBytes = 8952;
 inline constexpr size_t kMaxControlBytes = 1 << 20;
 inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
 // Feature bits of Hello and Welcome.
-inline constexpr uint64_t kFeatureMoments = 1;     // slices say what moment of a changing scene they show
+inline constexpr uint64_t kFeatureMoments = 1;     // slices state the moment of a changing scene that they show
 inline constexpr uint64_t kFeatureFeedback = 2;    // the client reports arrivals and takes probes of the path
 inline constexpr uint64_t kFeatureParity = 4;      // the client rebuilds lost slices from parity
 inline constexpr uint64_t kFeatureReferences = 8;  // the client decodes tiles_context and keeps frames for it
 inline constexpr uint64_t kFeatureResume =
     16;  // a session outlives its control connection, and is resumed on another
-inline constexpr uint64_t kFeatureSizes = 32;  // slices of frames of another size than granted say which
+inline constexpr uint64_t kFeatureSizes = 32;  // slices state their frame's size where it is not the granted one
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
 using Bytes16 = std::array<uint8_t, 16>;
 using Bytes32 = std::array<uint8_t, 32>;
 
-// Of the data channel's seal.
+// Ciphers of the data channel's seal.
 enum class CipherId : uint8_t { aes_128_gcm = 1, chacha20_poly1305 = 2 };
 
 enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1, tiles_context = 2 };
@@ -42,8 +42,8 @@ inline constexpr std::array<CodecId, 3> kCodecs{CodecId::raw32_lz4, CodecId::til
 const char* to_string(CodecId codec);  // its name in WIRE.md
 Result<CodecId> parse_codec(std::string_view name);
 
-// Where a camera stands and what it sees: glTF axes (looks along its own -Z, Y up), metres. The frustum is given by
-// the tangents of its four half-angles, all positive for an ordinary one, so that headsets' skewed ones fit too.
+// A camera's pose and frustum: glTF axes (it looks along its own -Z, Y up), metres. The frustum is given by the
+// tangents of its four half-angles, all positive for an ordinary one, so that the skewed frusta of headsets fit too.
 // It covers exactly the traced buffer, prediction border included.
 struct CameraView {
   Vec3 position{};
@@ -67,19 +67,20 @@ struct LightInfo {
   friend bool operator==(const LightInfo&, const LightInfo&) = default;
 };
 
-// What both ends require of these when they arrive: every number finite, orientations and directions of unit length
-// to within 0.001, a frustum of positive width and height, near plane, intensity and range not negative.
+// What both ends require of these on arrival: every number is finite; orientations, and directions of spot and
+// directional lights, are of unit length to within 0.001; width, height and near plane of a frustum are positive;
+// intensity and range are not negative, and cosines are from -1 to 1.
 bool is_valid(const CameraView& camera);
 bool is_valid(const LightInfo& light);
 
-// What a frame shows of a scene in which something moves or whose lights were changed.
+// The state that a frame shows of a scene in which something moves or whose lights were changed.
 struct Moment {
   uint32_t scene_time_us = 0;   // within the scene's period
   uint32_t lights_version = 0;  // 0: the scene's own lights
   friend bool operator==(const Moment&, const Moment&) = default;
 };
 
-// A motion that the operator gives to nodes of the scene's file.
+// A motion that the operator assigns to nodes of the scene's file.
 struct NodeMotion {
   std::string node;
   uint8_t kind = 0;  // 0 spin, 1 shift

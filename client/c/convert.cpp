@@ -99,7 +99,7 @@ gnomon_motion to_c(const protocol::NodeMotion& motion) {
 
 Result<ThinClientOptions> to_options(const gnomon_options& options) {
   ThinClientOptions made;
-  made.mode = Mode::queued;  // what is shown is the engine's to choose: every answer is handed on
+  made.mode = Mode::queued;  // the engine chooses what to show: every answer is handed on
   made.reconnect = (options.flags & GNOMON_STAY_LOST) == 0;
   if (options.flags & ~GNOMON_STAY_LOST) return Error{"flags: there are no such ones"};
   ConnectOptions& connect = made.stream.connect;

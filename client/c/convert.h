@@ -1,4 +1,4 @@
-// Between the structs of gnomon.h and the client's own values.
+// Conversions between the structs of gnomon.h and the client's own values.
 #pragma once
 
 #include <gnomon/gnomon.h>
@@ -14,7 +14,7 @@ gnomon_camera to_c(const protocol::CameraView& camera);
 gnomon_light to_c(const protocol::LightInfo& light);
 gnomon_motion to_c(const protocol::NodeMotion& motion);  // its text is borrowed from `motion`
 
-// Error: the member at fault, and why.
+// Error: names the invalid member, and says why.
 Result<ThinClientOptions> to_options(const gnomon_options& options);
 
 }  // namespace gnomon::client::c

@@ -41,7 +41,7 @@ void EngineSession::close(const std::string& reason) {
   client_.close(reason);
 }
 
-// A session that has been opened or resumed since: what was told before is void.
+// Resets `told_` if a session has been opened or resumed since: what was reported before is void.
 void EngineSession::learn() {
   if (!client_.online()) return;
   const uint64_t opened = 1 + client_.reconnects() + client_.counters().resumed;

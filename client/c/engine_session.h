@@ -1,5 +1,5 @@
-// What stands behind a gnomon_client: a loop of its own, the thin client on it, and what the server has told. It shows
-// nothing and predicts nothing, as that is the engine's.
+// The implementation of a gnomon_client: a loop of its own, the thin client on it, and what the server has reported. It
+// neither shows nor predicts, which is the engine's part.
 //
 // One thread at a time.
 #pragma once
@@ -13,13 +13,13 @@
 
 namespace gnomon::client::c {
 
-// Of the server met last. A later session, or a resumed one, begins anew.
+// What the server has reported in the newest session, since that was opened or resumed last.
 struct Told {
-  uint32_t revision = 0;  // counts what has changed of the scene, its lights and motions
+  uint32_t revision = 0;  // counts changes of the scene, its lights and motions
   protocol::Welcome welcome;
   protocol::SceneManifest scene;
   uint32_t lights_version = 0;
-  uint32_t width = 0, height = 0;  // of masks now
+  uint32_t width = 0, height = 0;  // of masks from now on
   float rate_hz = 0;
   std::string degraded;  // why these are less than granted; empty if they are not
   uint32_t draining_ms = 0;
@@ -36,15 +36,15 @@ class EngineSession {
   const ThinClient& client() const { return client_; }
   const Told& told() const { return told_; }
 
-  // Serves the network until `done` or for so long; 0: what is there to be done without waiting.
+  // Serves the network until `done` returns true or `timeout_ms` has passed; 0: serves what is ready, without waiting.
   void serve(uint32_t timeout_ms, const std::function<bool()>& done);
 
-  // While open. The camera's index.
+  // Sends a camera and returns its index. Precondition: the session is open.
   uint32_t look(const protocol::CameraView& camera);
 
-  // The newest masks, once. Null: none have come since.
+  // The newest masks; nullptr if none have arrived since the last call.
   std::shared_ptr<const Received> next();
-  uint64_t given() const { return given_; }
+  uint64_t given() const { return given_; }  // masks that next() has returned
 
   void close(const std::string& reason);
 
@@ -57,7 +57,7 @@ class EngineSession {
   bool closed_ = false;
   uint32_t looked_ = 0;
   uint64_t given_ = 0;
-  uint64_t opened_ = 0;  // sessions opened and resumed, as far as `told_` knows
+  uint64_t opened_ = 0;  // how often a session was opened or resumed, as of `told_`
   Told told_;
   ThinClient client_;
 };

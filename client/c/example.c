@@ -1,5 +1,5 @@
-// A whole client in C: connects, turns the scene's own camera a few steps and says, for each, how many pixels each light
-// reaches and how long the answer took; leaves the first light's last mask as a picture.
+// A complete client in C: connects, turns the scene's own camera a few steps and prints, for each, how many pixels each
+// light reaches and how long the answer took; writes the first light's last mask as a picture.
 //
 //   cc -std=c99 example.c $(pkg-config --cflags --libs gnomon) -lm -o example
 //   ./example HOST:PORT PIN SCENE WIDTHxHEIGHT STEPS [PICTURE.pgm]
@@ -19,7 +19,7 @@ static int fail(const char* what, gnomon_result result, const gnomon_client* cli
   return 1;
 }
 
-// The camera turned about the world's vertical axis: the product of that rotation and its own.
+// The camera, turned about the world's vertical axis: the product of that rotation and its own.
 static gnomon_camera turned(gnomon_camera camera, double angle) {
   const double s = sin(angle / 2), c = cos(angle / 2);
   const double x = camera.orientation[0], y = camera.orientation[1];
@@ -31,7 +31,7 @@ static gnomon_camera turned(gnomon_camera camera, double angle) {
   return camera;
 }
 
-// Sends a camera and waits until its own mask is here.
+// Sends a camera and waits for its own mask.
 static gnomon_result mask_of(gnomon_client* client, const gnomon_camera* camera, gnomon_mask** mask) {
   uint32_t index;
   gnomon_result result = gnomon_look(client, camera, &index);
@@ -40,7 +40,7 @@ static gnomon_result mask_of(gnomon_client* client, const gnomon_camera* camera,
     result = gnomon_poll(client, WAIT_MS, mask);
     if (result != GNOMON_OK) break;
     result = gnomon_mask_get_view(*mask, &view);
-    // A late mask of an earlier camera is not ours, and one with holes would be counted too bright.
+    // Passes over late masks of earlier cameras, and over masks with missing tiles, which would count as lit.
     if (view.index == index && view.missing_tile_count == 0) break;
     gnomon_mask_free(*mask);
     if (view.index == index) result = gnomon_look(client, camera, &index);
@@ -60,7 +60,7 @@ static void print_lit(uint32_t step, const gnomon_mask* mask, const gnomon_mask_
   printf(" of %u pixels\n", view->width * view->height);
 }
 
-// White where the first light comes. PGM is text, then a byte for each pixel, row by row from the top.
+// Writes white where the first light reaches. PGM is text, then a byte for each pixel, row by row from the top.
 static int write_picture(const char* path, const gnomon_mask* mask, const gnomon_mask_view* view) {
   FILE* file = fopen(path, "wb");
   if (!file) return perror(path), 1;

@@ -18,7 +18,7 @@ bool over(const EngineSession& session) {
   return session.state() == State::failed || session.state() == State::closed;
 }
 
-// Of a session that is over; GNOMON_OK if it is not.
+// The result of a session that has ended; GNOMON_OK if it has not.
 Outcome end_of(const EngineSession& session) {
   if (session.state() == State::closed) return {GNOMON_CLOSED, "the client was closed"};
   if (session.state() != State::failed) return {};
@@ -65,7 +65,7 @@ Outcome poll(EngineSession& session, uint32_t timeout_ms, gnomon_mask** mask) {
   if (!mask) return bad_argument("mask is NULL");
   *mask = nullptr;
   if (Outcome end = end_of(session); end.result == GNOMON_CLOSED) return end;
-  session.serve(0, {});  // what is here already first, so that the newest is the newest
+  session.serve(0, {});  // takes in what has already arrived, so that next() gives the newest
   auto newest = session.next();
   if (!newest && timeout_ms > 0) {
     session.serve(timeout_ms, [&] {

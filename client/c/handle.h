@@ -1,4 +1,4 @@
-// The opaque types of gnomon.h, and the one way into the library: every entry point that may fail goes through
+// The opaque types of gnomon.h, and the boundary of the library: every entry point that may throw goes through
 // guarded(), which lets no exception out.
 #pragma once
 
@@ -17,8 +17,8 @@
 
 struct gnomon_client {
   std::unique_ptr<gnomon::client::c::EngineSession> session;  // null if it could not be opened
-  gnomon_result broken = GNOMON_OK;                           // an error after which no call can be served any more
-  std::array<char, 1024> error{};                             // an array, as it must be written without memory too
+  gnomon_result broken = GNOMON_OK;                           // an error after which every call fails
+  std::array<char, 1024> error{};  // an array, which can be written when memory is exhausted
 };
 
 struct gnomon_mask {
@@ -28,7 +28,7 @@ struct gnomon_mask {
 
 namespace gnomon::client::c {
 
-// How a call ends: a result and, if it is an error, the sentence about it.
+// How a call ends: a result and, if that is an error, a sentence about it.
 struct Outcome {
   gnomon_result result = GNOMON_OK;
   std::string why = {};
@@ -44,13 +44,13 @@ inline gnomon_result remember(gnomon_client& client, gnomon_result result, const
   return result;
 }
 
-// A client in whose midst an exception was thrown is in an unknown state: it serves no further call.
+// A client in which an exception was thrown is in an unknown state: it serves no further call.
 inline gnomon_result give_up(gnomon_client& client, gnomon_result result, const char* why) noexcept {
   client.broken = result;
   return remember(client, result, why);
 }
 
-// `body`: an Outcome of the client.
+// Calls `body`, which takes the client and returns an Outcome, and turns exceptions into results.
 template <class Body>
 gnomon_result guarded(gnomon_client* client, Body&& body) noexcept {
   if (!client) return GNOMON_BAD_ARGUMENT;

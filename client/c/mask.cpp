@@ -1,4 +1,4 @@
-// Masks: reading what has come.
+// Masks: reading their contents.
 #include <gnomon/gnomon.h>
 
 #include "client/c/convert.h"

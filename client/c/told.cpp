@@ -1,4 +1,4 @@
-// What the server has told: the scene, the session, and figures.
+// What the server has reported: the scene, the session, and figures.
 #include <gnomon/gnomon.h>
 
 #include <algorithm>

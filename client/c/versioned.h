@@ -1,6 +1,7 @@
-// Structs of gnomon.h that grow with later versions: the caller's `size` says how much of one its header knows.
+// Access to the structs of gnomon.h that grow with later versions: the caller's `size` says how much of one its header
+// knows.
 //
-// Pure; any thread. Every size is checked before anything is read or written beyond it.
+// Any thread. Every size is checked before anything beyond it is read or written.
 #pragma once
 
 #include <gnomon/gnomon.h>
@@ -12,10 +13,10 @@
 
 namespace gnomon::client::c {
 
-inline constexpr size_t kMostBytes = 4096;  // no struct of any version will be longer: a larger size is no size
+inline constexpr size_t kMostBytes = 4096;  // no struct of any version will be longer: a larger size is wrong
 
-// How long the struct was in the version that brought it: a caller that claims less is wrong. Members that are added
-// later leave these as they are.
+// The size of the struct in the version that introduced it: a caller that states less is wrong. Members that are added
+// later do not change these.
 template <class Struct>
 inline constexpr size_t kFirstBytes = 0;
 #define GNOMON_FIRST_VERSION_ENDS_WITH(Struct, last) \
@@ -37,8 +38,8 @@ bool has_right_size(const Struct* given) {
   return given && given->size >= kFirstBytes<Struct> && given->size <= kMostBytes;
 }
 
-// What the caller has set, with zeros for what its header does not know. nullopt if the size is wrong, or if something
-// is set that this library does not know.
+// A copy of what the caller has set, with zeros for members that its header does not know. nullopt if the size is
+// wrong, or if a member is set that this library does not know.
 template <class Struct>
 std::optional<Struct> read_versioned(const Struct* given) {
   if (!has_right_size(given)) return std::nullopt;
@@ -52,7 +53,7 @@ std::optional<Struct> read_versioned(const Struct* given) {
   return copy;
 }
 
-// Fills in what the caller has room for; its size stays. False if that is wrong, and nothing is written.
+// Fills in what the caller has room for, and keeps its `size`. False, with nothing written, if that is wrong.
 template <class Struct>
 bool write_versioned(Struct value, Struct* out) {
   if (!has_right_size(out)) return false;

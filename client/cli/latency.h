@@ -13,12 +13,12 @@ class Latencies {
   void add(const Latencies& others);
 
   size_t count() const { return samples_.size(); }
-  // The smallest sample that at least `share` of all do not exceed (0: the least, 1: the greatest). Without
-  // samples: zero.
+  // The smallest sample that at least `share` of all samples do not exceed (0: the smallest, 1: the greatest); zero if
+  // there are no samples.
   Nanoseconds percentile(double share) const;
 
  private:
-  mutable std::vector<Nanoseconds> samples_;  // sorted when asked
+  mutable std::vector<Nanoseconds> samples_;  // sorted when a percentile is asked for
   mutable bool sorted_ = true;
 };
 

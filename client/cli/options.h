@@ -1,4 +1,4 @@
-// How the programs read values from their command lines.
+// Reads the values that the programs' command lines share.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Size {
 // "1920x1080". Both from `least` to protocol::kMaxSide.
 Result<Size> parse_size(std::string_view text, uint32_t least = 1);
 
-// --pin, --ca, --certificate and --key. `App`: CLI::App, which no library of ours includes.
+// --pin, --ca, --certificate and --key. `App` is CLI::App, which no library here includes.
 template <class App>
 void declare_trust(App& app, Trust& trust) {
   app.add_option("--pin", trust.pin,
@@ -33,7 +33,7 @@ void declare_trust(App& app, Trust& trust) {
   app.add_option("--key", trust.key, "its private key")->type_name("FILE");
 }
 
-// --transport. The same.
+// --transport. `App` as above.
 template <class App>
 void declare_transport(App& app, std::string& transport) {
   app.add_option("--transport", transport,
@@ -41,7 +41,7 @@ void declare_transport(App& app, std::string& transport) {
       ->type_name("TRANSPORT");
 }
 
-// The file's first line. Error: why it cannot be read, or that it is empty.
+// The file's first line. Error if the file cannot be read or that line is empty.
 Result<std::string> read_token(const std::filesystem::path& file);
 
 }  // namespace gnomon::client

@@ -22,7 +22,7 @@ void Pacer::sent(TimePoint now) {
   if (options_.rate_hz <= 0) return;
   const auto interval =
       std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(1.0 / options_.rate_hz));
-  // A steady rhythm; after a pause it goes on from now, without making up for what was missed.
+  // A steady rhythm; after a pause it continues from now, without catching up.
   next_by_rate_ = std::max(next_by_rate_ + interval, now);
 }
 

@@ -1,4 +1,4 @@
-// When the next camera is sent: at a steady rate, within a window of unanswered cameras, and again when an answer
+// Decides when the next camera is sent: at a steady rate, within a window of unanswered cameras, or when an answer
 // takes so long that it must be lost. Time is an argument. One thread.
 #pragma once
 
@@ -24,8 +24,8 @@ class Pacer {
   void sent(TimePoint now);
   void answered(Nanoseconds response);
 
-  // How long a full window waits since the last camera: mean plus four mean deviations of the response time, as
-  // TCP's retransmission timer (RFC 6298), so that a slow server is not taken for a lossy one.
+  // How long after the last camera a full window waits: the mean plus four mean deviations of the response time, as
+  // TCP's retransmission timer (RFC 6298), so that a slow server is not taken for a lossy one; at least 1 s.
   Nanoseconds answer_patience() const;
   bool any_answer() const { return any_answer_; }
 

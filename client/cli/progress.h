@@ -1,5 +1,5 @@
-// What a program is doing, while it does it: a line that is rewritten on a terminal, plain lines every few seconds
-// elsewhere. One thread.
+// Shows a program's progress: one line that is rewritten on a terminal, plain lines every few seconds elsewhere. One
+// thread.
 #pragma once
 
 #include <cstdio>
@@ -12,9 +12,9 @@ namespace gnomon::client {
 class Progress {
  public:
   explicit Progress(std::FILE* out = stderr);
-  ~Progress();  // ends the line
+  ~Progress();  // clears the live line
 
-  // True when it is worth composing a line for show().
+  // True if a line for show() is due.
   bool due(TimePoint now) const { return now >= next_; }
   void show(const std::string& line, TimePoint now);
   // Clears the live line, so that other output starts on a fresh one.

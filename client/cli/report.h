@@ -1,4 +1,4 @@
-// What --json FILE holds: {"suite", "host", "device", "driver", "date", "rows": [flat objects]}.
+// The contents of --json FILE: {"suite", "host", "device", "driver", "date", "rows": [flat objects]}.
 #pragma once
 
 #include <filesystem>

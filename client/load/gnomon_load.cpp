@@ -1,4 +1,4 @@
-// gnomon-load: many clients in one process, to see what a server carries and that every answer is right.
+// gnomon-load: many clients in one process, to measure the load that a server carries and to check every answer.
 #include <sys/resource.h>
 
 #include <csignal>
@@ -15,7 +15,7 @@ using namespace gnomon::client;
 
 constexpr size_t kClientsInTable = 32;
 
-// Ctrl-C ends the flight; clients still say Bye and the table is still printed.
+// Ctrl-C ends the flight; clients still send Bye and the table is still printed.
 volatile std::sig_atomic_t interrupted = 0;
 
 struct Arguments {
@@ -51,7 +51,7 @@ void declare(CLI::App& app, Arguments& a) {
   declare_json(app, a.json);
 }
 
-// Each client has two sockets.
+// Raises the limit of open files to its maximum, as each client has two sockets.
 void allow_many_files() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;

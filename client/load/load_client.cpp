@@ -10,7 +10,7 @@ LoadClient::LoadClient(Loop& loop, const Options& options)
 void LoadClient::fly(const CameraPath& path, TimePoint now) {
   path_ = &path;
   started_ = now;
-  // Clients of one rate are spread over its interval, as real ones would be.
+  // Clients with the same rate are spread over its interval, as real ones would be.
   const double rate = options_.pace.rate_hz;
   const std::chrono::duration<double> offset(rate > 0 ? options_.phase / rate : 0);
   pacer_.emplace(options_.pace, now + std::chrono::duration_cast<Nanoseconds>(offset));

@@ -1,4 +1,4 @@
-// One of many: flies the camera path, checks what comes back, keeps its figures. Draws nothing.
+// One client of a load run: flies the camera path, checks the answers and keeps its figures. Draws nothing.
 #pragma once
 
 #include <optional>
@@ -23,12 +23,12 @@ class LoadClient {
 
   LoadClient(Loop& loop, const Options& options);
 
-  // Connected, refused or failed.
+  // True once it is connected, refused or failed.
   bool settled() const { return stream_.connection().state() != Connection::State::connecting; }
   bool open() const { return stream_.connection().state() == Connection::State::open; }
   const VisibilityStream& stream() const { return stream_; }
 
-  // Sends cameras from now until stop(). Once open. `path` stays the caller's.
+  // Sends cameras from `now` until stop(), if it is open. `path` is borrowed until then.
   void fly(const CameraPath& path, TimePoint now);
   void stop();
   void close() { stream_.close("load run over"); }
@@ -36,7 +36,7 @@ class LoadClient {
   // Complete frames, and their response times, between fly() and stop().
   uint64_t frames_in_time() const { return frames_in_time_; }
   const Latencies& latencies() const { return latencies_; }
-  // Of these frames: from the camera's arrival at the server to the sending of the last slice, as the server says.
+  // Of the same frames: from the camera's arrival at the server to the frame's sending, as the server reports it.
   const Latencies& server_times() const { return server_times_; }
 
  private:

@@ -1,4 +1,4 @@
-// Who takes part in a load run.
+// The clients that take part in a load run.
 #pragma once
 
 #include <string>
@@ -19,8 +19,8 @@ struct LoadGroup {
 // NAME:TOKENFILE:CLIENTS, where TOKENFILE may be empty.
 Result<LoadGroup> parse_group(std::string_view text);
 
-// `clients` of the default tenant when there are no groups; otherwise the groups, whose sum `clients` must be
-// (0: whatever their sum is).
+// Without groups: `clients` clients of the default tenant. With groups: these, whose sum must be `clients` (0: any sum
+// is accepted).
 Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients);
 
 }  // namespace gnomon::client

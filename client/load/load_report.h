@@ -1,4 +1,4 @@
-// A load run's figures: rows for each client, each tenant and all of them, as a table and as JSON.
+// A load run's figures, as a table and as JSON: one row for each client, for each tenant and for all of them.
 #pragma once
 
 #include <string>
@@ -31,7 +31,7 @@ std::vector<LoadRow> load_rows(const LoadRun& run);
 
 Report load_report(const LoadOptions& options, const LoadRun& run, const std::vector<LoadRow>& rows);
 
-// For people. Single clients are left out when there are more than `max_clients`.
+// For people. With more than `max_clients` clients, those without an error have no rows of their own.
 void print_table(std::FILE* out, const std::vector<LoadRow>& rows, size_t max_clients);
 
 }  // namespace gnomon::client

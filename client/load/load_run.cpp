@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Answers that are under way when the flight ends may still come in for this long.
+// Answers that are pending when the flight ends are waited for this long.
 constexpr auto kLandingTime = 1s;
 constexpr auto kProgressInterval = 100ms;
 
@@ -30,7 +30,7 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   connect.hello.height = options.size.height;
   connect.hello.codecs = options.codecs;
   connect.hello.rate_hz = static_cast<float>(options.rate_hz);
-  // At a rate, a camera goes out whatever has become of the last; without one, it waits for answers.
+  // With a rate, cameras are sent whether or not earlier ones were answered; without one, a client waits for answers.
   client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : options.in_flight};
   client.deadline = options.deadline;
   client.still = options.still;

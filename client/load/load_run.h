@@ -1,4 +1,4 @@
-// Connects the clients of a plan, lets them all fly for a while, and says how they fared.
+// Connects the clients of a plan, has them all fly for a while and collects their figures.
 #pragma once
 
 #include <memory>
@@ -19,13 +19,13 @@ struct LoadOptions {
   std::string scene;
   std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
   Size size;
-  std::vector<protocol::CodecId> codecs = {};  // that clients list; none: as the server likes
+  std::vector<protocol::CodecId> codecs = {};  // that clients list; empty: the server's choice
   double rate_hz = 0;                          // 0: each client asks again as soon as it has been answered
-  bool still = false;                          // each asks for one frame, then stands still
+  bool still = false;                          // each client asks for one frame, then stands still
   uint32_t in_flight = 1;                      // cameras that a client without a rate may have unanswered
-  Nanoseconds deadline{};                      // how long after its camera an answer is of use; 0: not said
+  Nanoseconds deadline{};                      // how long after its camera an answer is useful; 0: not said
   Nanoseconds duration = std::chrono::seconds(10);
-  std::function<bool()> interrupted = [] { return false; };  // asked a few times a second: end the flight now
+  std::function<bool()> interrupted = [] { return false; };  // asked a few times a second; true ends the flight
 };
 
 struct LoadParticipant {
@@ -33,12 +33,12 @@ struct LoadParticipant {
   std::unique_ptr<LoadClient> client;
 };
 
-// One thread, its loop within.
+// One thread; it owns its loop.
 class LoadRun {
  public:
   LoadRun(const LoadOptions& options, const std::vector<LoadGroup>& plan);
 
-  // Blocking. Error: no client could connect (the first one's reason).
+  // Blocks. Error if no client could connect (the first one's reason) or the run was interrupted before the flight.
   Result<void> run(Progress& progress);
 
   const std::vector<LoadParticipant>& participants() const { return participants_; }

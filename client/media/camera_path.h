@@ -1,4 +1,4 @@
-// Where the camera is at a time.
+// The camera's pose as a function of time.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace gnomon::client {
 
-// A camera's way through a scene, repeated for ever.
+// A camera's path through a scene, repeated forever.
 class CameraPath {
  public:
-  // The scene's first camera animation; without one, a circle around the scene. Keeps the scene.
+  // The scene's first camera animation; without one, a circle around the scene. Shares ownership of the scene.
   static CameraPath of_scene(const scenes::ScenePtr& scene);
 
   // For clients without the scene's file: a slow circle from the default camera, small against the scene.

@@ -9,10 +9,10 @@ namespace gnomon::client {
 namespace {
 
 constexpr uint32_t kGap = 4;              // pixels between panels
-constexpr uint32_t kPanelsPerColumn = 4;  // at least; more lights make more columns of smaller panels
+constexpr uint32_t kPanelsPerColumn = 4;  // for 4 to 16 panels; more make more rows of smaller ones
 constexpr uint8_t kBackground = 24;
 
-// Mean of the pixels that fall into each smaller one.
+// Each pixel is the mean of the pixels that fall into it.
 Picture scale_down(const Picture& from, uint32_t width, uint32_t height) {
   Picture to(width, height);
   for (uint32_t y = 0; y < height; ++y) {
@@ -85,7 +85,7 @@ Picture difference(const Picture& a, const Picture& b, uint32_t gain) {
 Picture montage(const std::vector<Picture>& panels, const Picture& shaded) {
   if (panels.empty()) return shaded;
   const auto count = static_cast<uint32_t>(panels.size());
-  // As many rows as keep the panels' columns narrower than the picture beside them.
+  // Enough rows that the panels' columns are not wider than the picture beside them.
   uint32_t rows = std::min(count, kPanelsPerColumn);
   while ((count + rows - 1) / rows > rows) ++rows;
   const uint32_t columns = (count + rows - 1) / rows;

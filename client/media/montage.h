@@ -1,4 +1,4 @@
-// Pictures made of pictures: the shown region of a traced one, and the dissertation's Figure 2.
+// Pictures composed of pictures: the shown region of a traced one, and the dissertation's Figure 2.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,18 @@
 namespace gnomon::client {
 
 Picture copied(const PictureView& view);
-// Part of a picture, which holds it.
+// Part of a picture; a view borrows from it. Precondition: the part lies within the picture.
 Picture crop(const Picture& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height);
 PictureView crop(const PictureView& whole, uint32_t left, uint32_t top, uint32_t width, uint32_t height);
 
-// Both of the same height.
+// Both pictures in one. Precondition: they have the same height.
 Picture beside(const Picture& left, const Picture& right);
 
-// How far each channel is off, `gain` times, in black where nothing is. Both of the same size.
+// The absolute difference of each channel, times `gain`: black where they are equal. Precondition: they have the same
+// size.
 Picture difference(const Picture& a, const Picture& b, uint32_t gain);
 
-// Panels, each scaled down to fit, in columns left of the shaded picture. Without panels: the shaded picture.
+// The panels, each scaled down to fit, in columns left of the shaded picture. Without panels: the shaded picture.
 Picture montage(const std::vector<Picture>& panels, const Picture& shaded);
 
 }  // namespace gnomon::client

@@ -7,7 +7,7 @@
 namespace gnomon::client {
 namespace {
 
-// libpng's simplified interface: its errors come back as text, without long jumps.
+// libpng's simplified interface, which returns errors as text instead of by longjmp.
 png_image rgba_image(uint32_t width, uint32_t height) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;

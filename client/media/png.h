@@ -1,4 +1,4 @@
-// RGBA pictures as PNG files. libpng stands behind this header alone.
+// RGBA pictures as PNG files. Only the implementation of this header uses libpng.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Picture {
   friend bool operator==(const Picture&, const Picture&) = default;
 };
 
-// A picture, or part of one, that somebody else holds.
+// A borrowed picture, or part of one.
 struct PictureView {
   uint32_t width = 0;
   uint32_t height = 0;

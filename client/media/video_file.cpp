@@ -26,7 +26,7 @@ struct VideoFile::State {
 
   Error failed(const std::string& why) const { return Error{"cannot write '" + name + "': " + why}; }
   Result<void> start();
-  // Its exit status.
+  // Closes ffmpeg's input, waits for it to end and returns its status, as of waitpid().
   int end() {
     if (input >= 0) ::close(std::exchange(input, -1));
     int status = 0;
@@ -88,7 +88,7 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& file, const Vid
   return VideoFile(std::move(state));
 }
 
-// A socket for a pipe: writing to one whose reader has ended need not raise SIGPIPE.
+// ffmpeg's input is a socket instead of a pipe: sending to one whose reader has ended need not raise SIGPIPE.
 Result<void> VideoFile::State::start() {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return failed(std::strerror(errno));

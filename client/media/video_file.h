@@ -1,5 +1,5 @@
-// Pictures one after the other into a video file, through the program ffmpeg: H.264 in the container that the name's
-// ending says.
+// Writes pictures as the frames of a video file, through the program ffmpeg: H.264 in the container that the file
+// name's extension selects.
 #pragma once
 
 #include <filesystem>
@@ -12,21 +12,22 @@ namespace gnomon::client {
 
 struct VideoOptions {
   double fps = 30;
-  int quality = 16;  // libx264's constant rate factor: 0 loses nothing but chroma's resolution, 51 is the worst
+  int quality = 16;  // libx264's constant rate factor: 0 loses only chroma's resolution, 51 is the worst
 };
 
 // One thread. The first picture sets the size; an odd last row or column is cut. A file of that name is replaced.
 class VideoFile {
  public:
-  // Error: no such folder.
+  // Error: there is no such folder.
   static Result<VideoFile> create(const std::filesystem::path& file, const VideoOptions& options);
-  ~VideoFile();  // without close(), what there is so far
+  ~VideoFile();  // without close(), ends the file after the pictures so far
   VideoFile(VideoFile&&) noexcept;
   VideoFile& operator=(VideoFile&&) noexcept;
 
-  // Waits while ffmpeg is behind. Error: there is no program ffmpeg, or it has ended (it says why on stderr).
+  // Blocks while ffmpeg is behind. Error: there is no program ffmpeg, it has ended (it says why on stderr), or the
+  // picture has another size than the first.
   Result<void> add(const Picture& picture);
-  // Waits for the file's end. Error: nothing was added, or ffmpeg failed.
+  // Blocks until the file is complete. Error: nothing was added, or ffmpeg failed.
   Result<void> close();
 
  private:

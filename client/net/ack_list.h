@@ -1,7 +1,6 @@
-// Which slices have arrived, for the acknowledgements that ride on camera updates.
+// Records which slices have arrived, for the acknowledgements that camera updates carry.
 //
-// Acknowledging twice costs nothing, losing an update should cost nothing either: every entry is sent with a few
-// updates in a row. One thread.
+// Every entry is sent with kRepeats updates in a row, so that the loss of an update costs nothing. One thread.
 #pragma once
 
 #include <deque>
@@ -16,7 +15,7 @@ class AckList {
 
   void received(FrameId frame, uint16_t slice);
 
-  // Fills in the newest entries that still want sending, at most kMaxAcks.
+  // Fills in the newest entries that are still to be sent, at most kMaxAcks.
   void fill(protocol::CameraUpdate& update);
 
  private:

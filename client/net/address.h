@@ -1,4 +1,4 @@
-// HOST:PORT as people write it.
+// Addresses written as HOST:PORT.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct Address {
   uint16_t port = 0;
 };
 
-// "host:7311", "127.0.0.1:7311" or "[::1]:7311".
+// Accepts "host:7311", "127.0.0.1:7311" or "[::1]:7311".
 Result<Address> parse_address(std::string_view text);
 
 std::string to_string(const Address& address);

@@ -5,7 +5,7 @@
 namespace gnomon::client {
 namespace {
 
-// Duplicates do not come here, and numbers far behind do not matter any more.
+// The sequence numbers kept. Older ones no longer matter; duplicates do not get here, as the seal rejects them.
 constexpr uint64_t kMost = 2 * protocol::kMaxReported;
 
 uint16_t age_of(TimePoint arrived, TimePoint now) {
@@ -17,7 +17,7 @@ uint16_t age_of(TimePoint arrived, TimePoint now) {
 
 void ArrivalReport::received(uint64_t sequence, TimePoint at) {
   if (sequence < first_) return;
-  if (sequence - first_ >= kMost + arrivals_.size()) {  // a long silence: what was missed is of no interest
+  if (sequence - first_ >= kMost + arrivals_.size()) {  // a long gap, whose losses are not reported
     arrivals_.clear();
     first_ = sequence;
   }

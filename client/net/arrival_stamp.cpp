@@ -16,7 +16,7 @@ Nanoseconds since_epoch(const timespec& time) {
   return std::chrono::seconds(time.tv_sec) + Nanoseconds(time.tv_nsec);
 }
 
-// The kernel stamps by the calendar's clock: only its distance from now means something.
+// The kernel stamps with CLOCK_REALTIME: only the distance from now is used, and only if it is plausible.
 TimePoint arrival_of(const timespec& stamp) {
   timespec calendar{};
   clock_gettime(CLOCK_REALTIME, &calendar);

@@ -1,5 +1,5 @@
-// When datagrams reached this machine, by the kernel's stamps: a program that draws for 50 ms reads late what came in
-// time, and that must not look like a queue on the way.
+// When datagrams reached this machine, by the kernel's timestamps: a program that draws for 50 ms reads its socket
+// late, which must not look like queueing on the path.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace gnomon::client {
 
-// Asks the kernel to stamp what arrives at the UDP socket. Where it does not, the time of reading counts.
+// Asks the kernel for timestamps of what arrives at the UDP socket. Where it gives none, the time of reading counts.
 void stamp_arrivals(int socket);
 
 struct Stamped {
-  bool nothing = false;  // nothing waits
-  size_t bytes = 0;      // 0: an error, taken from the socket
+  bool nothing = false;  // no datagram was waiting
+  size_t bytes = 0;      // 0: a pending error of the socket, now cleared
   TimePoint arrived{};
 };
 
-// Without waiting.
+// Receives one datagram without blocking.
 Stamped receive_stamped(int socket, std::span<uint8_t> into);
 
 }  // namespace gnomon::client

@@ -24,8 +24,8 @@ std::string describe(const protocol::Refused& refused) {
 namespace {
 
 constexpr Nanoseconds kTryAgain = std::chrono::milliseconds(100);
-constexpr Nanoseconds kAttempt = std::chrono::seconds(2);         // for a connection that is to replace another
-constexpr Nanoseconds kControlSilence = std::chrono::seconds(4);  // a server speaks about once a second
+constexpr Nanoseconds kAttempt = std::chrono::seconds(2);         // each, at replacing a connection
+constexpr Nanoseconds kControlSilence = std::chrono::seconds(4);  // Stats come about once a second
 
 protocol::Hello completed(protocol::Hello hello) {
   using enum protocol::CipherId;
@@ -124,11 +124,11 @@ void Connection::on_message(protocol::Message message) {
     return fail(Error{"the server ended the session" +
                       (bye->reason.empty() ? std::string() : std::string(": ") + bye->reason)});
   }
-  if (lost_ && !asked_to_resume_) return;  // of a connection that is given up
+  if (lost_ && !asked_to_resume_) return;  // from a connection already given up
   if (lost_) {
     auto* welcome = std::get_if<protocol::Welcome>(&message);
     if (welcome && welcome->session == welcome_.session) return on_resumed(std::move(*welcome));
-    return fail(*lost_);  // the server knows no such session any more, or has no room for it
+    return fail(*lost_);  // the server no longer knows the session, or has no room for it
   }
   if (state_ == State::open) {
     if (const auto* data = std::get_if<protocol::Data>(&message)) return on_data(*data);
@@ -143,7 +143,7 @@ void Connection::on_message(protocol::Message message) {
   fail(Error{"the server answered Hello with neither Welcome nor Refused"});
 }
 
-// The masks' memory is sized by these numbers: never beyond what was asked for. False: failed.
+// These numbers determine the masks' memory, so they must not exceed what was asked for. False: fail() was called.
 bool Connection::fits(const protocol::Welcome& welcome) {
   if (welcome.width > 0 && welcome.height > 0 && welcome.width <= options_.hello.width &&
       welcome.height <= options_.hello.height && welcome.scene.lights.size() <= protocol::kMaxLights) {
@@ -177,7 +177,8 @@ void Connection::on_welcome(protocol::Welcome welcome) {
   if (events_.opened) events_.opened();
 }
 
-// The session lives on at a server that said so, which has a moment's patience; its datagrams go on meanwhile.
+// A server that granted the feature resume keeps the session for silence_timeout_ms; datagrams continue meanwhile, and
+// the control connection is replaced.
 void Connection::on_control_lost(const Error& error) {
   if (state_ != State::open || !(welcome_.features & protocol::kFeatureResume)) return fail(error);
   asked_to_resume_ = false;
@@ -194,7 +195,7 @@ void Connection::lose_control(const Error& error) {
   handshake_timer_.arm(std::max(resume_until_, now + options_.timeout));
 }
 
-// In the place of an attempt that has led to nothing so far, which may have been lost on the way.
+// Replaces an attempt that has not succeeded in time, as its packets may have been lost.
 void Connection::connect_again() {
   if (state_ != State::open) return;
   asked_to_resume_ = false;
@@ -220,7 +221,7 @@ void Connection::on_resumed(protocol::Welcome welcome) {
   asked_to_resume_ = false;
   resumed_ = control_heard_ = Clock::now();
   handshake_timer_.disarm();
-  if (path_.by_udp()) path_ = PathWatch(options_.transport);  // its pings have gone nowhere
+  if (path_.by_udp()) path_ = PathWatch(options_.transport);  // its pings were not answered
   if (events_.resumed) events_.resumed();
 }
 

@@ -1,7 +1,7 @@
 // A session with a Gnomon daemon: Hello and Welcome (or Refused) over the control connection, then datagrams.
 //
-// Belongs to one Loop and its thread. client/stream/visibility_stream.h is what most programs want: it puts frames
-// together on top of this.
+// Belongs to one Loop and its thread. Most programs use client/stream/visibility_stream.h, which assembles frames on
+// top of this.
 #pragma once
 
 #include <functional>
@@ -24,52 +24,53 @@ struct ConnectOptions {
   Address server;
   Trust trust = {};
   Transport transport = Transport::automatic;
-  protocol::Hello hello;  // what to ask for; ciphers left empty: by what this processor does best
+  protocol::Hello hello;  // what to ask for; without ciphers, this processor's fastest comes first
   Nanoseconds timeout = std::chrono::seconds(15);  // until the Welcome; the server may load the scene first
 };
 
 // One line for a person: code, text and what would fit.
 std::string describe(const protocol::Refused& refused);
 
-// Call backs come while the loop runs; they may close the connection, but not destroy it.
+// Called while the loop runs. They may close the connection, but must not destroy it.
 struct ConnectionEvents {
-  std::function<void()> opened = {};  // Welcome has come
-  // The control connection was lost and is replaced: the same session, as welcome() says now. What was asked for
-  // before is not answered any more.
+  std::function<void()> opened = {};  // Welcome has arrived
+  // The control connection was lost and has been replaced: the session continues with what welcome() now says. Frames
+  // asked for before are not answered any more.
   std::function<void()> resumed = {};
-  std::function<void(const protocol::Message&)> message = {};                     // any message after it
+  std::function<void(const protocol::Message&)> message = {};                     // any later one
   std::function<void(const protocol::Opened&, TimePoint arrived)> datagram = {};  // borrowed for the call
-  std::function<void(const Error&)> closed = {};  // by the server or the network; not by close()
+  std::function<void(const Error&)> closed = {};  // by the server or the network, not by close()
 };
 
 class Connection {
  public:
   enum class State { connecting, open, closed };
 
-  // Starts to connect. Any of `events` may be empty.
+  // Starts to connect. Any of `events` may be empty. `loop` outlives the connection.
   Connection(Loop& loop, ConnectOptions options, ConnectionEvents events);
   ~Connection();  // closes
 
-  State state() const { return state_; }  // a session without control connection that tries to resume is open
+  State state() const { return state_; }  // open also while the session is being resumed
   // Serves the loop until the session is open. Error: why it is not (one line).
   Result<void> wait_open();
-  // Why the server or the network closed, or the server refused.
+  // Why the server or the network closed, or the server refused; nullopt if none did.
   const std::optional<Error>& failure() const { return failure_; }
   const std::optional<protocol::Refused>& refusal() const { return refusal_; }
 
   const protocol::Welcome& welcome() const { return welcome_; }  // once open
   DataCounters data_counters() const;
 
-  // The other end has been asked to go on with the session, on another control connection, and has not said so yet.
+  // True while Resume has been sent on a new control connection and the server has not answered it.
   bool resuming() const { return asked_to_resume_; }
 
-  // True: datagrams do not pass, or are not wanted; what they would carry goes over the control connection.
+  // True if datagrams do not pass or are not wanted: what they would carry goes over the control connection.
   bool by_control() const { return !path_.by_udp(); }
 
-  // Seals and sends a datagram, or what it would carry; nothing happens unless open. Loss is silent.
+  // Sends `body` as a sealed datagram or, if by_control(), over the control connection. No effect unless open. Loss is
+  // silent.
   void send(protocol::DatagramKind kind, std::span<const uint8_t> body);
 
-  // Says Bye and closes.
+  // Sends Bye and closes. Idempotent.
   void close(const std::string& reason);
 
  private:
@@ -99,7 +100,7 @@ class Connection {
   Timer handshake_timer_;
   Timer path_timer_;
   protocol::Secret resumption_{};
-  std::optional<Error> lost_;  // why the control connection was lost that is to be replaced
+  std::optional<Error> lost_;  // why the control connection that is being replaced was lost
   TimePoint resume_until_{}, resumed_{};
   bool asked_to_resume_ = false;
   TimePoint control_heard_{};

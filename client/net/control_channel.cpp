@@ -21,7 +21,7 @@ namespace {
 
 using asio::ip::tcp;
 
-// What OpenSSL makes of the server's certificate, in a person's words; null: it is fine.
+// OpenSSL's objection to the server's certificate, in words for a person; nullptr if it accepts it.
 const char* complaint(SSL* tls) {
   const long found = SSL_get_verify_result(tls);
   if (found == X509_V_OK) return nullptr;
@@ -30,7 +30,7 @@ const char* complaint(SSL* tls) {
 
 }  // namespace
 
-// Shared with the handlers under way, so that dropping the channel leaves them something to look at: `closed`.
+// Shared with pending handlers, so that they can check `closed` after the channel's destruction.
 struct ControlChannel::State : std::enable_shared_from_this<State> {
   State(Loop& loop, const Address& address, std::unique_ptr<asio::ssl::context> context, Events handlers)
       : server(address),
@@ -97,7 +97,7 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
                            });
   }
 
-  // False when nothing more is to be read.
+  // Delivers the messages that are complete. False if nothing more is to be read.
   bool deliver() {
     while (!closed) {
       auto next = reader.next();
@@ -142,7 +142,7 @@ ControlChannel::ControlChannel(Loop& loop, const Address& server, const Trust& t
   state_ = std::make_shared<State>(loop, server, std::move(context), std::move(events));
   if (opened) {
     state_->start();
-  } else {  // as any failure: from the loop
+  } else {  // reported from the loop, as any failure
     asio::post(loop.context(), [state = state_, why = opened.error().message] {
       if (!state->closed) state->fail(why, {});
     });

@@ -14,31 +14,32 @@
 
 namespace gnomon::client {
 
-// The loop's thread. Call backs may destroy the channel.
+// Used on the loop's thread only. Callbacks may destroy the channel.
 class ControlChannel {
  public:
   struct Events {
-    std::function<void()> connected = {};  // the server is the right one
+    std::function<void()> connected = {};  // TLS is established, the server's certificate accepted
     std::function<void(protocol::Message)> message = {};
-    std::function<void(const Error&)> failed = {};  // once, and nothing after it; never after close()
+    std::function<void(const Error&)> failed = {};  // once, as the last callback; never after close()
   };
 
-  // Starts to look up and connect.
+  // Starts to look up the server's name and to connect.
   ControlChannel(Loop& loop, const Address& server, const Trust& trust, Events events);
   ~ControlChannel();  // drops the connection
 
   void send(const protocol::Message& message);
 
-  // Says Bye, as far as the connection takes it without waiting, and closes.
+  // Sends Bye, if the connection takes it without blocking, and closes. Idempotent.
   void close(const std::string& reason);
 
   // The server's numeric address; valid once connected.
   std::string server_ip() const;
 
-  // Of the data channel, from this connection's TLS session; once connected.
+  // The data channel's secrets, from this connection's TLS session. Precondition: connected.
   Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher) const;
 
-  // Of a session that this connection opened; and, on another one, what proves that it is known. Once connected.
+  // The resumption secret of a session that this connection opened; and the proof, valid on this connection, that the
+  // secret of a session opened on another one is known. Precondition: connected.
   Result<protocol::Secret> resumption_secret(SessionId session) const;
   Result<protocol::Secret> resumption_proof(SessionId session, const protocol::Secret& secret) const;
 

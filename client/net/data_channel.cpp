@@ -97,7 +97,7 @@ void DataChannel::passed(uint64_t sequence) { state_->seal->pass(sequence); }
 
 void DataChannel::send(protocol::DatagramKind kind, std::span<const uint8_t> body) {
   state_->seal->seal(kind, body, state_->outgoing);
-  asio::error_code ignored;  // lost, as any datagram may be
+  asio::error_code ignored;  // a loss, as on the path
   state_->socket.send(asio::buffer(state_->outgoing), 0, ignored);
   ++state_->counters.sent;
 }

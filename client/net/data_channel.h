@@ -21,10 +21,10 @@ struct DataCounters {
   uint64_t rejected = 0;        // not of this session, damaged or replayed
 };
 
-// The loop's thread. Datagrams come only from the server's address. Loss is silent in both directions.
+// Used on the loop's thread only. Receives only from the server's address. Loss is silent in both directions.
 class DataChannel {
  public:
-  // Borrowed for the call. `arrived`: at this machine, however late this thread came to read it.
+  // The datagram is borrowed for the call. `arrived`: at this machine, however late this thread read it.
   using OnDatagram = std::function<void(const protocol::Opened&, TimePoint arrived)>;
 
   // `server`: a numeric address.
@@ -32,10 +32,10 @@ class DataChannel {
                                                    std::unique_ptr<protocol::Seal> seal, OnDatagram on_datagram);
   ~DataChannel();
 
-  // Sends there from now on, and takes what comes from there. Error: as of open(); nothing has changed then.
+  // Changes the server's address, for both directions. Error: as of open().
   Result<void> turn_to(const Address& server);
 
-  // That number of the server's has come another way.
+  // The server's sequence number `sequence` was used outside datagrams (Seal::pass).
   void passed(uint64_t sequence);
 
   void send(protocol::DatagramKind kind, std::span<const uint8_t> body);

@@ -8,7 +8,7 @@ namespace gnomon::client {
 
 struct Loop::State {
   asio::io_context context{1};
-  // Keeps run_one waiting while no connection has anything under way.
+  // Keeps run_one_until() waiting while no operation is pending.
   asio::executor_work_guard<asio::io_context::executor_type> work{context.get_executor()};
 };
 
@@ -31,7 +31,7 @@ struct Timer::State {
 
   asio::steady_timer timer;
   std::function<void()> on_time;
-  uint64_t generation = 0;  // an expiry that was already queued when the timer was armed anew is not called
+  uint64_t generation = 0;  // expiries that carry an older generation are ignored
 };
 
 Timer::Timer(Loop& loop, std::function<void()> on_time)

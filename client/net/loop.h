@@ -1,7 +1,7 @@
-// One thread's event loop. Everything in client/ that names a Loop is served by whoever runs that loop, on that
-// thread: no call back comes from anywhere else, and nothing here needs a lock.
+// The event loop of one thread. Everything in client/ that takes a Loop is served by the thread that runs that loop: no
+// callback is made on another thread, and nothing here needs a lock.
 //
-// An engine polls it once a frame; a program that only waits runs it.
+// An engine calls poll() once a frame; a program that only waits calls run_until().
 #pragma once
 
 #include <functional>
@@ -23,7 +23,8 @@ class Loop {
   // Serves what is ready now and returns without waiting.
   void poll();
 
-  // Serves events until `done` says so (asked before each event) or until `deadline`. False: the deadline passed.
+  // Serves events until `done` returns true (it is called before each event) or until `deadline`. False if the deadline
+  // passed.
   bool run_until(TimePoint deadline, const std::function<bool()>& done);
 
   asio::io_context& context();
@@ -33,7 +34,7 @@ class Loop {
   std::unique_ptr<State> state_;
 };
 
-// Calls back once, at the time it was last armed for. Dropped or disarmed, it never calls.
+// Calls `on_time` once, on the loop, at the time for which it was last armed; never if it was disarmed or destroyed.
 class Timer {
  public:
   Timer(Loop& loop, std::function<void()> on_time);

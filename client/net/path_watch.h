@@ -1,8 +1,8 @@
-// Which way a session's datagrams go: as datagrams, or, where those do not pass, over the control connection. Time is an
-// argument. One thread.
+// Decides how the contents of a session's datagrams travel: as datagrams or, where those do not pass, over the control
+// connection. Time is an argument. One thread.
 //
-// While nothing comes the client pings; a server answers each ping at once, however busy it is. Both are as long as the
-// longest datagram that every session uses, so that a path which takes only short ones counts as closed.
+// While nothing arrives the client pings; a server answers each ping at once, however busy it is. Both are as long as
+// the longest datagram that every session uses, so that a path which carries only shorter ones counts as closed.
 #pragma once
 
 #include <algorithm>
@@ -20,21 +20,21 @@ Result<Transport> parse_transport(std::string_view text);
 
 class PathWatch {
  public:
-  // How often ping_due() is to be asked.
+  // The interval at which ping_due() is to be called.
   static constexpr Nanoseconds kInterval = std::chrono::milliseconds(250);
 
   explicit PathWatch(Transport wanted) : wanted_(wanted), by_udp_(wanted != Transport::tcp) {}
 
   bool by_udp() const { return by_udp_; }
 
-  // A datagram has come.
+  // To be called when a datagram has arrived.
   void heard(TimePoint now) {
     heard_ = now;
     quiet_since_ = kNever;
     if (wanted_ == Transport::automatic) by_udp_ = true;
   }
 
-  // True: send a ping now, as a datagram.
+  // True if a ping is to be sent now, as a datagram. May change by_udp().
   bool ping_due(TimePoint now) {
     if (wanted_ != Transport::automatic) return false;
     if (!by_udp_) return try_again(now);
@@ -48,7 +48,7 @@ class PathWatch {
  private:
   static constexpr TimePoint kNever = TimePoint::max();
   static constexpr Nanoseconds kQuiet = std::chrono::milliseconds(500);
-  static constexpr Nanoseconds kPatience = std::chrono::seconds(2);  // eight pings lost in a row: not chance
+  static constexpr Nanoseconds kPatience = std::chrono::seconds(2);  // eight pings in a row are not lost by chance
   static constexpr Nanoseconds kFirstPatience = std::chrono::seconds(1);
   static constexpr Nanoseconds kFirstRetry = std::chrono::seconds(5);
   static constexpr Nanoseconds kLastRetry = std::chrono::minutes(2);
@@ -56,7 +56,7 @@ class PathWatch {
   void give_up(TimePoint now) {
     by_udp_ = false;
     next_try_ = now + retry_;
-    retry_ = std::min(2 * retry_, kLastRetry);  // a path that comes and goes is not to be trusted every time
+    retry_ = std::min(2 * retry_, kLastRetry);  // an unstable path is tried less and less often
   }
 
   bool try_again(TimePoint now) {

@@ -1,4 +1,4 @@
-// When a client that lost its server tries again. Pure: time is an argument.
+// How long a client that lost its server waits before each attempt to reconnect: exponential backoff. Reads no clock.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@ class Reconnect {
   static constexpr Nanoseconds kFirst = std::chrono::milliseconds(250);
   static constexpr Nanoseconds kLongest = std::chrono::seconds(8);
 
-  // How long to wait after this failure, longer each time; nothing: it would fail again. `refusal`: if the server
-  // answered so.
+  // How long to wait after a failure, doubled each time up to kLongest; nullopt if another attempt would fail too.
+  // `refusal` is the server's, if it refused.
   std::optional<Nanoseconds> wait_after(const std::optional<protocol::Refused>& refusal) {
     if (refusal && !may_pass(refusal->code)) return std::nullopt;
     const Nanoseconds wait = next_;

@@ -29,7 +29,7 @@ Result<Pin> read_pin(const std::string& pin_or_file) {
   return protocol::parse_pin(line);
 }
 
-// In the place of OpenSSL's own: the pinned certificate, in its time, whoever has signed it.
+// Replaces OpenSSL's verification: accepts the pinned certificate within its validity period, whoever has signed it.
 int verify_pinned(X509_STORE_CTX* store, void* pin) {
   X509* const certificate = X509_STORE_CTX_get0_cert(store);
   int error = X509_V_OK;
@@ -44,7 +44,7 @@ int verify_pinned(X509_STORE_CTX* store, void* pin) {
   return error == X509_V_OK;
 }
 
-// The context keeps the pin; freed with it.
+// The context owns the pin: OpenSSL calls this when the context is freed.
 void free_pin(void*, void* pin, CRYPTO_EX_DATA*, int, long, void*) { delete static_cast<Pin*>(pin); }
 
 void accept_pinned(SSL_CTX* context, const Pin& pin) {

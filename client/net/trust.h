@@ -1,4 +1,4 @@
-// How a client knows that it speaks to the right server, and what it shows of itself. TLS 1.3 alone.
+// How a client authenticates the server, and itself to the server. TLS 1.3 only.
 #pragma once
 
 #include <filesystem>
@@ -14,16 +14,16 @@ class context;
 namespace gnomon::client {
 
 struct Trust {
-  // The one certificate to accept: "sha256:..." or a file that has this in its first line. Empty: what an authority
-  // has signed for the server's name.
+  // The one certificate to accept: "sha256:..." or a file that has this in its first line. Empty: any that an authority
+  // has signed for the server's name or address.
   std::string pin = {};
-  std::filesystem::path authorities = {};  // PEM; empty: the system's
-  // The client's own, where the server takes certificates for tokens; PEM, empty: none.
+  std::filesystem::path authorities = {};  // PEM file; empty: the system's
+  // The client's own, for servers that accept certificates instead of tokens. PEM files; empty: none.
   std::filesystem::path certificate = {};
   std::filesystem::path key = {};
 };
 
-// The TLS context of one connection to `host`, a name or an address. Error: the file and why it is of no use.
+// The TLS context of one connection to `host`, a name or an address. Error: the file and why it cannot be used.
 Result<std::unique_ptr<asio::ssl::context>> open_trust(const Trust& trust, const std::string& host);
 
 }  // namespace gnomon::client

@@ -1,8 +1,8 @@
-// How far ahead of the newest masks to show: the dissertation's x. Policies; no clock, no locks.
+// Policies that choose how many frames ahead of the newest masks to show: the dissertation's x. No clock, no locks.
 //
 //   FixedAhead  x is a number (3.3)
-//   Switching   the dissertation's switching between x as large as can be and none (3.5): client/prediction/switching.h
-//   Balance     the x of least expected error plus response time's cost: client/prediction/balance.h
+//   Switching   the dissertation's switching between the largest possible x and none (3.5): switching.h
+//   Balance     the x with the least sum of expected error and cost of response time: balance.h
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace gnomon::client {
 
-inline constexpr size_t kMostAhead = 19;  // as the dissertation measured
+inline constexpr size_t kMostAhead = 19;  // the largest x that the dissertation measured
 
 // A camera that was asked for.
 struct AskedCamera {
@@ -25,8 +25,8 @@ struct AskedCamera {
 };
 
 struct AheadChoice {
-  const std::deque<AskedCamera>& cameras;  // front: the newest whose masks have come; back: that of this moment
-  size_t least = 0;                        // of them: what was shown last; pictures do not go back
+  const std::deque<AskedCamera>& cameras;  // front: the newest with masks; back: the newest
+  size_t least = 0;                        // index of the one shown last: pictures never go back
   Nanoseconds latency{};                   // from asking for the front one to its masks' arrival
   TimePoint now{};
 
@@ -37,11 +37,11 @@ class Ahead {
  public:
   virtual ~Ahead() = default;
 
-  // Which of the cameras to show, from `least` to `most()`. Called once for each frame shown.
+  // The index of the camera to show, from `least` to `most()`. Called once for each frame shown.
   virtual size_t choose(const AheadChoice& choice) = 0;
 
-  // What a prediction turned out to be, once the masks of its camera have come: `error`, the share of wrong bits of
-  // `later` as predicted from `earlier`.
+  // Reports how wrong a prediction was, once the masks of its camera have arrived: `error` is the share of wrong bits
+  // in the masks of `later` as predicted from those of `earlier`.
   virtual void observe(const protocol::CameraView& /*earlier*/, const protocol::CameraView& /*later*/,
                        double /*error*/) {}
 };

@@ -5,10 +5,10 @@
 namespace gnomon::client {
 namespace {
 
-// How far the first errors move each weight, and the most that any ever do: the square of how far it may be off over
-// the square of how far errors scatter (0.3% of the bits).
+// The initial and greatest variance of each weight, which limits how far an error moves it, relative to the variance of
+// the errors (their standard deviation is 0.3% of the bits).
 constexpr std::array<double, 4> kMostTrust{3, 4'000, 1'000, 10'000};
-constexpr double kForget = 0.002;  // of that comes back with each error
+constexpr double kForget = 0.002;  // share of kMostTrust that each error restores
 constexpr double kMostWeight = 2;
 
 }  // namespace
@@ -37,7 +37,7 @@ void ErrorCurve::learn(const ImageMotion& motion, double error) {
     spread += terms[i] * reach[i];
     expected += weights_[i] * terms[i];
   }
-  if (terms[0] < 1e-3) return;  // a camera that rests teaches nothing
+  if (terms[0] < 1e-3) return;  // a resting camera carries no information
   for (size_t i = 0; i < kTerms; ++i)
     weights_[i] = std::clamp(weights_[i] + reach[i] / spread * (error - expected), 0.0, kMostWeight);
   for (size_t i = 0; i < kTerms; ++i) {
@@ -54,7 +54,7 @@ size_t Balance::choose(const AheadChoice& choice) {
     const double error = curve_.expect(
         motion_between(choice.cameras.front().camera, camera.camera, options_.size, options_.distance));
     const double cost = error + options_.cost_per_s * to_seconds(choice.now - camera.asked);
-    if (i > choice.least && cost > least_cost) continue;  // of equals the newer
+    if (i > choice.least && cost > least_cost) continue;  // ties go to the newer one
     best = i;
     least_cost = cost;
   }

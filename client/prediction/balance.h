@@ -1,9 +1,9 @@
-// Chooses x every frame: of all cameras that could be shown, the one of least expected error plus what its age costs.
-// The dissertation's future work (5.3).
+// Chooses x for every frame: of all cameras that could be shown, the one with the least sum of expected error and cost
+// of its age. The dissertation names this as future work (5.3).
 //
-// The cameras are known, only their masks are not: so the motion between the seen camera and each candidate is known
-// too, and the expected error is a curve over that motion, whose four coefficients are learned from predictions whose
-// masks have come since (recursive least squares; what is old is forgotten by and by).
+// Of the candidates, only the masks are unknown: the motion between the camera of the newest masks and each candidate
+// is known, and the expected error is a function of that motion. Its four coefficients are learned from predictions
+// whose masks have arrived since, by recursive least squares that gradually forgets.
 #pragma once
 
 #include <array>
@@ -15,10 +15,11 @@ namespace gnomon::client {
 
 struct BalanceOptions {
   ViewSize size;
-  double distance = 4;       // metres to what is seen, roughly
-  double cost_per_s = 0.15;  // of a second of response time, as a share of wrong bits: 1% is worth 67 ms
+  double distance = 4;       // approximate distance of what is seen, metres
+  double cost_per_s = 0.15;  // of a second of response time, in share of wrong bits: 1% is worth 67 ms
 };
 
+// The expected share of wrong bits of a prediction, 0 to 1, as a function of the motion.
 class ErrorCurve {
  public:
   explicit ErrorCurve(const ViewSize& size);
@@ -31,10 +32,10 @@ class ErrorCurve {
   Terms terms_of(const ImageMotion& motion) const;
 
   double width_;
-  // Shares of wrong bits: for any motion at all, as edges of shadows fall between pixels; where nothing was traced; for
-  // turning and for moving by the picture's width.
+  // Shares of wrong bits: for any motion at all, as edges of shadows fall between pixels; where nothing was traced; and
+  // for turning and for moving by the picture's width.
   Terms weights_{0.005, 0.35, 0.02, 0.1};
-  std::array<Terms, kTerms> trust_{};  // in the last errors, against what was learned before
+  std::array<Terms, kTerms> trust_{};  // covariance of the weights, relative to the errors' variance
 };
 
 class Balance : public Ahead {

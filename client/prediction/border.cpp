@@ -6,14 +6,14 @@
 namespace gnomon::client {
 namespace {
 
-// The border's share before the picture, when what is wanted lies `shift` pixels towards its end.
+// The border's pixels left of the picture (or above) if what is wanted lies `shift` pixels to the right (or down).
 uint32_t before(uint32_t border, float shift) {
   const float wanted = static_cast<float>(border) / 2 - shift;
   return static_cast<uint32_t>(std::clamp(std::lround(wanted), 0l, static_cast<long>(border)));
 }
 
 struct Pixel {
-  float width, height;  // tangents
+  float width, height;  // in tangents
 };
 
 Pixel pixel_of(const protocol::CameraView& traced, const ViewSize& size) {
@@ -25,7 +25,7 @@ Pixel pixel_of(const protocol::CameraView& traced, const ViewSize& size) {
 
 BorderPlace towards(const ViewSize& size, const scenes::CameraPose& now, const scenes::CameraPose& then) {
   const glm::vec3 forward = glm::inverse(now.orientation) * (then.orientation * glm::vec3(0, 0, -1));
-  if (forward.z > -0.1f) return centred(size);  // turns away altogether: nothing helps
+  if (forward.z > -0.1f) return centred(size);  // it turns away completely: no border helps
   const float per_tangent = static_cast<float>(size.height) / (2 * std::tan(now.vertical_fov / 2));
   return {before(size.border_x, per_tangent * forward.x / -forward.z),
           before(size.border_y, per_tangent * forward.y / forward.z)};
@@ -44,7 +44,7 @@ scenes::CameraPose extrapolate(const scenes::CameraPose& before, const scenes::C
 protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& size, BorderPlace place) {
   const float shown_up = std::tan(pose.vertical_fov / 2);
   const float shown_right = shown_up * static_cast<float>(size.width) / static_cast<float>(size.height);
-  const float across = 2 * shown_right / static_cast<float>(size.width);  // of a pixel
+  const float across = 2 * shown_right / static_cast<float>(size.width);  // tangent per pixel
   const float down = 2 * shown_up / static_cast<float>(size.height);
   const glm::quat q = glm::normalize(pose.orientation);
   protocol::CameraView view;
@@ -58,7 +58,7 @@ protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& siz
 }
 
 protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& size) {
-  // Exactly symmetric, also where the border is odd.
+  // Exactly symmetric, even if the border's size is odd.
   protocol::CameraView view = view_of(pose, size, centred(size));
   view.tan_left = view.tan_right = (view.tan_left + view.tan_right) / 2;
   view.tan_up = view.tan_down = (view.tan_up + view.tan_down) / 2;

@@ -1,8 +1,8 @@
-// The prediction border (dissertation 3.4): pixels traced around the picture that is shown, so that what the camera
-// turns to has masks already. The focal length, in units of the buffer's width, shrinks by width / traced width, and so
-// it does for the height: the shown region stays what it is.
+// The prediction border (dissertation 3.4): pixels traced around the picture that is shown, so that there are masks for
+// what the camera turns to. The focal length in units of the buffer's width shrinks by width / traced width, likewise
+// for the height, so that the shown region remains the same.
 //
-// Beyond the dissertation: the same border may lie more on the side that the camera turns to.
+// Beyond the dissertation: more of the border may lie on the side to which the camera turns.
 #pragma once
 
 #include <cstdint>
@@ -32,17 +32,17 @@ struct BorderPlace {
 
 constexpr BorderPlace centred(const ViewSize& size) { return {size.border_x / 2, size.border_y / 2}; }
 
-// Where the border does most good if the camera, now at `now`, is at `then` when the masks are used.
+// The best place of the border if the camera, now at `now`, is at `then` when the masks are used. Only the turn counts.
 BorderPlace towards(const ViewSize& size, const scenes::CameraPose& now, const scenes::CameraPose& then);
 
-// Where the camera goes if it turns and moves on as from `before` to `now`, for `steps` times as long.
+// The pose after `now` if the camera continues to turn and move as from `before` to `now`, for `steps` times as long.
 scenes::CameraPose extrapolate(const scenes::CameraPose& before, const scenes::CameraPose& now, float steps);
 
-// The frustum of the traced buffer.
+// The camera of the traced buffer, whose frustum includes the border.
 protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& size, BorderPlace place);
 protocol::CameraView view_of(const scenes::CameraPose& pose, const ViewSize& size);  // centred
 
-// The way back: where such a frustum has its border, and the frustum of the picture alone.
+// The inverse: where the border of such a camera lies, and the camera of the shown picture alone.
 BorderPlace place_of(const protocol::CameraView& traced, const ViewSize& size);
 protocol::CameraView shown_part(const protocol::CameraView& traced, const ViewSize& size);
 

@@ -31,8 +31,8 @@ Result<Mode> parse_mode(std::string_view name) {
 }
 
 size_t max_in_flight(Mode mode) {
-  // Without a rate of its own a client asks as fast as the window allows; four cover a round trip of 100 ms at 40
-  // frames a second. One that predicts hides the round trip, whatever it is: 230 ms at 60 frames a second are 14.
+  // A client without a rate of its own asks as fast as this window allows; four cameras cover a round trip of 100 ms at
+  // 40 frames a second. A client that predicts hides any round trip: 230 ms at 60 frames a second are 14 cameras.
   return mode == Mode::sequential ? 1 : mode == Mode::queued ? 4 : 24;
 }
 

@@ -6,7 +6,7 @@
 namespace gnomon::client {
 namespace {
 
-constexpr int kPointsAcross = 12, kPointsDown = 7;  // looked at, evenly over the picture
+constexpr int kPointsAcross = 12, kPointsDown = 7;  // sample points, evenly over the picture
 
 struct Camera {
   explicit Camera(const protocol::CameraView& v)
@@ -20,7 +20,7 @@ struct Camera {
   glm::quat to_world, from_world;
 };
 
-// Tangents of where the camera sees a direction; `behind`: it does not.
+// Where the camera sees a direction, as tangents; `behind` if it does not see it.
 struct Place {
   glm::vec2 tangents{0.0f};
   bool behind = false;

@@ -1,4 +1,4 @@
-// What a change of camera does to the picture: the figures from which the error of a prediction is expected.
+// How a change of the camera moves the picture: the figures from which the error of a prediction is estimated.
 #pragma once
 
 #include "client/prediction/border.h"
@@ -7,12 +7,12 @@ namespace gnomon::client {
 
 struct ImageMotion {
   double unseen = 0;  // share of the later picture that lies outside the buffer traced for the earlier camera
-  double turn = 0;    // mean way of the picture's points, in parts of its width, by the camera's turning
-  double shift = 0;   // the same by its moving, for points at the given distance
+  double turn = 0;    // mean distance that the camera's turning moves the picture's points, in picture widths
+  double shift = 0;   // the same by its translation, for points at the given distance
 };
 
-// From camera `traced`, border included, to `later`, of which the shown part counts. `distance`: metres to what is
-// seen, roughly.
+// From camera `traced`, border included, to `later`, of which the shown part counts. `distance` is the approximate
+// distance of what is seen, in metres.
 ImageMotion motion_between(const protocol::CameraView& traced, const protocol::CameraView& later,
                            const ViewSize& size, double distance);
 

@@ -1,4 +1,4 @@
-// How wrong predicted masks were: bit by bit against those that came later (dissertation 4.1).
+// Measures how wrong predicted masks were: bit by bit against those that arrived later (dissertation 4.1).
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace gnomon::client {
 
-// Of each pixel, row by row: the bits of its first 32 lights.
+// The masks of the first 32 lights by pixel, row by row; bit i of a pixel is light i.
 struct LightBits {
   uint32_t width = 0;
   uint32_t height = 0;
@@ -37,20 +37,21 @@ struct PredictionError {
   // The dissertation's figure: wrong bits of the picture, by the number of its lights.
   double per_light(uint32_t lights) const { return static_cast<double>(wrong) / lights; }
   double share() const { return bits ? static_cast<double>(wrong) / static_cast<double>(bits) : 0; }
-  // Of all bits of the picture, those that do not matter included.
+  // Share of all bits of the picture, including those that do not matter.
   double share_of_picture(uint32_t lights) const {
     return pixels ? per_light(lights) / static_cast<double>(pixels) : 0;
   }
   PredictionError& operator+=(const PredictionError& other);
 };
 
-// A prediction of the picture `shown` of `fresh`: each of its pixels has the bits of a pixel of `seen`, as `sources`
-// (gpu/picture/reprojection.h; row by row, of shown.width x shown.height) say, where that lies within `traced`; elsewhere it is
-// lit. Bits count where `care` (may be empty: everywhere) has them, and where there is a source or `care` is given.
+// Compares a prediction of the part `shown` of `fresh` with `fresh`. Each predicted pixel has the bits of the pixel of
+// `seen` that `sources` names (gpu/picture/reprojection.h; shown.width x shown.height entries, row by row) if that lies
+// within `traced`; otherwise it is lit. Only bits that `care` has set (an entry for each pixel of `fresh`) count; if
+// `care` is empty, all bits of the pixels that have a source count.
 PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const Window& traced,
                         const LightBits& fresh, std::span<const uint32_t> care, const Window& shown);
 
-// The same of every so many pixels of every so many rows, as an estimate; `seen` whole, and without `care`.
+// An estimate from every `step`-th pixel of every `step`-th row, with all of `seen` traced and without `care`.
 PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
                              const Window& shown, uint32_t step);
 

@@ -6,7 +6,7 @@
 namespace gnomon::client {
 namespace {
 
-constexpr size_t kMostCameras = 4096;  // kept; a server that never answers must not fill the memory
+constexpr size_t kMostCameras = 4096;  // kept at most until the first answer, which may never come
 
 }  // namespace
 

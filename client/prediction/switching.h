@@ -1,12 +1,12 @@
-// The dissertation's automatic switching (3.5): a value is made of how much the camera's position, up and target
-// changed and of the latency, each with a weight; three thresholds decide.
+// The dissertation's automatic switching (3.5): the changes of the camera's position, up vector and target and the
+// latency are summed with weights, and the sum is compared with three thresholds.
 //
 //   by default not sequential: shows the newest camera, predicted
-//   above `high`: sequential for `dwell` frames: shows only what has masks (in this framework: x = 0)
-//   then, every frame: above `mid` for `dwell` frames more; between `low` and `mid` still; below `low` back at once
+//   above `high`: sequential for `dwell` frames: shows only what has masks (in this framework: the least x)
+//   then: above `mid` it stays so for `dwell` frames more; between `low` and `mid` for one more; below `low` it ends
 //
-// Latency speaks for not being sequential, so its weight counts against the rest. The dissertation names no figures;
-// these are what did best here (tests/eval).
+// A high latency is a reason not to be sequential, so it is subtracted. The dissertation gives no figures; these did
+// best in tests/eval.
 #pragma once
 
 #include "client/prediction/ahead.h"
@@ -15,8 +15,8 @@ namespace gnomon::client {
 
 struct SwitchingOptions {
   double position = 1.0;  // for each metre, summed over the three axes
-  double up = 4.0;        // for each unit of the up vector's, the same
-  double target = 4.0;    // for each unit of the forward vector's
+  double up = 4.0;        // for each unit by which the up vector changed, likewise
+  double target = 4.0;    // for each unit by which the forward vector changed
   double latency = 0.05;  // for each second, subtracted
   double high = 0.12;
   double mid = 0.08;

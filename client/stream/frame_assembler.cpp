@@ -42,7 +42,7 @@ SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
   Open* open = find_or_begin(header);
   if (!open) return SliceOutcome::late;
   AssembledFrame& frame = open->frame;
-  // The server may have answered a repeated camera twice, each time cut otherwise.
+  // The server may have answered a repeated camera twice, each time cut into other slices.
   if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::late;
   if (open->slices[header.slice]) return SliceOutcome::duplicate;
   if (protocol::lacks_reference(header, slice.payload, grid_, &references_)) return SliceOutcome::unreadable;
@@ -58,7 +58,7 @@ SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
   frame.server_us = std::max(frame.server_us, header.server_us);
   frame.gpu_us = std::max(frame.gpu_us, header.gpu_us);
   if (frame.slices_received < frame.slice_count) return SliceOutcome::stored;
-  // All slices and yet holes: the server cut this frame wrongly.
+  // All slices have arrived but tiles are missing: the server cut this frame wrongly.
   const auto outcome = frame.complete() ? SliceOutcome::completed : SliceOutcome::malformed;
   finish(open_.begin() + (open - open_.data()));
   return outcome;
@@ -87,7 +87,7 @@ bool FrameAssembler::fits(const protocol::SliceHeader& header) const {
          uint32_t{header.first_light} + header.light_count <= grid_.lights;
 }
 
-// Null: the slice comes too late for its frame.
+// nullptr if the slice is too late for its frame.
 FrameAssembler::Open* FrameAssembler::find_or_begin(const protocol::SliceHeader& header) {
   auto place = std::lower_bound(open_.begin(), open_.end(), header.frame,
                                 [](const Open& o, FrameId id) { return o.frame.frame < id; });
@@ -127,7 +127,7 @@ void FrameAssembler::mark_arrived(AssembledFrame& frame, const protocol::SliceHe
   });
 }
 
-// A slice that does not decode leaves anything in its own tiles.
+// Marks the tiles of a slice that did not decode, which left them unspecified, as missing.
 void FrameAssembler::cover_missing(AssembledFrame& frame, const protocol::SliceHeader& header) {
   for_each_word(header, grid_, [&](size_t word) {
     frame.words[word] = ~uint64_t{0};

@@ -1,7 +1,7 @@
-// Slices, in whatever order and number they arrive, to the tile masks of whole frames.
+// Assembles slices, in whatever order and number they arrive, into the tile masks of frames.
 //
-// Keeps the few newest frames that have begun and no more, so memory is bounded whatever a server sends. A frame
-// leaves complete, or incomplete when it is given up: its owner then knows which tiles it lacks. One thread.
+// Only the few newest frames of which slices have arrived are kept, so that memory is bounded whatever a server sends.
+// A frame is handed over complete, or incomplete if it was given up; it then knows which tiles it lacks. One thread.
 #pragma once
 
 #include <cstdint>
@@ -18,30 +18,30 @@ namespace gnomon::client {
 struct AssembledFrame {
   FrameId frame;
   TileGrid grid;
-  // As common/tile_mask.h lays them out. What did not arrive is all ones: a missing tile casts no false shadow.
+  // Laid out as common/tile_mask.h says. Those that did not arrive are all ones: a missing tile casts no false shadow.
   std::vector<uint64_t> words;
   std::vector<bool> arrived;  // one for each word
   size_t words_missing = 0;
   uint32_t slices_received = 0;
   uint32_t slice_count = 0;
-  uint32_t server_us = 0;  // the latest slice's: from the camera's arrival to its sending
+  uint32_t server_us = 0;  // from the camera's arrival at the server to the frame's sending
   uint32_t gpu_us = 0;
   size_t payload_bytes = 0;
-  protocol::Moment moment;  // of the scene
+  protocol::Moment moment;  // of the scene, which the frame shows
 
   bool referable = true;  // all slices so far are tiles_context: later frames may refer to it
 
   bool complete() const { return words_missing == 0; }
   TileMaskView mask() const { return {grid, words}; }
-  std::vector<uint32_t> missing_tiles() const;  // that lack some light, in increasing order
+  std::vector<uint32_t> missing_tiles() const;  // tiles that lack some light, in increasing order
 };
 
 enum class SliceOutcome {
   stored,
-  completed,   // the frame's last: take_finished has it
+  completed,   // the frame's last: take_finished() returns the frame
   duplicate,   // stored before
   late,        // of a frame already finished or given up, or of another answer to its camera
-  unreadable,  // refers to a frame that is not kept any more, or was never whole: as good as lost
+  unreadable,  // refers to a frame that is no longer kept, or was never complete: it counts as lost
   malformed,   // contradicts the grid, or does not decode
 };
 
@@ -53,18 +53,19 @@ class FrameAssembler {
 
   const TileGrid& grid() const { return grid_; }
 
-  // Keep whole frames of tiles_context for later ones to refer to; the newest of them.
+  // Keeps complete frames of tiles_context, to which slices of later frames may refer; and the newest that is kept.
   void keep_references() { keeps_references_ = true; }
   FrameId newest_reference() const { return newest_reference_; }
 
-  // A frame newer than all when `max_frames` are open gives up the oldest of them.
+  // Adds a slice to its frame. If `max_frames` frames are open, the first slice of another one that is newer than the
+  // oldest of them gives that oldest frame up.
   SliceOutcome add(const protocol::FrameSlice& slice);
 
-  // Finishes a frame as it is; nothing happens if it has not begun or is finished.
+  // Finishes a frame as it is. No effect if none of its slices has arrived or it is finished already.
   void give_up(FrameId frame);
 
-  // Complete and given-up frames, in the order in which they finished. Hand the frame back to `recycle` when done
-  // with it, and its memory serves a later one.
+  // The next complete or given-up frame, in the order in which they finished; nullopt if there is none. A frame that is
+  // handed back to recycle() has its memory reused for a later one.
   std::optional<AssembledFrame> take_finished();
   void recycle(AssembledFrame frame);
 
@@ -82,7 +83,7 @@ class FrameAssembler {
 
    private:
     uint32_t newest_ = 0;
-    uint64_t bits_ = 0;  // bit i: newest_ - i
+    uint64_t bits_ = 0;  // bit i stands for frame newest_ - i
   };
 
   bool fits(const protocol::SliceHeader& header) const;

@@ -29,7 +29,7 @@ Rebuilt SliceRecovery::add_parity(const protocol::FrameParity& parity) {
   return rebuild_group(*frame, header.group);
 }
 
-// Null: older than all those kept, or of another number of slices than before.
+// nullptr if the frame is older than all those kept, or has another number of slices than before.
 SliceRecovery::Frame* SliceRecovery::find_or_begin(FrameId id, uint16_t slice_count) {
   auto place = std::lower_bound(frames_.begin(), frames_.end(), id,
                                 [](const Frame& frame, FrameId wanted) { return frame.frame < wanted; });

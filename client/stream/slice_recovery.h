@@ -1,5 +1,5 @@
-// Lost slices rebuilt from parity: keeps the slices of the newest frames and their parity until the two are enough.
-// Pure; one thread. Memory is bounded by kFrames and kMaxFrameBytes.
+// Rebuilds lost slices from parity: keeps the slices of the newest frames and their parity until both together suffice.
+// One thread. Memory is bounded by kFrames and kMaxFrameBytes.
 #pragma once
 
 #include <deque>
@@ -15,8 +15,8 @@ class SliceRecovery {
   static constexpr size_t kFrames = 4;
   static constexpr size_t kMaxFrameBytes = 32 << 20;
 
-  // The body of a slice that arrived, and of a parity datagram. Both give the bodies of slices that can be rebuilt
-  // now; they are then taken as arrived.
+  // Add the body of a slice that arrived, or a parity shard. Both return the bodies of the slices that can be rebuilt
+  // now, which count as arrived from then on.
   std::vector<std::vector<uint8_t>> add_slice(const protocol::SliceHeader& header, std::span<const uint8_t> body);
   std::vector<std::vector<uint8_t>> add_parity(const protocol::FrameParity& parity);
 
@@ -29,7 +29,7 @@ class SliceRecovery {
   struct Frame {
     FrameId frame;
     uint16_t groups = 0;                       // 0: no parity yet
-    std::vector<std::vector<uint8_t>> slices;  // bodies; empty: not here
+    std::vector<std::vector<uint8_t>> slices;  // bodies; empty: has not arrived
     std::vector<Shard> parity;
     size_t bytes = 0;
   };

@@ -10,7 +10,7 @@ using gpu::light_buffer::End;
 
 constexpr std::array kKinds{DebugKind::mask, DebugKind::bounds, DebugKind::lists};
 
-// From few to many: each lighter and warmer than the one before.
+// From few to many, from cold to warm.
 struct Step {
   Colour colour;
   const char* name;

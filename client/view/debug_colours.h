@@ -1,4 +1,4 @@
-// The colours of debug pictures: what they mean is the legend, in words for --help.
+// The colours of debug pictures, and their legend in words for --help.
 #pragma once
 
 #include <array>
@@ -12,16 +12,16 @@
 namespace gnomon::client {
 
 enum class DebugKind {
-  mask,    // the bits that came
+  mask,    // the bits that arrived
   bounds,  // where the light buffer's query ends
   lists,   // how many triangles it tests
 };
 
-// Error: what is allowed.
+// Error: names the allowed kinds.
 Result<DebugKind> parse_debug_kind(std::string_view name);
 const char* to_string(DebugKind kind);
 
-// What the colours of all kinds mean, some lines.
+// The meaning of the colours of all kinds, in several lines.
 std::string debug_legend();
 
 using Colour = std::array<uint8_t, 3>;

@@ -1,5 +1,5 @@
-// What the tracer does, as pictures: this client asks light buffers of its own, built from its copy of the scene,
-// about the very surface points that the server starts from.
+// Pictures of what the tracer does: this client queries light buffers of its own, built from its copy of the scene, at
+// the same surface points that the server starts from.
 #pragma once
 
 #include <memory>
@@ -14,14 +14,14 @@
 
 namespace gnomon::client {
 
-// One thread. Calls block. Geometry and lights that move are left as they rest.
+// One thread. Calls block. In the light buffers, geometry and lights that move are at rest.
 class DebugView {
  public:
-  // Builds light buffers unless `kind` is mask, which may take long. `device`: as OwnView::create.
+  // Builds light buffers, which may take long, unless `kind` is mask. `device`: as of OwnView::create().
   static Result<DebugView> create(const scenes::ScenePtr& scene, const ViewSize& size, DebugKind kind,
                                   const std::string& device);
 
-  // One for each light, without the border: of the camera that the masks are of.
+  // One picture for each light, without the border, of the camera of the masks.
   Result<std::vector<Picture>> pictures(const Received& frame);
 
  private:

@@ -1,8 +1,8 @@
-// A whole client in one screen: connect, look through a camera every frame, draw what is to be shown.
+// A complete client on one screen: connects, looks through a camera every frame and draws what is to be shown.
 //   gnomon-example HOST:PORT SCENE PIN [PICTURE.png]   PIN: the server's certificate, as gnomond's ready line names it
 //
-// The server traces 64x36 pixels more than are shown. Masks take a while to come; until then frames are predicted from
-// older ones, four ahead. An engine has a renderer of its own: what OwnView does with a Showing is in client/view.
+// The server traces 64x36 pixels more than are shown. Masks take a while to arrive; until then frames are predicted
+// from older ones, four ahead. An engine has a renderer of its own, which does with a Showing what OwnView does.
 #include <cstdio>
 
 #include "client/media/scene_file.h"
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     thin_client.look(client::view_of(pose, size));
     loop.run_until(Clock::now() + 16ms, [] { return false; });  // or loop.poll() beside the engine's own waiting
     const auto showing = thin_client.next();
-    if (!showing) continue;  // nothing has come yet, or nothing new
+    if (!showing) continue;  // no masks have arrived yet, or nothing has changed
     auto drawn = view->shade(*showing);
     if (!drawn) return fail(drawn.error());
     picture = std::move(*drawn);

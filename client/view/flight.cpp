@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Nanoseconds kFirstAnswerPatience = std::chrono::seconds(60);
-constexpr auto kTurn = 100ms;  // how often the loop looks at what has no event of its own
+constexpr auto kTurn = 100ms;  // how often conditions without an event of their own are checked
 
 PaceOptions pace_of(const FlightOptions& options, float granted_hz) {
   double rate = options.rate_hz;
@@ -77,7 +77,7 @@ Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& pro
   return {};
 }
 
-// A client that predicts draws at each of its cameras, one that waits when masks have come; at the end all do.
+// A client that predicts draws at each of its cameras; one that waits, and at the end any, draws when masks arrive.
 bool Flight::draws_on_masks() const { return new_masks_ && (waits_for_masks(options_.mode) || all_asked()); }
 
 bool Flight::may_ask(TimePoint now) const {
@@ -86,7 +86,7 @@ bool Flight::may_ask(TimePoint now) const {
   return pacer_.next_send(client_.in_flight()) <= now;
 }
 
-// The border goes where the camera will be when the masks come, if it moves on as between the last two steps.
+// The border lies where the camera will be when the masks arrive, if it moves on as between the last two steps.
 BorderPlace Flight::border_place(const CameraPath& path, double seconds, double step) const {
   if (!options_.border_by_motion) return centred(options_.size);
   const scenes::CameraPose now = path.at(seconds), before = path.at(std::max(0.0, seconds - step));
@@ -122,13 +122,13 @@ Result<void> Flight::draw_next(const Draw& draw) {
   return drawn;
 }
 
-// Without a server the loop has to run: it is what finds one again.
+// Without a session the loop has to run, because the loop is what reconnects.
 TimePoint Flight::next_event(TimePoint now) const {
   if (all_asked() || !client_.online()) return now + kTurn;
   return std::min(now + kTurn, pacer_.next_send(client_.in_flight()));
 }
 
-// The last camera's answer may never come: it is waited for as long as others took. Where there were no others, a busy
+// The last camera's answer may never arrive: it is waited for as long as others took. If there were no others, a busy
 // server may be preparing its first frame.
 bool Flight::finished(TimePoint now) const {
   if (!all_asked() || new_masks_) return false;

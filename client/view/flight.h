@@ -1,5 +1,5 @@
-// Flies a camera path with a server's visibility: looks through its cameras as the mode says, has what is to be shown
-// drawn.
+// Flies a camera path with a server's visibility: takes the path's cameras as the mode requires, and has what is to be
+// shown drawn.
 #pragma once
 
 #include <functional>
@@ -16,22 +16,22 @@ struct FlightOptions {
   StreamOptions stream;  // its Hello asks for the traced size
   Mode mode = Mode::sequential;
   size_t ahead = 4;               // x of mode predicted
-  double cost_per_s = 0.15;       // of mode auto, as BalanceOptions
-  bool border_by_motion = false;  // the border lies where the camera turns to
+  double cost_per_s = 0.15;       // of mode auto: BalanceOptions::cost_per_s
+  bool border_by_motion = false;  // more of the border lies where the camera turns to
   double rate_hz = 0;             // cameras a second at most; 0: as the mode allows
   ViewSize size;
-  uint32_t frames = 60;  // the whole path in this many steps
+  uint32_t frames = 60;  // steps in which the path is flown once
 };
 
 struct FlightFigures {
   StreamCounters counters;
-  Latencies latencies;  // of complete frames; of reading them off the socket, drawing comes after
-  Latencies ages;       // of what was shown, when its drawing began: the dissertation's response time
+  Latencies latencies;  // response times of complete frames, drawing not included
+  Latencies ages;       // of what was shown, as its drawing began: the dissertation's response time
   double seconds = 0;
-  uint64_t bytes = 0;  // received datagrams'
+  uint64_t bytes = 0;  // of received datagrams
   double draw_seconds = 0;
   uint64_t shown = 0;         // pictures
-  uint64_t frames_ahead = 0;  // x, summed over them
+  uint64_t frames_ahead = 0;  // sum of x over the pictures shown
   uint32_t reconnects = 0;
 
   uint64_t frames() const { return counters.complete + counters.incomplete; }
@@ -44,7 +44,7 @@ struct FlightFigures {
   }
 };
 
-// One thread, its loop within. In mode `sequential` a frame is drawn before the next is asked for; in the others
+// One thread; it owns its loop. In mode `sequential` a frame is drawn before the next is asked for; in the others
 // drawing overlaps with the server's work, and masks that arrive meanwhile are read when the drawing is done.
 class Flight {
  public:
@@ -52,15 +52,15 @@ class Flight {
 
   explicit Flight(FlightOptions options);
 
-  // Connects. Error: one line, also when the server offers another size than asked for.
+  // Connects. Error: one line, also if the server offers another size than asked for, or the scene has no lights.
   Result<void> open();
   const protocol::Welcome& welcome() const { return client_.welcome(); }
 
-  // Until every step has been asked for and answered, or given up. Error: of the connection or of `draw`.
+  // Runs until every step has been asked for and answered, or given up. Error: of the connection or of `draw`.
   Result<void> fly(const CameraPath& path, const Draw& draw, Progress& progress);
   void close() { client_.close("flight over"); }
 
-  // See ThinClient::observe; within fly.
+  // See ThinClient::observe(). Called from `draw`.
   void observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) {
     client_.observe(earlier, later, error);
   }

@@ -1,4 +1,4 @@
-// The pictures that a flight leaves behind: a few frames spread over the path, shaded, and what each light sees.
+// The pictures that a flight writes: a few frames spread over the path, shaded, and what each light sees.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@ namespace gnomon::client {
 
 class Gallery {
  public:
-  // Makes the folder. At most `pictures` of `frames` are kept.
+  // Creates the folder. At most `pictures` of `frames` are kept.
   static Result<Gallery> open(const std::filesystem::path& folder, uint32_t frames, uint32_t pictures);
 
-  // Whether this frame is to be kept; the first at or after each of the chosen steps is, as some are never answered.
+  // Whether this frame is to be kept: the first one at or after each of the chosen steps, as some are never answered.
   bool wants(uint32_t index) const;
 
   // Writes frame_NNNN.png (shaded) and lights_NNNN.png (a panel for each light beside it).

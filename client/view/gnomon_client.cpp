@@ -1,5 +1,5 @@
 // gnomon-client: the thin reference client. Flies through a scene with the server's visibility, shades every frame
-// itself, leaves pictures and says how long answers took.
+// itself, writes pictures and reports how long answers took.
 #include <cstdio>
 
 #include "client/cli/options.h"
@@ -178,7 +178,7 @@ Report report_of(const Arguments& a, const FlightFigures& f, uint64_t covered_wo
   return report;
 }
 
-// What --view asks for; empty without it.
+// The view that --view asks for; nullopt without it.
 Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::ScenePtr& scene,
                                             const ViewSize& size) {
   if (a.view.empty()) return std::optional<DebugView>();
@@ -190,7 +190,7 @@ Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::Sc
   return std::optional<DebugView>(std::move(*view));
 }
 
-// What --record asks for; empty without it.
+// The recording that --record asks for; nullopt without it.
 Result<std::optional<Recording>> recording(const Arguments& a, const scenes::ScenePtr& scene,
                                            const ViewSize& size) {
   if (a.record.empty()) return std::optional<Recording>();
@@ -202,7 +202,8 @@ Result<std::optional<Recording>> recording(const Arguments& a, const scenes::Sce
   return std::optional<Recording>(std::move(*opened));
 }
 
-// What draws: made before the server is asked, as it takes its time, and anew where the server moves parts of the scene.
+// Everything that draws. Created before the server is connected to, as creation takes long, and again if the server's
+// operator moves parts of the scene.
 struct Views {
   OwnView own;
   std::optional<DebugView> debug;

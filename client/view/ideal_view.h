@@ -1,5 +1,5 @@
-// What a picture would be with a tracer in the client: traced and shaded by this machine alone, with the tracer and the
-// shading that the server and the thin client use. For comparison; a thin client has no need of it.
+// The picture that a tracer in the client would give: traced and shaded on this machine alone, with the tracer of the
+// server and the shading of the thin client. For comparison; a thin client does not need it.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ class IdealView {
                                                    const std::string& device, const std::string& cache = {});
 
   // `camera` is of the traced buffer, from which the picture is cut, as a client does with masks of the camera itself.
-  // Lights are where the scene has them at `time`. The exposure is chosen at the first picture and stays.
+  // Lights are where the scene has them at `time`. The exposure is chosen for the first picture and kept.
   Result<Picture> picture(const protocol::CameraView& camera, scenes::SceneTime time = {});
 
  private:

@@ -9,7 +9,7 @@
 namespace gnomon::client {
 namespace {
 
-constexpr uint32_t kTrialStep = 4;  // every 16th pixel says how wrong a prediction was
+constexpr uint32_t kTrialStep = 4;  // pixels, each way: predictions are compared at one in 16
 
 }  // namespace
 
@@ -101,7 +101,7 @@ Result<void> OwnView::take_lights(const std::vector<protocol::LightInfo>& given)
   return {};
 }
 
-// Before anything has come, a missing tile is lit: the assembler's choice.
+// Reprojects missing tiles from the previous masks. Without any, they are lit, as the assembler left them.
 Result<void> OwnView::cover(Received& received) {
   AssembledFrame& mask = received.mask;
   if (!masks_ || masks_->mask.grid.lights != mask.grid.lights) return {};

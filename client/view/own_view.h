@@ -1,6 +1,6 @@
-// The client's own half of a frame: rasterises its copy of the scene, as it is at the masks' moment, and shades it with
-// the masks and lights it received; where these are of an earlier camera, by reprojection. Tiles that did not arrive
-// are reprojected from the masks before.
+// The client's part of a frame: rasterises its copy of the scene at the masks' moment, and shades it with the masks and
+// lights that it received, by reprojection if these are of an earlier camera. Tiles that did not arrive are reprojected
+// from the previous masks.
 #pragma once
 
 #include <memory>
@@ -19,29 +19,30 @@ class OwnView {
   // `device`: as gpu::RendererOptions::device; empty: the best one.
   static Result<OwnView> create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device);
 
-  // The picture, without the border, where the device left it: valid until the next call. The exposure is chosen at the
-  // first frame and stays.
+  // The picture, without the border, in the memory that the device wrote: valid until the next call. The exposure is
+  // chosen for the first frame and kept.
   Result<PictureView> draw(const Showing& showing);
   Result<Picture> shade(const Showing& showing);  // the same, copied
-  // What each light sees: base colours, black elsewhere.
+  // A picture for each light: base colours where it shines, black elsewhere.
   Result<std::vector<Picture>> seen_by_lights(const Showing& showing);
 
-  // How wrong a prediction was (mode `auto` learns from it): masks that are shown are kept until those of the camera of
-  // that moment have come, which are predicted from them and compared; then the next are. Mostly: nothing to tell yet.
+  // Measures how wrong a prediction was, for mode `auto` to learn from. The masks shown are kept until those of the
+  // then newest camera have arrived; these are predicted from the kept ones and compared. Then the next masks are kept.
+  // nullopt as long as the masks that are waited for have not arrived, which is the usual case.
   struct Outcome {
     protocol::CameraView earlier, later;
     double error = 0;  // share of the picture's bits
   };
   Result<std::optional<Outcome>> outcome(const Showing& showing);
 
-  uint64_t covered_words() const { return covered_words_; }  // that did not arrive
+  uint64_t covered_words() const { return covered_words_; }  // words that did not arrive and were reprojected
 
  private:
   using ReceivedPtr = std::shared_ptr<const Received>;
   struct Trial {
     gpu::SeenMasks seen;
     ReceivedPtr masks;   // the same
-    uint32_t index = 0;  // whose masks are awaited
+    uint32_t index = 0;  // of the camera whose masks are waited for
   };
 
   Result<PictureView> render(const Showing& showing, gpu::ShadeOptions options);
@@ -52,10 +53,10 @@ class OwnView {
 
   std::unique_ptr<gpu::ReferenceView> view_;
   ViewSize size_;
-  std::vector<protocol::LightInfo> lights_;  // that the view has; empty: the scene's own
+  std::vector<protocol::LightInfo> lights_;  // in use by the view; empty: the scene's own
   std::optional<float> exposure_;
-  ReceivedPtr masks_;                   // the newest, complete: missing tiles covered
-  std::optional<gpu::SeenMasks> seen_;  // the same, rasterised when needed
+  ReceivedPtr masks_;                   // the newest, their missing tiles reprojected
+  std::optional<gpu::SeenMasks> seen_;  // of masks_, rasterised when needed
   std::optional<Trial> trial_;
   uint64_t covered_words_ = 0;
 };

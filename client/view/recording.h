@@ -1,4 +1,4 @@
-// A flight as a video: what was shown, alone or beside what it should have been.
+// Records a flight as a video: what was shown, alone or compared with what it should have been.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace gnomon::client {
 enum class RecordView {
   shown,
   side_by_side,  // shown left, traced by this machine right
-  difference,    // between the two, four times as strong
+  difference,    // between the two, times 4
 };
 Result<RecordView> parse_record_view(std::string_view name);  // "side-by-side"
 
@@ -35,7 +35,7 @@ class Recording {
 
   RecordView view_;
   VideoFile video_;
-  std::unique_ptr<IdealView> ideal_;  // where it is asked for
+  std::unique_ptr<IdealView> ideal_;  // null if only `shown` is recorded
 };
 
 }  // namespace gnomon::client

@@ -1,8 +1,9 @@
 // Arithmetic coding of single bits with given probabilities: a range coder with carry propagation, after G. N. N.
-// Martin, "Range encoding" (1979), in the form of LZMA's (I. Pavlov): 32 bits of range, bytes out.
+// Martin, "Range encoding: an algorithm for removing redundancy from a digitised message" (1979), in the form that LZMA
+// (I. Pavlov) uses: a range of 32 bits, output in bytes.
 //
-// No library fits: those packaged code bytes or symbols with models of their own, while here each bit's probability
-// comes from outside and the encoder must know after any bit how long the payload would be if it ended there.
+// No library fits: the packaged ones code bytes or symbols with models of their own, while here the caller supplies
+// each bit's probability and must know after any bit how long the payload would be if it ended there.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace gnomon::protocol::context {
 
-// Of a bit being 1, in 1/65536. Coders need 1 to 65535.
+// The probability of a bit being 1, in units of 1/65536. Coders accept 1 to 65535.
 using Probability = uint32_t;
 
 inline constexpr uint32_t kLeastRange = 1u << 24;
@@ -20,7 +21,7 @@ class BinaryEncoder {
  public:
   static constexpr bool kDecodes = false;
 
-  // A place to return to.
+  // A state of the coder and of its output to which return_to() goes back.
   struct Mark {
     size_t bytes = 0, waiting = 0;
     uint64_t low = 0;
@@ -29,7 +30,7 @@ class BinaryEncoder {
     bool started = false;
   };
 
-  // Appends to `out`, which outlives the coder.
+  // Appends to `out`, which must outlive the coder.
   explicit BinaryEncoder(std::vector<uint8_t>& out) : out_(out) {}
 
   bool code(bool bit, Probability one) {
@@ -47,7 +48,7 @@ class BinaryEncoder {
     return bit;
   }
 
-  // Bytes that `out` has at most if the coder ends now.
+  // An upper bound of the size that `out` would have if finish() were called now.
   size_t size() const { return out_.size() + waiting_ + kTail; }
 
   Mark mark() const { return {out_.size(), waiting_, low_, range_, cache_, started_}; }
@@ -60,10 +61,10 @@ class BinaryEncoder {
     started_ = mark.started;
   }
 
-  // Writes what is left. A decoder takes zeros for what is behind the end, so those at the end are not written.
+  // Writes what is pending. A decoder reads zeros behind the end, so trailing zeros are not written.
   void finish() {
     const size_t begin = begin_;
-    for (uint32_t bits = 31; bits > 0; --bits) {  // the roundest number that lies within the range
+    for (uint32_t bits = 31; bits > 0; --bits) {  // the number in the range with most trailing zeros
       const uint64_t mask = (uint64_t{1} << bits) - 1;
       const uint64_t rounded = (low_ + mask) & ~mask;
       if (rounded - low_ >= range_) continue;
@@ -77,7 +78,7 @@ class BinaryEncoder {
  private:
   static constexpr size_t kTail = 5;
 
-  // The highest byte leaves. While it is 255 a carry may still run through it: then it waits.
+  // Outputs the highest byte. If it is 255, a later carry may still propagate through it, so it is held back.
   void shift() {
     if (low_ < 0xff000000u || low_ > 0xffffffffu) {
       const auto carry = static_cast<uint8_t>(low_ >> 32);
@@ -97,10 +98,10 @@ class BinaryEncoder {
   uint32_t range_ = 0xffffffff;
   size_t waiting_ = 0;
   uint8_t cache_ = 0;
-  bool started_ = false;  // the first byte that would leave is always 0
+  bool started_ = false;  // the first byte is always 0 and is not written
 };
 
-// Any bytes give some bits.
+// Decodes any bytes to some bits.
 class BinaryDecoder {
  public:
   static constexpr bool kDecodes = true;
@@ -112,7 +113,7 @@ class BinaryDecoder {
   bool code(bool, Probability one) {
     const uint32_t bound = (range_ >> 16) * one;
     if (value_ < bound) {
-      // A branch and no conditional move: what comes next need not wait for the bit where it was foreseen.
+      // Forces a branch instead of a conditional move, so that correctly predicted bits do not delay what follows.
       __asm__ volatile("");
       range_ = bound;
       fill();
@@ -124,7 +125,7 @@ class BinaryDecoder {
     return false;
   }
 
-  // Whether all bytes were looked at: none is left that an encoder would not have written.
+  // Whether all bytes have been read. An encoder writes none that its decoder does not read.
   bool at_end() const { return taken_ >= bytes_.size(); }
 
  private:

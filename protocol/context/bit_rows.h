@@ -1,4 +1,4 @@
-// A picture of bits, eight pixels a byte, the leftmost in the lowest bit, with margins to read beyond its edges.
+// A bitmap, eight pixels per byte, the leftmost in the lowest bit, with margins that may be read beyond its edges.
 #pragma once
 
 #include <bit>
@@ -16,7 +16,7 @@ class BitRows {
   static constexpr int kMarginBytes = 4;  // to the left
   static constexpr int kRightMarginBytes = 16;
 
-  // All 0.
+  // Takes that size, all pixels and margins 0.
   void reset(uint32_t tiles_x, uint32_t tiles_y) {
     tiles_x_ = static_cast<int>(tiles_x);
     tiles_y_ = static_cast<int>(tiles_y);
@@ -27,7 +27,7 @@ class BitRows {
   int width() const { return tiles_x_ * 8; }
   int height() const { return tiles_y_ * 8; }
 
-  // The byte of a tile's row; y from -kMarginRows on.
+  // The byte of pixel row `y` in tile column `tile_x`; `y` is at least -kMarginRows.
   uint8_t* at(int tile_x, int y) {
     return bytes_.data() + static_cast<ptrdiff_t>(y + kMarginRows) * stride_ + tile_x + kMarginBytes;
   }
@@ -43,14 +43,14 @@ class BitRows {
     return word;
   }
 
-  // The 32 pixels from x on, x at least -8 * kMarginBytes.
+  // The 32 pixels of row `y` from `x` on, leftmost in the lowest bit; `x` is at least -8 * kMarginBytes.
   uint32_t window(int x, int y) const {
     uint64_t bits;
     std::memcpy(&bits, at(0, y) + (x >> 3), sizeof bits);
     return static_cast<uint32_t>(bits >> (x & 7));
   }
 
-  // The 64 pixels from x on.
+  // The 64 pixels of row `y` from `x` on, likewise.
   uint64_t wide_window(int x, int y) const {
     const uint8_t* from = at(0, y) + (x >> 3);
     uint64_t bits;
@@ -58,7 +58,7 @@ class BitRows {
     return bits >> (x & 7) | uint64_t{from[8]} << 1 << (63 - (x & 7));
   }
 
-  // Margins continue the picture's edges.
+  // Fills the margins with the pixels at the bitmap's edges.
   void extend() {
     for (int y = 0; y < height(); ++y) {
       std::memset(at(-kMarginBytes, y), (*at(0, y) & 1) != 0 ? 0xff : 0, kMarginBytes);

@@ -1,6 +1,6 @@
-// What a net says, corrected by what this slice has shown so far: adaptive counts of two contexts, mixed with the net's
-// say in the logistic domain by weights that learn. After Mahoney's PAQ mixers; counts adapt quickly at first, slower
-// with what they have seen (state machines of lpaq, "two rates" of H.265's successors).
+// Corrects a net's prediction with the statistics of the slice so far: adaptive counts of two contexts are mixed with
+// the net's output in the logistic domain, with weights that are learned, as by the mixers of M. Mahoney's PAQ. Counts
+// adapt fast at first and slower the more bits they have seen (as lpaq's; compare the two rates of VVC, H.266).
 #pragma once
 
 #include <array>
@@ -26,9 +26,9 @@ struct Count {
     one = static_cast<uint16_t>(one + step);
     seen = static_cast<uint16_t>(seen + (seen < kMostSeen ? 1 : 0));
   }
-  // A coder's probability is never certain.
+  // Kept away from 0 and 1, which a coder cannot code.
   Probability probability() const { return one < 32 ? 32u : one > 65535 - 32 ? 65535u - 32u : one; }
-  // Stretched; less of it while little was seen.
+  // The stretched probability, reduced while few bits have been seen.
   int say() const { return stretch(one) * (seen < 8 ? seen : 8) >> 3; }
 };
 
@@ -53,7 +53,7 @@ class Blend {
     predicted_ = squash(sum >> 16);
     return predicted_;
   }
-  // What the last prediction was of.
+  // Learns the bit that the last prediction was of.
   void learn(bool bit) {
     const int error = (bit ? 65535 : 0) - static_cast<int>(predicted_);
     for (size_t i = 0; i < says_.size(); ++i)

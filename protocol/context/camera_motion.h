@@ -1,4 +1,4 @@
-// Where what a camera sees was in the picture of another one.
+// Maps pixels of one camera's picture to where another camera sees the same surface, if that stands still.
 #pragma once
 
 #include <array>
@@ -12,13 +12,14 @@ namespace gnomon::protocol::context {
 
 class CameraMotion {
  public:
-  // Both pictures of the grid's size.
+  // Both pictures have the grid's size.
   CameraMotion(const CameraView& now, const CameraView& before, const TileGrid& grid);
 
-  // A surface at pixel (x, y), so far from the camera's plane that `nearness` is the inverse of its distance (0: endlessly
-  // far), was at (x, y) and this. None: it was behind the other camera.
+  // The motion of the surface at pixel (x, y) whose distance from the camera's plane is 1 / `nearness` metres (0:
+  // infinitely far): the other picture has it at (x, y) plus this. nullopt if it is behind the other camera, or further
+  // than kMostMotion away.
   std::optional<Motion> at(float x, float y, float nearness) const;
-  // About by how much nearness must grow for a place there to move by so many pixels; huge where it does not move.
+  // Approximately the growth of nearness by which a surface there moves by `pixels`; very large if it does not move.
   float nearness_step(float x, float y, float pixels) const;
 
  private:
@@ -28,8 +29,8 @@ class CameraMotion {
   Place place(float x, float y, float nearness) const;
 
   std::array<Vec3, 3>
-      right_down_out_;  // of one pixel, one pixel and the first pixel's ray, in the other camera's space
-  Vec3 step_;           // of a surface that is near: so far stands the one camera from the other
+      right_down_out_;  // a ray's step per pixel right and down, and the corner's ray; in the other camera's space
+  Vec3 step_;           // position of this camera relative to the other, in the other's space
   float origin_x_, origin_y_, scale_x_, scale_y_;  // pixel = origin + scale * tangent
 };
 

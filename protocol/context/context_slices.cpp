@@ -12,8 +12,8 @@ namespace {
 enum class Form : uint8_t { alone = 0, referenced = 1 };
 constexpr size_t kReferencedHead = 1 + sizeof(uint32_t) + sizeof(uint32_t);
 
-constexpr size_t kMixedBits = 12;      // that a mixed tile is expected to take
-constexpr size_t kSlicesOfAUnit = 12;  // at least, of units that share a light
+constexpr size_t kMixedBits = 12;      // expected of a mixed tile
+constexpr size_t kSlicesOfAUnit = 12;  // expected of a unit, at least, where several share a light
 
 void append_u32(std::vector<uint8_t>& bytes, uint32_t value) {
   for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<uint8_t>(value >> shift));
@@ -24,7 +24,7 @@ uint32_t read_u32(const uint8_t* bytes) {
   return value;
 }
 
-// What one slice at a time is made with or read by.
+// Model and working memory to encode or decode one slice at a time.
 template <bool Referenced>
 struct Kit {
   SliceModel<Referenced> model;
@@ -128,12 +128,12 @@ struct UnitEncoder::Memory {
     append_u32(out->bytes, frame->reference->checksum());
   }
 
-  // As many tiles of one light as fit, from the range's first on.
+  // Encodes as many tiles of one light as fit, from the range's first on, and returns their number.
   template <bool Referenced>
   uint32_t encode_some(const SliceRange& range, Kit<Referenced>& kit) {
     const size_t begin = out->bytes.size();
     const uint32_t end = range.first_tile + range.tile_count;
-    for (uint32_t most = kSegment;; most /= 2) {  // of the first segment, which may be too much for a payload
+    for (uint32_t most = kSegment;; most /= 2) {  // tiles of the first segment, which may not fit a payload
       begin_payload();
       kit.fit(frame->grid);
       BinaryEncoder coder(out->bytes);
@@ -160,7 +160,7 @@ struct UnitEncoder::Memory {
     }
   }
 
-  // All tiles of several lights in one slice. False: they do not fit, and nothing was appended.
+  // Encodes all tiles of several lights as one slice. False if they do not fit; nothing is then appended.
   template <bool Referenced>
   bool encode_lights(const SliceRange& range, Kit<Referenced>& kit) {
     const size_t begin = out->bytes.size();
@@ -211,7 +211,7 @@ void UnitEncoder::encode(FrameTiles& frame, const SliceRange& unit, size_t max_p
 std::vector<SliceRange> plan_units(const FrameTiles& frame, size_t max_payload_bytes) {
   std::vector<SliceRange> units;
   const uint32_t tiles = frame.grid.tile_count();
-  size_t shared_bytes = 0;  // of the last unit, if lights after it may join
+  size_t shared_bytes = 0;  // of the last unit, if further lights may join it; else 0
   for (uint32_t light = 0; light < frame.grid.lights; ++light) {
     const auto classes = std::span(frame.classes).subspan(size_t{light} * tiles, tiles);
     const size_t bytes = (count_mixed(classes) * kMixedBits + tiles / 16) / 8;

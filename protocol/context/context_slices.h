@@ -1,5 +1,5 @@
-// tiles_context: slices whose every decision is coded with the probability that its surroundings give it. WIRE.md has
-// the format; tile_walk.h the order; slice_model.h the probabilities.
+// The codec tiles_context, which codes every decision of a slice with a probability predicted from its surroundings.
+// WIRE.md has the format, tile_walk.h the order and slice_model.h the probabilities.
 #pragma once
 
 #include <optional>
@@ -13,27 +13,27 @@
 
 namespace gnomon::protocol::context {
 
-// A frame laid out for the encoder. Several threads may encode different units of it.
+// A frame laid out for the encoder. Several threads may encode different units of it concurrently.
 struct FrameTiles {
   TileGrid grid;
-  std::vector<PackedClass> classes;          // of each word
-  std::vector<uint64_t> words;               // mixed ones; the others become what a decoder will have
-  const MaskReference* reference = nullptr;  // of the same grid
-  std::optional<CameraMotion> camera;        // since the reference, where it is known
+  std::vector<PackedClass> classes;  // of each word
+  std::vector<uint64_t> words;       // of mixed tiles; encoding fills in the others as a decoder will have them
+  const MaskReference* reference = nullptr;  // of the same grid; not owned; null: none
+  std::optional<CameraMotion> camera;        // motion since the reference, if known
 
-  // `now`: the camera of this frame.
+  // `frame` (may be null) outlives this. `now` is the camera of this frame, nullopt if it is unknown.
   void refer_to(const MaskReference* frame, const std::optional<CameraView>& now);
   void take(const PackedMaskView& mask);
   void take(const TileMaskView& mask);
 };
 
-// One thread's; serves frame after frame.
+// One per thread: it reuses its working memory from frame to frame.
 class UnitEncoder {
  public:
   UnitEncoder();
   ~UnitEncoder();
 
-  // Appends slices of `unit`: whole lights, or some tiles of one light.
+  // Appends the slices of `unit`, which is some lights with all their tiles, or some tiles of one light.
   void encode(FrameTiles& frame, const SliceRange& unit, size_t max_payload_bytes, EncodedFrame& out);
 
  private:
@@ -41,13 +41,13 @@ class UnitEncoder {
   std::unique_ptr<Memory> memory_;
 };
 
-// Parts of a frame that may be encoded side by side: the same ones however many threads there are.
+// Divides a frame into units that may be encoded in parallel. The division does not depend on the number of threads.
 std::vector<SliceRange> plan_units(const FrameTiles& frame, size_t max_payload_bytes);
 
-// As in codec.h.
+// See codec.h.
 bool lacks_reference(std::span<const uint8_t> payload, const TileGrid& grid, const ReferenceShelf* references);
 
-// As decode_slice. Memory is kept for the thread's next call.
+// As decode_slice(), for a range inside the grid. Working memory is kept for the thread's next call.
 Result<void> decode(const SliceRange& range, std::span<const uint8_t> payload, const TileGrid& grid,
                     const ReferenceShelf* references, std::span<uint64_t> words);
 

@@ -3,7 +3,8 @@
 namespace gnomon::protocol::context {
 namespace {
 
-// e^-n/256 in 1/2^40 by repeated multiplication in integers: rounding never depends on a machine.
+// Computes e^(-n/256) in units of 2^-40 by repeated multiplication of integers: rounding does not depend on the
+// machine.
 constexpr std::array<uint16_t, 4096> make_squashed() {
   constexpr uint64_t kOne = uint64_t{1} << 40;
   constexpr uint64_t kStep = 1095225038176;  // e^(-1/256) * 2^40, rounded
@@ -22,7 +23,7 @@ constexpr std::array<uint16_t, 4096> make_squashed() {
 
 constexpr std::array<int16_t, 4096> make_stretched(const std::array<uint16_t, 4096>& squashed) {
   std::array<int16_t, 4096> table{};
-  size_t at = 0;  // squashed grows: its inverse needs one walk
+  size_t at = 0;  // squashed increases, so one pass finds its inverse
   for (size_t p = 0; p < table.size(); ++p) {
     while (at < 2 * kMaxStretched && squashed[at] < p * 16 + 8) ++at;
     table[p] = static_cast<int16_t>(static_cast<int>(at) - kMaxStretched);

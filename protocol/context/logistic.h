@@ -1,5 +1,6 @@
-// Probabilities as stretched numbers, ln(p / (1 - p)) in 1/256, and back, by tables of integers that are the same on
-// every machine. After M. Mahoney, "Adaptive Weighing of Context Models for Lossless Data Compression" (PAQ6, 2005).
+// Converts probabilities to stretched numbers, ln(p / (1 - p)) in units of 1/256, and back, with tables of integers
+// that are the same on every machine. After M. Mahoney, "Adaptive Weighing of Context Models for Lossless Data
+// Compression" (2005).
 #pragma once
 
 #include <algorithm>
@@ -12,9 +13,9 @@ namespace gnomon::protocol::context {
 
 inline constexpr int kMaxStretched = 2047;
 
-// Of kMaxStretched + the stretched number: p in 1/65536.
+// Index: kMaxStretched + the stretched number. Value: p in units of 1/65536.
 extern const std::array<uint16_t, 4096> kSquashed;
-// Of p in 1/4096.
+// Index: p in units of 1/4096. Value: the stretched number.
 extern const std::array<int16_t, 4096> kStretched;
 
 inline Probability squash(int stretched) {

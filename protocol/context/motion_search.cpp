@@ -6,13 +6,13 @@
 namespace gnomon::protocol::context {
 namespace {
 
-constexpr float kAlongStep = 3;               // pixels, from one distance that is tried to the next
+constexpr float kAlongStep = 3;               // pixels between the candidates of successive distances
 constexpr float kNearest = 0.25f;             // metres
-constexpr int kMostTries = 64;                // of distances
-constexpr int kAround = 24, kAroundStep = 4;  // pixels; where nothing is known of cameras
+constexpr int kMostTries = 64;                // distances tried at most
+constexpr int kAround = 24, kAroundStep = 4;  // pixels; without a camera
 constexpr int kFirstStep = 2;
 
-// What a motion costs beside another that is foreseen, in pixels that differ: some 1.2 for each bit that it takes.
+// The price of coding a motion when another is predicted, in pixels that differ: 2 for each bit that it roughly takes.
 int price(const Motion& motion, const Motion& predicted) {
   const auto bits = [](int number) {
     return number == 0 ? 1 : 1 + 2 * std::bit_width(static_cast<unsigned>(std::abs(number)));
@@ -25,8 +25,8 @@ struct BlockPixels {
   static constexpr int kSide = int{kBlock} * 8;
 
   int x = 0, y = 0;                      // of its first pixel
-  std::array<uint64_t, kSide> rows;      // of rows of tiles that have some
-  std::array<uint64_t, kBlock> mixed{};  // which pixels, of each row of tiles
+  std::array<uint64_t, kSide> rows;      // defined in rows of tiles with mixed ones
+  std::array<uint64_t, kBlock> mixed{};  // pixel columns, for each row of tiles
   int tiles = 0;
 
   void add(uint32_t tile_x, uint32_t tile_y, uint64_t word) {
@@ -53,7 +53,7 @@ class BlockSearch {
     least_ = cost;
     best_ = motion;
   }
-  // What stands still moves along a line as the camera does: the further the nearer it is.
+  // As the camera moves, a surface that stands still moves along a line, the further the nearer it is.
   void look_along(const CameraMotion& camera) {
     const float x = static_cast<float>(block_.x) + BlockPixels::kSide / 2,
                 y = static_cast<float>(block_.y) + BlockPixels::kSide / 2;
@@ -80,7 +80,7 @@ class BlockSearch {
   Motion best() const { return best_; }
 
  private:
-  // Of a row of tiles.
+  // The number of pixels that differ in a row of tiles.
   int differing(size_t row, Motion motion) const {
     const int x = block_.x + motion.dx, top = block_.y + static_cast<int>(row) * 8;
     const int y = std::clamp(top + motion.dy, -24, reference_.height() + 8);
@@ -96,7 +96,7 @@ class BlockSearch {
                         block_.mixed[row]);
     return count;
   }
-  // The places of tiles are kept near the picture, one by one.
+  // The same of one tile, whose place is clamped near the picture, as a walk clamps it.
   int differing_tile(size_t row, int tile, int y, int dx) const {
     const int x = std::clamp(block_.x + tile * 8 + dx, -24, reference_.width() + 8);
     int count = 0;
@@ -118,7 +118,7 @@ class BlockSearch {
 void find_motions(const TileGrid& grid, const LightTiles& tiles, const CameraMotion* camera, const BlockRows& rows,
                   std::span<Motion> motions) {
   const uint32_t blocks_x = (grid.tiles_x() + kBlock - 1) / kBlock;
-  std::vector<Motion> found(motions.size());  // what those without mixed tiles are foreseen to be, too
+  std::vector<Motion> found(motions.size());  // blocks without mixed tiles have the predicted one
   for (uint32_t block_y = rows.first; block_y < rows.end; ++block_y) {
     for (uint32_t block_x = 0; block_x < blocks_x; ++block_x) {
       BlockPixels block;

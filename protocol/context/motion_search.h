@@ -1,4 +1,4 @@
-// Where blocks of tiles were in a reference.
+// Finds where blocks of tiles were in a reference.
 #pragma once
 
 #include <span>
@@ -16,11 +16,12 @@ struct BlockRows {
   uint32_t first = 0, end = 0;
 };
 
-// Of one light, whose `tiles` have a reference; `motions` has one for each block of kBlock x kBlock tiles, row by row, and
-// is filled in for those of `rows`. What counts is the pixels that differ. Tried are what neighbours found and, for surfaces at all
-// distances, where `camera` says that they were (null: places all around); then what is near the best, in steps that
-// halve (T. Koga and others, "Motion-compensated interframe coding", 1981). What moves by itself is followed only as far
-// as that goes.
+// Finds the motions of one light's blocks. Precondition: `tiles` has a reference. `motions` has an entry for each block
+// of kBlock x kBlock tiles, row by row; those of `rows` are written. The cost of a motion is the number of pixels of
+// mixed tiles that differ, plus the price of coding it. Candidates are the neighbours' motions and, with `camera`,
+// where surfaces at all distances were if they stand still; without it (null), places all around. The best is then
+// refined in steps that halve, as in the three-step search (T. Koga and others, "Motion-compensated interframe coding
+// for video conferencing", 1981). Surfaces that move by themselves are followed only as far as the refinement reaches.
 void find_motions(const TileGrid& grid, const LightTiles& tiles, const CameraMotion* camera, const BlockRows& rows,
                   std::span<Motion> motions);
 

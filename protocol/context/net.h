@@ -1,9 +1,9 @@
-// Small neural networks that look at what is already known around a pixel or a tile and say how likely the next bit
-// is. They bring what slices of 1.1 kB are too short to learn by themselves.
+// Small neural networks that predict the next bit from what is already known around a pixel or a tile. They contribute
+// statistics that slices of 1.1 kB are too short to learn.
 //
-// One hidden layer of rectified units over binary inputs. Inputs come in groups of eight bits, so that the whole first
-// layer is one table look-up a group and a few additions of 16-bit integers: no float takes part, every machine gets
-// the same. The weights are trained by tests/bench/train_nets.cpp; net_weights.inc has them.
+// Each has one hidden layer of rectified units over binary inputs. Inputs come in groups of eight bits, so that the
+// first layer is one table look-up per group and a few additions of 16-bit integers. No floating point is involved:
+// every machine gets the same result. tests/bench/train_nets.cpp trains the weights, which net_weights.inc holds.
 #pragma once
 
 #include <array>
@@ -13,12 +13,13 @@
 
 namespace gnomon::protocol::context {
 
-// What the eight bits of a group mean: fields from the lowest bit on. A field of one bit has one weight for each
-// hidden unit, which counts when it is set; a wider one has a weight for each of its values.
+// The meaning of a group's eight bits: fields from the lowest bit on. A field of one bit has one row of weights (a
+// weight for each hidden unit), which counts if the bit is set; a wider field has a row for each of its values.
 struct GroupShape {
   std::array<uint8_t, 8> widths{};  // 0: no further field
 
-  // Calls visit(row) for each row of weights that `value` switches on, from `first_row` on. Returns the group's end.
+  // Calls visit(row) for each row of weights that `value` selects. The group's rows begin at `first_row`; returns their
+  // end.
   template <class Visit>
   size_t for_rows(uint32_t value, size_t first_row, Visit visit) const {
     for (const uint8_t width : widths) {
@@ -37,8 +38,8 @@ inline constexpr GroupShape kPixels{{1, 1, 1, 1, 1, 1, 1, 1}};
 inline constexpr GroupShape kPlace{{3, 3, 2}};       // x and y within the tile, class of the tile to the right
 inline constexpr GroupShape kClasses{{2, 2, 2, 2}};  // of four tiles
 
-inline constexpr int kWeightBits = 6;  // of fractions, in the first layer
-inline constexpr int kOutputBits = 8;  // in the second
+inline constexpr int kWeightBits = 6;  // fractional bits of the first layer's weights
+inline constexpr int kOutputBits = 8;  // of the second layer's
 
 template <size_t Groups, size_t Hidden, size_t Outputs>
 class Net {
@@ -49,7 +50,7 @@ class Net {
   using Inputs = std::array<uint8_t, Groups>;
   using Units = std::array<int16_t, Hidden>;
 
-  // `weights`: the rows of all groups, the biases, then for each output a weight for each unit and a bias.
+  // `weights` has the rows of all groups, the hidden biases, then for each output a weight for each unit and a bias.
   Net(const std::array<GroupShape, Groups>& shapes, std::span<const int16_t> weights) {
     size_t row = 0;
     for (size_t group = 0; group < Groups; ++group) {
@@ -85,7 +86,7 @@ class Net {
     std::memcpy(&units, &sum, sizeof sum);
   }
 
-  // Stretched.
+  // The stretched probability (logistic.h) that the output gives.
   int output(const Units& units, size_t output) const {
     int sum = 0;
     for (size_t unit = 0; unit < Hidden; ++unit) sum += int{units[unit]} * int{outputs_[output][unit]};
@@ -93,8 +94,8 @@ class Net {
   }
 
  private:
-  // GCC's and Clang's vectors, which they cut to what the machine has: their loops over plain arrays came out one number
-  // at a time, arrays of smaller vectors went through memory and took twice as long.
+  // The vector extension of GCC and Clang, which divide it into the machine's vectors. They did not vectorise loops
+  // over plain arrays; arrays of smaller vectors went through memory and took twice as long.
   using Lanes [[gnu::vector_size(Hidden * sizeof(int16_t))]] = int16_t;
 
   alignas(64) std::array<std::array<Units, 256>, Groups> tables_;
@@ -102,13 +103,13 @@ class Net {
   std::array<int, Outputs> biases_;
 };
 
-// Of a pixel: its place; the eight to its left; those of the rows above.
+// Inputs of a pixel: its place; the eight pixels to its left; pixels of the rows above.
 using PixelNet = Net<8, 32, 1>;
-// With a reference: its place; to its left, above; five rows of the reference around it.
+// The same with a reference: place; pixels to the left and above; five rows of the reference around it.
 using ReferencePixelNet = Net<10, 32, 1>;
-// Of a tile: classes around; pixels above. Two outputs: mixed; if not, lit.
+// Inputs of a tile: the classes around it; pixels above. Outputs: mixed; if it is not mixed, lit.
 using ClassNet = Net<6, 16, 2>;
-// With a reference: and what the reference has there.
+// The same with a reference: also what the reference has there.
 using ReferenceClassNet = Net<13, 16, 2>;
 
 inline constexpr std::array<GroupShape, 8> kPixelShapes{kPlace,  kPixels, kPixels, kPixels,
@@ -120,13 +121,13 @@ inline constexpr std::array<GroupShape, 13> kReferenceClassShapes{kClasses, kCla
                                                                   kPixels,  kPixels,  kPixels, kPixels, kPixels,
                                                                   kPixels,  kPixels,  kPixels};
 
-// Made at the first call, 400 kB in all; any thread.
+// Created at the first call, 450 kB in all. Any thread.
 const PixelNet& pixel_net();
 const ReferencePixelNet& reference_pixel_net();
 const ClassNet& class_net();
 const ReferenceClassNet& reference_class_net();
 
-// The numbers in net_weights.inc, for the one who trains them.
+// The number of rows of weights of a net, for its trainer.
 template <size_t Groups>
 constexpr size_t rows_of(const std::array<GroupShape, Groups>& shapes) {
   size_t row = 0;

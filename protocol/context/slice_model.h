@@ -1,5 +1,5 @@
-// How likely each decision of a slice is: nets, what corrects them within the slice, and plain counts where a net would
-// be wasted. Encoder and decoder run the same code. One slice at a time.
+// The probability of each decision of a slice: nets, blends that correct them within the slice, and plain counts where
+// a net would be wasted. Encoder and decoder run the same code. One slice at a time.
 #pragma once
 
 #include <algorithm>
@@ -12,17 +12,16 @@
 
 namespace gnomon::protocol::context {
 
-// What a tile is coded as; around a slice there is nothing to know.
+// The class that a tile is coded as; kOutside is for tiles that are not known, as those outside the slice.
 enum : uint8_t { kDark = 0, kLit = 1, kMixed = 2, kOutside = 3 };
 
-// By how many pixels a block of tiles has moved: its pixel (x, y) is to be looked for at (x + dx, y + dy) of the
-// reference.
+// The motion of a block of tiles, in pixels: its pixel (x, y) corresponds to (x + dx, y + dy) of the reference.
 struct Motion {
   int dx = 0, dy = 0;
   friend bool operator==(const Motion&, const Motion&) = default;
 };
 inline constexpr int kMostMotion = 511;
-inline constexpr Motion kAnyMotion{kMostMotion + 1, 0};  // of a block that has no use for one: what costs least
+inline constexpr Motion kAnyMotion{kMostMotion + 1, 0};  // of a block that needs none: the cheapest is coded
 
 inline Motion median(const Motion& a, const Motion& b, const Motion& c) {
   const auto middle = [](int x, int y, int z) { return std::max(std::min(x, y), std::min(std::max(x, y), z)); };
@@ -48,7 +47,7 @@ class SliceModel {
     sizes_.fill(Count{32768, 2});
   }
 
-  // A pixel in whose neighbourhood something happens.
+  // Codes a pixel whose neighbourhood is not uniform.
   template <class Coder>
   bool pixel(Coder& coder, bool bit, const typename Pixels::Inputs& inputs, size_t near, size_t other, size_t set) {
     typename Pixels::Units units;
@@ -57,13 +56,13 @@ class SliceModel {
     pixel_blend_.learn(bit);
     return bit;
   }
-  // A pixel amid others that are all dark or all lit.
+  // Codes a pixel whose neighbourhood is all dark or all lit.
   template <class Coder>
   bool run_pixel(Coder& coder, bool bit, bool around, uint8_t place) {
     return counted(coder, bit, runs_[around][place]);
   }
 
-  // The class that was coded: dark, lit or mixed. A free tile becomes what is likelier.
+  // Codes a tile's class and returns it: kDark, kLit or kMixed. A free tile takes the likelier of dark and lit.
   template <class Coder>
   uint8_t tile(Coder& coder, PackedClass tile_class, const typename Classes::Inputs& inputs, size_t near,
                size_t other, size_t set) {
@@ -78,7 +77,7 @@ class SliceModel {
     lit_blend_.learn(is_lit);
     return is_lit ? kLit : kDark;
   }
-  // A tile amid others that are all dark or all lit.
+  // Codes the class of a tile whose neighbourhood is all dark or all lit.
   template <class Coder>
   uint8_t quiet_tile(Coder& coder, PackedClass tile_class, bool around) {
     if (counted(coder, tile_class == PackedClass::mixed, quiet_[around][0])) return kMixed;
@@ -109,7 +108,7 @@ class SliceModel {
     return bit;
   }
 
-  // Elias gamma of the size, with counts for its length; at most 1,023.
+  // Codes |value|, at most 1,023, in P. Elias's gamma code (1975) with counts for the length, then the sign.
   template <class Coder>
   int number(Coder& coder, int value, size_t axis) {
     constexpr uint32_t kMostBits = 10;
@@ -122,7 +121,7 @@ class SliceModel {
     return coder.code(value < 0, 32768) ? -static_cast<int>(decoded) : static_cast<int>(decoded);
   }
 
-  // Counts that a slice starts with where no net is asked in it: what the net would say.
+  // The counts that code pixels in uniform neighbourhoods begin with what the net would predict there.
   static const Runs& initial_runs() {
     static const Runs runs = [] {
       Runs made;

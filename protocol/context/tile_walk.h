@@ -1,9 +1,10 @@
-// The order in which a slice's decisions are coded, and what each is coded by. One template for the encoder, the
-// decoder and the recorder that nets are trained with, so that they cannot disagree.
+// The order in which a slice's decisions are coded, and the context of each. One template serves the encoder, the
+// decoder and the recorder of the nets' training data, so that they cannot disagree.
 //
-// Tiles go row by row. A row of tiles is cut in segments; of a segment first come the motions of blocks that begin
-// there, then the classes of all tiles, then the pixels of the mixed ones: pixel row by pixel row through the segment,
-// as in JBIG (ITU-T T.82) and JBIG2's refinement (T.88), so that each sees what is above it to both sides.
+// Tiles are coded row by row. A row of tiles is divided into segments. In a segment come first the motions of blocks
+// that it is the first to reach, then the classes of all tiles, then the pixels of the mixed ones: pixel row by pixel
+// row through the segment, as in JBIG (ITU-T T.82) and JBIG2's refinement (T.88), so that the context of each pixel
+// includes what is above it on both sides.
 #pragma once
 
 #include <cassert>
@@ -14,10 +15,10 @@
 
 namespace gnomon::protocol::context {
 
-inline constexpr uint32_t kSegment = 32;  // tiles; segments begin at its multiples
-inline constexpr uint32_t kBlock = 8;     // tiles, each way, that share a motion
+inline constexpr uint32_t kSegment = 32;  // tiles; segments end at its multiples
+inline constexpr uint32_t kBlock = 8;     // tiles; side of a block, which has one motion
 
-// Working memory of a walk; serves one after the other.
+// Working memory of a walk, reused by the next.
 struct WalkMemory {
   BitRows rows;
   std::vector<uint8_t> classes;  // with margins
@@ -25,15 +26,15 @@ struct WalkMemory {
   std::vector<uint8_t> has_motion, had_motion;
 };
 
-// What a walk reads when it encodes, and where it leaves what a decoder would have, of one light.
+// One light's tiles: what a walk reads when it encodes, and where it writes what a decoder has.
 struct LightTiles {
-  std::span<const PackedClass> classes;  // of a decoder: empty
-  std::span<uint64_t> words;             // those of tiles of the walk are replaced
+  std::span<const PackedClass> classes;  // empty in a decoder
+  std::span<uint64_t> words;             // those of the walk's tiles are replaced
   const BitRows* reference = nullptr;
-  std::span<const Motion> motions;  // for each block, row by row
+  std::span<const Motion> motions;  // for each block, row by row; empty in a decoder
 };
 
-// From where on a row of tiles is one segment.
+// The end of the segment that `tile` is in.
 inline uint32_t segment_end(uint32_t tile, uint32_t tiles_x) {
   const uint32_t x = tile % tiles_x;
   return tile - x + std::min((x / kSegment + 1) * kSegment, tiles_x);
@@ -42,7 +43,7 @@ inline uint32_t segment_end(uint32_t tile, uint32_t tiles_x) {
 template <class Coder, class Model>
 class TileWalk {
  public:
-  // `memory.rows` has the grid's size.
+  // Precondition: `memory.rows` has the grid's size. The references outlive the walk.
   TileWalk(Coder& coder, Model& model, const TileGrid& grid, WalkMemory& memory)
       : coder_(coder),
         model_(model),
@@ -57,7 +58,7 @@ class TileWalk {
     memory.had_motion.resize(blocks_x_);
   }
 
-  // Of a light whose tiles from `first` on come next.
+  // Begins a light, whose first segment starts at tile `first`.
   void begin(const LightTiles& light, uint32_t first) {
     light_ = light;
     const auto row = static_cast<int>(first / tiles_x_);
@@ -68,7 +69,7 @@ class TileWalk {
     begin_motions();
   }
 
-  // The tiles [first, end), of one segment.
+  // Codes the tiles [first, end), which are in one segment.
   void segment(uint32_t first, uint32_t end) {
     const auto row = static_cast<int>(first / tiles_x_);
     if (row != row_) {
@@ -117,7 +118,8 @@ class TileWalk {
       memory_.has_motion[block] = 1;
     }
   }
-  // The median of the neighbours that are known, as in H.263; of fewer than three, the left one or the one above.
+  // The median of the left, above and above-right neighbours, as in H.263, if all are known; else the left one; else
+  // the one above; else zero.
   Motion predicted_motion(uint32_t block) const {
     const bool left = block > 0 && memory_.has_motion[block - 1], above = memory_.had_motion[block];
     const bool right = block + 1 < blocks_x_ && memory_.had_motion[block + 1];
@@ -126,7 +128,7 @@ class TileWalk {
     return left ? memory_.motions[block - 1] : above ? memory_.motions_above[block] : Motion{};
   }
 
-  // Where a tile begins in the reference; near the edges no further away than its margins go.
+  // The pixel of the reference at which a tile's counterpart begins, clamped to what its margins cover.
   struct Place {
     int x, y;
   };
@@ -173,7 +175,8 @@ class TileWalk {
     if (uniform != 0) memory_.rows.put(x, row_, uniform);
   }
 
-  // Fills in what a class is told of the reference. 0 or 0xff: all is dark there, or lit, up to two pixels around.
+  // Fills in the inputs of a class that are of the reference. Returns 0 if all is dark there, up to two pixels around,
+  // 0xff if all is lit, else 1.
   uint8_t look_at_reference(int x, typename Model::Classes::Inputs& inputs) const {
     const Place at = in_reference(x);
     uint32_t any = 0, all = ~0u, any_half[2] = {0, 0}, all_half[2] = {~0u, ~0u}, left = 0, right = 0;
@@ -203,17 +206,17 @@ class TileWalk {
     return any == 0 ? 0 : all == 0xfff ? 0xff : 1;
   }
 
-  // The windows of the reference's five rows around the pixel row `y` of a tile.
+  // Reads the windows of the reference's five rows around pixel row `y` of a tile; bit 8 is its leftmost pixel.
   void look_up_reference(int x, int y, uint32_t (&reference)[5]) const {
     const Place at = in_reference(x);
     for (int i = 0; i < 5; ++i) reference[i] = light_.reference->window(at.x - 8, at.y + y + i - 2);
   }
 
-  // One pixel row of a mixed tile.
+  // Codes one pixel row of a mixed tile.
   void code_pixels(int x, int y) {
     const int line = row_ * 8 + y;
     const BitRows& rows = memory_.rows;
-    // Bit 8 is the tile's leftmost pixel.
+    // In each window, bit 8 is the tile's leftmost pixel.
     const uint32_t above1 = window(rows, x, line - 1), above2 = window(rows, x, line - 2),
                    above3 = window(rows, x, line - 3), above4 = window(rows, x, line - 4);
     uint32_t reference[5] = {};
@@ -222,7 +225,7 @@ class TileWalk {
     uint8_t source = 0;
     if constexpr (!Coder::kDecodes) source = static_cast<uint8_t>(word(x) >> 8 * y);
     const auto line_place = static_cast<uint8_t>(y << 3 | *class_at(x + 1, row_) << 6);
-    // Whether anything around is lit, or dark: in windows of 16 pixels and of eight.
+    // Whether any pixel around is lit, and whether all are: in windows of 16 pixels (wide) and of eight.
     uint32_t any_wide = above1 | above2, all_wide = above1 & above2, any = above3, all = above3;
     if constexpr (kReferenced) {
       any |= any_wide;
@@ -270,11 +273,11 @@ class TileWalk {
     *memory_.rows.at(x, line) = static_cast<uint8_t>(left);
   }
 
-  // `above1` begins three pixels to the left, `above2` one.
+  // Bit 0 of `above1` is the pixel three to the left, that of `above2` the one to the left.
   bool code_pixel(const typename Model::Pixels::Inputs& inputs, uint32_t above1, uint32_t above2,
                   const uint32_t (&reference)[5], int i, bool bit) {
     const uint32_t left = inputs[1];
-    const uint32_t nearest = (left >> 7) | (above1 >> 2 & 7) << 1 | (left >> 6 & 1) << 4;  // and one further left
+    const uint32_t nearest = (left >> 7) | (above1 >> 2 & 7) << 1 | (left >> 6 & 1) << 4;  // bit 4: two to the left
     const size_t near = (left >> 4) | (above1 & 0x7f) << 4 | (above2 & 7) << 11;
     size_t other;
     if constexpr (kReferenced) {

@@ -6,27 +6,27 @@
 //   gnomon_open(&options, &client);
 //   ...each frame:
 //   gnomon_look(client, &camera, NULL);
-//   if (gnomon_poll(client, 0, &mask) == GNOMON_OK) ...shade with it, and gnomon_mask_free it when a newer one comes...
+//   if (gnomon_poll(client, 0, &mask) == GNOMON_OK) ...shade with it; gnomon_mask_free it when a newer one arrives...
 //
-// docs/library.md walks through it, and client/c/example.c is a whole program.
+// docs/library.md walks through it, and client/c/example.c is a complete program.
 //
 // Threads. A client belongs to one thread at a time: calls with the same client must not overlap, but it does not
 // matter which threads they come from. Clients share nothing, so different ones may be used at the same time. A mask
 // never changes, so any number of threads may read the same one. Work is done inside your calls alone, and the network
 // is served by gnomon_poll and gnomon_wait_open; the one thread that each client starts only looks up the server's
-// name. No function blocks unless you give it a time to wait, but gnomon_free, which waits for a look-up that is under
-// way. There is no global state and no signal handler.
+// name. No function blocks unless you give it a time to wait, except gnomon_free, which waits for a look-up that is
+// pending. There is no global state and no signal handler.
 //
 // Memory. What you pass is copied before a function returns. A client and a mask are yours until you give them back to
 // gnomon_free and gnomon_mask_free, in any order: masks outlive their client. Texts that a struct points to belong to
 // the client, are never NULL, and last until the next gnomon_wait_open, gnomon_poll or gnomon_free with that client.
 //
 // Structs whose first member is `size` grow with later versions, at their end: set it to sizeof the struct before every
-// call. A library that is newer than your header leaves alone what your struct has no room for; one that is older
+// call. A library that is newer than your header does not touch what your struct has no room for; one that is older
 // accepts what it does not know as long as it is zero, and sets it to zero.
 //
-// Errors. No C++ exception leaves the library. What a function returns below zero is an error, and gnomon_last_error
-// says in a sentence what it was about; functions that take no client fail for wrong arguments alone.
+// Errors. No C++ exception leaves the library. A result below zero is an error, which gnomon_last_error describes in a
+// sentence; functions that take no client fail for wrong arguments only.
 #ifndef GNOMON_GNOMON_H
 #define GNOMON_GNOMON_H
 
@@ -44,22 +44,22 @@
 extern "C" {
 #endif
 
-typedef struct gnomon_client gnomon_client;  // a session with a server, and what it takes to find it again
-typedef struct gnomon_mask gnomon_mask;      // the bits of one camera's picture
+typedef struct gnomon_client gnomon_client;  // a session with a server, which is reopened if it is lost
+typedef struct gnomon_mask gnomon_mask;      // the visibility of one camera's picture
 
 typedef enum gnomon_result {
   GNOMON_OK = 0,
-  GNOMON_NOTHING = 1,        // no error: nothing has come in the time given
-  GNOMON_BAD_ARGUMENT = -1,  // a null pointer, a wrong size, a value out of its range; nothing else has happened
-  GNOMON_NOT_OPEN = -2,  // there is no session now: it is being opened, or the server was lost and is looked for
-  GNOMON_REFUSED = -3,   // the server does not serve this; see gnomon_get_refusal
-  GNOMON_FAILED = -4,    // no such server, another one than expected, or it has ended the session for good
-  GNOMON_CLOSED = -5,    // after gnomon_close
+  GNOMON_NOTHING = 1,        // no error: nothing has arrived in the time given
+  GNOMON_BAD_ARGUMENT = -1,  // a null pointer, a wrong size, a value out of its range; the call has had no effect
+  GNOMON_NOT_OPEN = -2,      // there is no session now: it is being opened, or reopened after the server was lost
+  GNOMON_REFUSED = -3,       // the server refuses to serve this; see gnomon_get_refusal
+  GNOMON_FAILED = -4,        // no such server, another one than expected, or it has ended the session for good
+  GNOMON_CLOSED = -5,        // after gnomon_close
   GNOMON_NO_MEMORY = -6,
-  GNOMON_INTERNAL = -7  // the system lacks something else, or this library is wrong
+  GNOMON_INTERNAL = -7  // the system lacks another resource, or this library has a bug
 } gnomon_result;
-// From GNOMON_REFUSED on they are final: every later call for the network returns the same. Free the client, and open
-// another one if you like.
+// GNOMON_REFUSED and those after it are final: every later call that uses the network returns the same. Free the
+// client, and open another one if you like.
 
 // What a result means, in a few words. Never NULL.
 GNOMON_API const char* gnomon_result_text(gnomon_result result);
@@ -94,109 +94,109 @@ typedef enum gnomon_transport {
 } gnomon_transport;
 
 // Flags of gnomon_options.
-#define GNOMON_STAY_LOST 1u  // a server that is lost is not looked for: GNOMON_FAILED
+#define GNOMON_STAY_LOST 1u  // a session that is lost is not reopened: GNOMON_FAILED
 
-// Zero or NULL is a member's default; those without one are server, scene, width and height.
+// Zero or NULL selects a member's default; server, scene, width and height have none.
 typedef struct gnomon_options {
   size_t size;
   const char* server;       // "HOST:PORT", "[::1]:7600"
   const char* pin;          // the server's certificate: "sha256:HEX", or a file with that in its first line
   const char* authorities;  // without a pin: a PEM file of who may have signed it; else the system's authorities
-  const char* certificate;  // your own, PEM file, where the server takes certificates for tokens
+  const char* certificate;  // your own, a PEM file, for servers that accept certificates instead of tokens
   const char* key;
-  const char* tenant;           // else the server's default one
+  const char* tenant;           // default: the server's default tenant
   const char* token;            // the tenant's secret itself
   const char* scene;            // a name that the server knows, or a file on the server where it allows that
   const char* program;          // name and version of your program, for the server's log
   const char* codec;            // "tiles_lz4", "tiles_context" or "raw32_lz4"; else the server chooses
   uint32_t width, height;       // pixels of the picture that you show
   uint32_t border_x, border_y;  // pixels to be traced around it, left and right together, top and bottom together
-  float rate_hz;                // cameras a second that you mean to send; 0: as many as you get
+  float rate_hz;                // cameras a second that you intend to send; 0: as many as you get
   gnomon_transport transport;
   uint32_t flags;
-  uint32_t open_timeout_ms;  // for the server's first answer, which may load the scene before; 0: 15 seconds
+  uint32_t open_timeout_ms;  // for the server's first answer, before which it may load the scene; 0: 15 seconds
 } gnomon_options;
 
-// Begins to connect, and returns at once. With an error it gives a client too, for gnomon_last_error and gnomon_free
-// alone; only with GNOMON_NO_MEMORY it is NULL.
+// Begins to connect, and returns at once. On an error *client is set too, for use with gnomon_last_error and
+// gnomon_free only; it is NULL if there was no memory for it.
 GNOMON_API gnomon_result gnomon_open(const gnomon_options* options, gnomon_client** client);
 
-// Serves the network until there is a session: GNOMON_OK. GNOMON_NOTHING: there is none yet after that time. A program
-// that cannot wait goes on with gnomon_poll and looks at gnomon_session.state.
+// Serves the network until there is a session (GNOMON_OK) or `timeout_ms` has passed (GNOMON_NOTHING). A program that
+// cannot wait calls gnomon_poll instead and reads gnomon_session.state.
 GNOMON_API gnomon_result gnomon_wait_open(gnomon_client* client, uint32_t timeout_ms);
 
-// Tells the server that this is the end. `reason` is for its log, and may be NULL. The client remains to be freed; what
-// it has told remains to be read.
+// Ends the session. `reason` is for the server's log, and may be NULL. The client must still be freed; what the server
+// has reported can still be read.
 GNOMON_API gnomon_result gnomon_close(gnomon_client* client, const char* reason);
 
-// Closes, if that was not done, and frees. NULL is fine.
+// Closes the client, if it is not closed, and frees it. NULL is allowed.
 GNOMON_API void gnomon_free(gnomon_client* client);
 
-// What the last call with this client that returned an error was about; "" if none has. Lasts until the next call.
+// Describes the error of the last call with this client that returned one; "" if none has. Valid until the next call.
 GNOMON_API const char* gnomon_last_error(const gnomon_client* client);
 
-// ---- Asking and getting
+// ---- Cameras out, masks in
 
-// The camera of this moment. `index`, which may be NULL, counts up with every camera from 0 and is how its mask will be
-// known. The newest camera wins: a server that is busy answers it and passes over those that it replaced.
-// GNOMON_NOT_OPEN: not sent, as there is no session now.
+// Sends the camera of this frame. `index`, which may be NULL, receives its number, counted from 0, by which its mask is
+// identified. The newest camera wins: a busy server answers it and skips those that it replaced. GNOMON_NOT_OPEN: the
+// camera was not sent, as there is no session now.
 GNOMON_API gnomon_result gnomon_look(gnomon_client* client, const gnomon_camera* camera, uint32_t* index);
 
 // Serves the network, waits at most `timeout_ms` (0: not at all) for a mask newer than the last one that it gave, and
-// gives the newest that has come. GNOMON_NOTHING: none has, and *mask is NULL. Call it once a frame also when you do
-// not need a mask, as a session that is not served ends.
+// gives the newest that has arrived. GNOMON_NOTHING: none has, and *mask is NULL. Call it once a frame even if you need
+// no mask, because a session that is not served ends.
 GNOMON_API gnomon_result gnomon_poll(gnomon_client* client, uint32_t timeout_ms, gnomon_mask** mask);
 
 // ---- Masks
 
 typedef struct gnomon_mask_view {
   size_t size;
-  uint32_t index;             // of the camera that these are the masks of
-  gnomon_camera camera;       // itself
-  uint32_t width, height;     // traced pixels, border included: a server under load may give fewer than granted
-  uint32_t lights;            // masks of so many
-  uint32_t tiles_x, tiles_y;  // tiles of 8x8 pixels, the last of a row or column perhaps in part beyond the picture
+  uint32_t index;             // of the camera
+  gnomon_camera camera;       // the camera
+  uint32_t width, height;     // traced pixels, border included; under load a server may trace fewer than granted
+  uint32_t lights;            // number of lights
+  uint32_t tiles_x, tiles_y;  // tiles of 8x8 pixels; the last of a row or column may be in part beyond the picture
   // words[light * tiles_x * tiles_y + tile_y * tiles_x + tile_x], where bit (y % 8) * 8 + x % 8, counted from the least
-  // significant, is pixel (x, y)'s; row 0 is the topmost. The library's own memory: valid as long as the mask.
+  // significant, is that of pixel (x, y); row 0 is the topmost. The library's memory: valid as long as the mask.
   const uint64_t* words;
   size_t word_count;
-  // Numbers, tile_y * tiles_x + tile_x, of the tiles that have not arrived for some light: the words of those are all
-  // ones, so that they cast no false shadow. Mostly none. Valid as long as the mask.
+  // Numbers, tile_y * tiles_x + tile_x, of the tiles that have not arrived for some light. Their words are all ones, so
+  // that they cast no false shadow. Usually there are none. Valid as long as the mask.
   const uint32_t* missing_tiles;
   size_t missing_tile_count;
-  uint32_t scene_time_us;   // where the scene's animations stood
+  uint32_t scene_time_us;   // time within the scene's animations
   uint32_t lights_version;  // of the lights that were traced
-  uint32_t response_us;     // from the camera's sending to the arrival of the last of this mask
-  uint32_t server_us;       // of it, from the camera's arrival there to the sending of the last
-  uint32_t gpu_us;          // of it, rendering
+  uint32_t response_us;     // from the camera's sending to the arrival of this mask's last datagram
+  uint32_t server_us;       // part of it: from the camera's arrival at the server to the mask's sending
+  uint32_t gpu_us;          // part of it: rendering
   uint64_t bytes;           // of payload
 } gnomon_mask_view;
 
 GNOMON_API gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* view);
 
 // 1: the light reaches what the pixel shows, or the tile is missing. 0: it does not. -1: there is no such pixel or
-// light. Bits mean something only where the light shines on the surface at all: there is one, its plane faces the light,
-// and it is within range and cone. Elsewhere they may have any value; multiply them by what the light would bring.
+// light. A bit has a meaning only where the light can shine on the surface: there is one, its plane faces the light,
+// and it is within range and cone. Elsewhere it may have any value; multiply it by the light's unshadowed contribution.
 GNOMON_API int gnomon_mask_lit(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y);
 
 // 1: the tile of that light has arrived. 0: it has not. -1: there is no such tile or light.
 GNOMON_API int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_x, uint32_t tile_y);
 
-// NULL is fine.
+// NULL is allowed.
 GNOMON_API void gnomon_mask_free(gnomon_mask* mask);
 
 // ---- The scene
 
 typedef struct gnomon_scene {
   size_t size;
-  uint32_t revision;  // counts up whenever anything here, a light or a motion has changed; 0: nothing is known yet
+  uint32_t revision;  // counts up whenever anything here, a light or a motion changes; 0: nothing is known yet
   const char* name;
-  uint8_t content_hash[16];  // that of your copy is the same if both have the same triangles: gnomond --check-scene
+  uint8_t content_hash[16];  // equal to your copy's if both have the same triangles: gnomond --check-scene
   uint64_t triangles;
   float bounds_min[3], bounds_max[3];
-  gnomon_camera default_camera;  // a good place to begin; its frustum is that of the traced pixels as granted
+  gnomon_camera default_camera;  // a good start; its frustum is that of the traced pixels as granted
   uint32_t lights;
-  uint32_t lights_version;  // of these lights; what a mask's lights_version is compared with
+  uint32_t lights_version;  // of these lights, to be compared with a mask's lights_version
   uint32_t motions;
 } gnomon_scene;
 
@@ -217,7 +217,7 @@ typedef struct gnomon_light {
 
 typedef enum gnomon_motion_kind { GNOMON_SPIN = 0, GNOMON_SHIFT = 1 } gnomon_motion_kind;
 
-// A motion that the operator gives to nodes of the scene's file, beside its animations: protocol/WIRE.md, "Motion".
+// A motion that the operator assigns to nodes of the scene's file, beside its animations: protocol/WIRE.md, "Motion".
 typedef struct gnomon_motion {
   size_t size;
   const char* node;
@@ -226,12 +226,12 @@ typedef struct gnomon_motion {
   uint32_t period_us;
 } gnomon_motion;
 
-// The scene as the server has told; while a server is looked for, as the last one has.
+// The scene as the server has reported it; while a session is reopened, as it was reported last.
 GNOMON_API gnomon_result gnomon_get_scene(gnomon_client* client, gnomon_scene* scene);
 GNOMON_API gnomon_result gnomon_get_light(gnomon_client* client, uint32_t light, gnomon_light* out);
 GNOMON_API gnomon_result gnomon_get_motion(gnomon_client* client, uint32_t motion, gnomon_motion* out);
 
-// The light that was traced for this mask, which may be older than the scene's.
+// The light as it was traced for this mask, which may be older than the scene's.
 GNOMON_API gnomon_result gnomon_mask_get_light(const gnomon_mask* mask, uint32_t light, gnomon_light* out);
 
 // ---- The session
@@ -239,26 +239,26 @@ GNOMON_API gnomon_result gnomon_mask_get_light(const gnomon_mask* mask, uint32_t
 typedef enum gnomon_state {
   GNOMON_CONNECTING = 0,
   GNOMON_OPEN = 1,
-  GNOMON_LOST = 2,  // it was open; the server is looked for
+  GNOMON_LOST = 2,  // it was open; it is being reopened
   GNOMON_ENDED = 3  // failed, refused or closed
 } gnomon_state;
 
 typedef struct gnomon_session {
   size_t size;
   gnomon_state state;
-  uint64_t id;             // what the server's operator knows this session by
-  uint32_t width, height;  // of masks from now on, border included; may be less than was asked for
+  uint64_t id;             // identifies the session to the server's operator
+  uint32_t width, height;  // of masks from now on, border included; may be less than you asked for
   float rate_hz;           // cameras a second that are answered; 0: no limit but what the server manages
   const char* codec;
   const char* tracer;
-  const char* degraded;  // why that is less than was granted; "" if it is not
-  uint32_t draining_ms;  // not 0: the server said that it ends so long afterwards
+  const char* degraded;  // why these are less than granted; "" if they are not
+  uint32_t draining_ms;  // not 0: the server announced that it ends so long afterwards
 } gnomon_session;
 
 GNOMON_API gnomon_result gnomon_get_session(gnomon_client* client, gnomon_session* session);
 
-// Why a server refused: the code is one of protocol/WIRE.md's refusal codes; 0: none has. What it would have accepted
-// is 0 where nothing of that kind is on offer.
+// Why a server refused: `code` is one of protocol/WIRE.md's refusal codes, 0 if none has refused. The other members are
+// what it would have accepted, 0 if nothing of that kind is on offer.
 typedef struct gnomon_refusal {
   size_t size;
   uint32_t code;
@@ -271,17 +271,17 @@ GNOMON_API gnomon_result gnomon_get_refusal(gnomon_client* client, gnomon_refusa
 typedef struct gnomon_statistics {
   size_t size;
   uint64_t cameras;        // sent
-  uint64_t masks;          // that came whole
-  uint64_t partial_masks;  // that came with tiles missing
-  uint64_t not_given;      // of both, masks that gnomon_poll did not give: a newer one came before it was called
-  uint64_t superseded;     // cameras without answer while a newer one has got one
-  uint64_t unanswered;     // cameras without any
+  uint64_t masks;          // that arrived complete
+  uint64_t partial_masks;  // that arrived with tiles missing
+  uint64_t not_given;      // of both, those that gnomon_poll did not give, as a newer one arrived first
+  uint64_t superseded;     // cameras without an answer while a newer one was answered
+  uint64_t unanswered;     // other cameras without an answer
   uint64_t lost_slices, rebuilt_slices;
   uint64_t received_bytes;
   uint64_t reconnects;  // sessions after the first
   uint64_t resumed;     // control connections that were replaced within a session
   uint64_t in_flight;   // cameras sent since the newest that was answered
-  // As the server said last, about once a second.
+  // As the server last reported, about once a second.
   uint64_t server_frames;
   uint32_t server_queue_us, server_gpu_us, server_total_us;  // means of that second
 } gnomon_statistics;

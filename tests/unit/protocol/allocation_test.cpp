@@ -1,5 +1,5 @@
-// What comes from strangers costs no memory: datagrams are sealed, opened and decoded without allocating, and an
-// encoder that has warmed up encodes without allocating.
+// Untrusted input costs no memory: datagrams are sealed, opened and decoded without allocating, and an encoder that has
+// warmed up encodes without allocating.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace {
 std::atomic<size_t> allocations = 0;
 }
 
-// Not inlined: the compiler would see free() meet what it takes for another operator new.
+// Not inlined, as the compiler would warn of free() for memory that it takes to be of the usual operator new.
 [[gnu::noinline]] void* operator new(size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;

@@ -47,7 +47,7 @@ void expect_sound(const EncodedFrame& frame, CodecId codec, size_t max_payload_b
   }
 }
 
-// Decodes the slices in random order; each must fill in exactly its own words, and all together every word once.
+// Decodes the slices in random order. Each must write exactly its own words, and all together every word once.
 void expect_comes_back(const Mask& mask, const EncodedFrame& frame) {
   std::vector<size_t> order(frame.slices.size());
   std::iota(order.begin(), order.end(), 0);
@@ -126,7 +126,7 @@ TEST(Codec, RandomWordsComeBackAsTheyWere) {
   }
 }
 
-// The bytes are those of the frame unpacked.
+// A packed frame gives the same bytes as the unpacked one.
 TEST(Codec, PackedFramesAreCodedAsTheyUnpack) {
   std::mt19937_64 random(4);
   for (const Mask& mask : {tests::foliage({300, 170, 3}, 1), tests::noise({123, 77, 2}, 2),
@@ -193,7 +193,7 @@ TEST(Codec, MoreSlicesThanAHeaderCanNumberAreAnError) {
   EXPECT_EQ(frame.offsets, std::vector<size_t>{0});
 }
 
-// Decodes into words full of canaries; those outside the slice must survive, whatever comes of it.
+// Decodes into words full of canaries. Those outside the slice must survive, whether it decodes or not.
 bool decode_beside_canaries(const SliceHeader& slice, std::span<const uint8_t> payload, const TileGrid& grid) {
   std::vector<uint64_t> words(grid.word_count(), kCanary);
   const bool decoded = decode_slice(slice, payload, grid, words).has_value();
@@ -220,7 +220,7 @@ TEST(Codec, DamagedPayloadsTouchNoOtherTiles) {
       if (random() % 4 == 0) payload.resize(random() % payload.size());
       refused += !decode_beside_canaries(frame.slices[slice], payload, mask.grid);
     }
-    // A bit of tiles_context that flips gives other tiles; the datagram's seal is what notices.
+    // A flipped bit of tiles_context gives other tiles; only the datagram's seal detects it.
     EXPECT_TRUE(codec == CodecId::tiles_context || refused > 500) << refused;
   }
 }
@@ -273,7 +273,7 @@ TEST(Codec, EveryTruncationIsAnError) {
 }
 
 TEST(Codec, AnLz4BlockThatUnpacksToTooMuchIsAnError) {
-  // One literal, then a match that goes on for a megabyte.
+  // One literal, then a match of a megabyte.
   std::vector<uint8_t> bomb = {1, 0x1f, 0, 1, 0};
   bomb.resize(bomb.size() + (1 << 20) / 255, 0xff);
   bomb.insert(bomb.end(), {0, 0x50, 0, 0, 0, 0, 0});

@@ -18,7 +18,7 @@ using tests::Mask;
 
 constexpr FrameId kBefore{77};
 
-// The same picture some pixels further, as after a turn of the camera.
+// The mask moved by some pixels, as after a turn of the camera.
 Mask moved(const Mask& mask, int dx, int dy) {
   return tests::make_mask(mask.grid, [&](uint32_t x, uint32_t y, uint32_t light) {
     const auto inside = [](int at, uint32_t size) {
@@ -48,7 +48,7 @@ ReferenceShelf shelf_of(const Mask& mask) {
   return shelf;
 }
 
-// Every slice into words of its own.
+// Decodes the slices, the last one first.
 std::vector<uint64_t> decoded(const EncodedFrame& frame, const TileGrid& grid, const ReferenceShelf* shelf) {
   std::vector<uint64_t> words(grid.word_count());
   for (size_t i = frame.slices.size(); i-- > 0;) {
@@ -167,7 +167,7 @@ TEST(Context, AReferenceSavesBytes) {
   EXPECT_LT(referenced, alone / 2);
 }
 
-// 90 degrees wide, looking along -Z; turned to the left by an angle.
+// A camera 90 degrees wide that looks along -Z, turned to the left by an angle (radians).
 CameraView turned_left(double angle) {
   return {.orientation = {0, static_cast<float>(std::sin(angle / 2)), 0, static_cast<float>(std::cos(angle / 2))},
           .tan_up = 0.5f,
@@ -212,7 +212,7 @@ TEST(Context, WhereTheCameraHasTurnedFarItsMotionFindsTheReference) {
   EXPECT_LT(bytes(reference, camera), 0.6 * static_cast<double>(bytes(reference, {})));
 }
 
-// What cameras say is a hint, however wrong.
+// Cameras are only a hint to the search: wrong ones never change what is decoded.
 TEST(Context, CamerasOfAnythingLoseNothing) {
   std::mt19937_64 random(6);
   std::normal_distribution<float> any(0, 1);

@@ -1,4 +1,4 @@
-// Synthetic shadow masks: what real ones are made of, from smooth to noise.
+// Synthetic shadow masks with the features of real ones, from smooth to noise.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct Mask {
   TileMaskView view() const { return {grid, words}; }
 };
 
-// `lit(x, y, light)` for every pixel of the picture.
+// The mask whose pixels `lit(x, y, light)` says are lit.
 template <class Lit>
 Mask make_mask(TileGrid grid, Lit lit) {
   Mask mask{grid, std::vector<uint64_t>(grid.word_count())};
@@ -79,7 +79,7 @@ inline Mask room(TileGrid grid, uint32_t seed) {
   });
 }
 
-// Leaves: the room, and in one part of the picture many small ellipses that hide and let through.
+// Leaves: the room, with many small ellipses in one part of the picture, some dark and some lit.
 inline Mask foliage(TileGrid grid, uint32_t seed) {
   Mask mask = room(grid, seed);
   std::mt19937 random(seed);

@@ -18,14 +18,14 @@ using tests::random_message;
 
 using Bytes = std::vector<uint8_t>;
 
-// What a reader makes of one piece of bytes.
+// Reads one message from bytes that arrive at once.
 Result<std::optional<Message>> read_one(std::span<const uint8_t> bytes) {
   MessageReader reader;
   reader.feed(bytes);
   return reader.next();
 }
 
-// A frame from type and body.
+// A message from its type and body.
 Bytes frame_of(uint16_t type, std::span<const uint8_t> body) {
   const auto length = static_cast<uint32_t>(2 + body.size());
   Bytes frame(6 + body.size());
@@ -114,7 +114,7 @@ TEST(Messages, DamagedMessagesGiveAMessageOrAnError) {
       frame[random() % frame.size()] ^= static_cast<uint8_t>(1u << random() % 8);
     }
     const auto read = read_one(frame);
-    // Whatever was taken is valid: it survives its own encoding.
+    // A message that was accepted is valid: it can be encoded and read again.
     if (read.has_value() && read->has_value()) expect_taken(**read);
   }
 }

@@ -36,7 +36,7 @@ TEST(Parity, AnyLossesUpToItsCountAreRebuilt) {
     const auto parity = make_parity(spans_of(bodies), m);
     Bodies arrived = spans_of(bodies);
     auto shards = shards_of(parity);
-    // Of slices and parity together, m are lost.
+    // Of the slices and parity shards together, m are lost.
     std::vector<size_t> order(k + m);
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::shuffle(order.begin(), order.end(), random);
@@ -64,7 +64,7 @@ TEST(Parity, TooFewShardsRebuildNothing) {
   EXPECT_TRUE(rebuild(arrived, shards_of(parity)).empty());
 }
 
-// Whatever a server sends as parity gives bodies or nothing.
+// Any parity shards give either all missing bodies or none.
 TEST(Parity, NonsenseIsSurvived) {
   tests::Random random(3);
   for (int trial = 0; trial < 2000; ++trial) {

@@ -22,7 +22,7 @@ protocol::CameraView random_camera(Random& random);
 protocol::LightInfo random_light(Random& random);
 protocol::CameraUpdate random_update(Random& random);
 
-// `type`: place in the variant.
+// `type` is the index in the variant.
 protocol::Message random_message(size_t type, Random& random);
 
 }  // namespace gnomon::tests

@@ -16,7 +16,7 @@ using Bytes = std::vector<uint8_t>;
 constexpr SessionId kSession{0x1234567890abcdef};
 constexpr SealSecrets kSecrets{{1, 2, 3, 4, 5, 6, 7, 8}, {9, 10, 11, 12}};
 
-// Both ciphers, everywhere.
+// Every test runs with both ciphers.
 struct SealTest : testing::TestWithParam<CipherId> {
   Seal make(Side side, SessionId session = kSession, const SealSecrets& secrets = kSecrets,
             uint64_t epoch_datagrams = kEpochDatagrams) const {
@@ -55,7 +55,7 @@ TEST_P(SealTest, OpensWhatTheOtherSideSealed) {
   }
 }
 
-// Whoever comes after a side that is gone has its state alone.
+// A successor of a side that has ended has nothing but its state.
 TEST_P(SealTest, GoesOnFromItsState) {
   constexpr uint64_t kEpoch = 16;
   SealState state = first_state(kSecrets, Side::server);
@@ -204,7 +204,7 @@ struct Epochs : SealTest {
   Seal sender = make(Side::client, kSession, kSecrets, kLength);
   Seal receiver = make(Side::server, kSession, kSecrets, kLength);
 
-  // Of the numbers 1 to `count`.
+  // Datagrams with the sequence numbers 1 to `count`, each at its number.
   std::vector<Bytes> send(size_t count) {
     std::vector<Bytes> datagrams(1);
     while (datagrams.size() <= count) datagrams.push_back(sealed(sender));
@@ -234,7 +234,7 @@ TEST_P(Epochs, TheOneBeforeIsStillTaken) {
   EXPECT_TRUE(receiver.open(datagrams[2 * kLength])) << "begins epoch 2";
   EXPECT_TRUE(receiver.open(datagrams[kLength + 1]));
   EXPECT_TRUE(receiver.open(datagrams[2 * kLength - 1]));
-  expect_rejected(datagrams[1], Rejection::replayed, receiver);  // its key is gone
+  expect_rejected(datagrams[1], Rejection::replayed, receiver);  // its key is not kept any more
 }
 
 TEST_P(Epochs, AWholeOneMayBeLostButNotMore) {
@@ -249,12 +249,12 @@ TEST_P(Epochs, AForgedNumberMovesNothing) {
   const auto datagrams = send(4 * kLength);
   EXPECT_TRUE(receiver.open(datagrams[1]));
   Bytes forged = datagrams[2];
-  forged[12] = static_cast<uint8_t>(kLength);  // the sequence number: of the next epoch
+  forged[12] = static_cast<uint8_t>(kLength);  // a sequence number of the next epoch
   for (int i = 0; i < 3; ++i) expect_rejected(forged, Rejection::forged, receiver);
   for (size_t i = 2; i < datagrams.size(); ++i) EXPECT_TRUE(receiver.open(datagrams[i])) << i;
 }
 
-// The same decisions as a set of all numbers ever seen.
+// The window decides as a set of all numbers ever seen would.
 TEST(ReplayWindow, EqualsASetOfWhatWasSeen) {
   std::mt19937_64 random(2);
   for (int run = 0; run < 20; ++run) {

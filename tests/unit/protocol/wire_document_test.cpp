@@ -58,7 +58,7 @@ std::vector<std::pair<int, std::string>> numbered_rows(const std::string& headin
 
 constexpr SessionId kSession{0x1122334455667788};
 
-// Those of the document: 00 01 02 ... for the client, 20 21 22 ... for the server.
+// The document's secrets: 00 01 02 ... for the client, 20 21 22 ... for the server.
 SealSecrets secrets() {
   SealSecrets made;
   std::iota(made.client.begin(), made.client.end(), uint8_t{0x00});
@@ -84,7 +84,7 @@ void expect_packet(const Bytes& made, const std::string& name) {
   EXPECT_EQ(hex(made), hex(packet(name))) << "WIRE.md's packet " << name;
 }
 
-// Both ways: what is written, and what is read.
+// Compares the packet with the message, both written and read.
 template <class M>
 void expect_message(const M& message, const std::string& name) {
   expect_packet(encode(message), name);
@@ -181,7 +181,7 @@ TEST(WireDocument, CameraUpdateIsAsWorkedOut) {
   }
 }
 
-// Epochs of one datagram: the second is sealed with the keys that follow from the document's third secret.
+// With epochs of one datagram, the second datagram is of epoch 2, sealed with the keys of that epoch's secret.
 TEST(WireDocument, TheNextEpochsKeysAreAsWorkedOut) {
   const auto client = seal_of(Side::client, CipherId::aes_128_gcm, 1);
   Bytes datagram;

@@ -1,4 +1,4 @@
-// A client of libgnomon, as an engine has it, and what it asks a scripted server for.
+// A client of libgnomon, as an engine uses it, and the options with which it connects to a scripted server.
 #pragma once
 
 #include <gnomon/gnomon.h>
@@ -14,7 +14,7 @@ inline constexpr uint16_t kWidth = 156, kHeight = 90, kBorder = 4;  // the last 
 inline constexpr TileGrid kGrid{kWidth + kBorder, kHeight + kBorder, 2};
 inline constexpr uint32_t kPatienceMs = 10'000;
 
-// What options point to.
+// Options, and the texts to which they point.
 struct Wanted {
   std::string server, pin = FakeServer::trust().pin;
   gnomon_options options{};
@@ -61,7 +61,7 @@ inline gnomon_camera camera_at(float x) {
 
 inline protocol::Welcome welcome() { return small_welcome(kGrid.width, kGrid.height, kGrid.lights); }
 
-// Welcomes, and waits for the client's end.
+// Sends a Welcome, and waits until the client ends.
 inline void host(Peer& peer) {
   peer.read();
   peer.welcome(welcome());

@@ -1,4 +1,4 @@
-// libgnomon when something is wrong: every error is a result and a sentence, and nothing is thrown.
+// Errors of libgnomon: each is a result and a sentence, and nothing is thrown.
 #include <sys/resource.h>
 
 #include <cstring>
@@ -168,7 +168,7 @@ TEST(CErrors, AStructOfAWrongSizeIsNotTouched) {
   }
 }
 
-// A program that was built with a later header.
+// A struct as a program has it that was built with a later header.
 template <class Struct>
 struct Later {
   Struct known{};
@@ -217,7 +217,7 @@ TEST(CErrors, PollWaitsAsLongAsItIsToldAndNoLonger) {
 TEST(CErrors, WaitingForASilentServerEndsInTime) {
   FakeServer server([](Peer& peer) {
     peer.read();
-    peer.read();  // the client's end
+    peer.read();  // the client ends
   });
   Wanted wanted(server.address());
   wanted.options.open_timeout_ms = 300;
@@ -249,7 +249,7 @@ TEST(CErrors, AClosedClientRemainsClosedAndReadable) {
 
 // ---- exceptions
 
-// Within its life no file can be opened.
+// While it exists, no file can be opened.
 class NoDescriptors {
  public:
   NoDescriptors() {
@@ -268,7 +268,7 @@ TEST(CErrors, WhatTheLibraryBelowThrowsIsAResult) {
   gnomon_client* client = nullptr;
   gnomon_result result;
   {
-    NoDescriptors here;  // Asio throws where it gets no epoll
+    NoDescriptors here;  // Asio throws if it cannot open an epoll descriptor
     result = gnomon_open(&wanted.options, &client);
   }
   EXPECT_EQ(result, GNOMON_INTERNAL);

@@ -1,4 +1,4 @@
-// libgnomon as an engine links it, against a server that plays a script: what it gives.
+// What libgnomon gives an engine that links it, against a scripted server.
 #include <cstring>
 #include <future>
 #include <thread>
@@ -105,7 +105,7 @@ TEST(C, WhatDidNotArriveIsNamedAndLit) {
     if (!camera) return;
     auto encoded = sliced(camera->frame, dark.view(), protocol::kMaxSlicePayloadBytes);
     ASSERT_EQ(encoded.slices.size(), 1u);
-    // The first row of tiles of the first light alone, of two slices.
+    // Only one slice of two: the first row of tiles of the first light.
     protocol::SliceHeader part = encoded.slices[0];
     part.slice_count = 2;
     part.tile_count = kGrid.tiles_x();
@@ -157,7 +157,7 @@ TEST(C, TheNewestMaskIsGivenAndOthersAreCounted) {
     const gnomon_camera camera = camera_at(x);
     ASSERT_EQ(gnomon_look(client.handle, &camera, nullptr), GNOMON_OK);
   }
-  sent.get_future().wait();  // the engine loads a level meanwhile
+  sent.get_future().wait();  // meanwhile the engine does not poll
   gnomon_mask* mask = nullptr;
   ASSERT_EQ(gnomon_poll(client.handle, kPatienceMs, &mask), GNOMON_OK) << client.error();
   gnomon_mask_view view{};

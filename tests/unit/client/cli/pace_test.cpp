@@ -1,4 +1,4 @@
-// Pacing, modes, percentiles, addresses: the small parts around a stream.
+// The small parts around a stream: pacing, modes, percentiles, addresses.
 #include <gtest/gtest.h>
 
 #include "client/cli/latency.h"

@@ -59,7 +59,7 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
       if (!camera) return;
       peer.send_frame(camera->frame, mask.view());
     }
-    peer.read_new_camera();  // by then the last answer has been counted
+    peer.read_new_camera();  // when it arrives, the last answer has been counted
   });
   const LoadOptions options{.server = server.address(),
                             .trust = tests::FakeServer::trust(),

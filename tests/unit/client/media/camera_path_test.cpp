@@ -15,7 +15,7 @@ scenes::CameraPose pose_with_fov(float fov) {
   return pose;
 }
 
-// Where on the picture, in pixels from its middle, a direction in camera space falls.
+// Where a direction in camera space lies on the picture, in pixels from its middle.
 glm::vec2 pixel_from_middle(const protocol::CameraView& view, uint32_t width, uint32_t height,
                             glm::vec3 direction) {
   const float x = direction.x / -direction.z, y = direction.y / -direction.z;
@@ -74,7 +74,7 @@ scenes::ScenePtr moving_scene() {
 }
 
 TEST(CameraPath, FollowsTheScenesAnimationAndRepeatsIt) {
-  const auto path = CameraPath::of_scene(moving_scene());  // the scene lives on in the path
+  const auto path = CameraPath::of_scene(moving_scene());  // the path shares ownership of the scene
   EXPECT_EQ(path.duration_seconds(), 4);
   EXPECT_NEAR(path.at(0).position.x, 0, 1e-5f);
   EXPECT_NEAR(path.at(1).position.x, 2.5f, 1e-5f);

@@ -26,7 +26,7 @@ TEST(AckList, RepeatsEveryEntryAFewTimesAndThenStops) {
   acks.received(FrameId{1}, 5);
   for (int i = 0; i < AckList::kRepeats; ++i) EXPECT_EQ(filled(acks).ack_count, 1);
   EXPECT_EQ(filled(acks).ack_count, 0);
-  acks.received(FrameId{1}, 6);  // news of the same frame
+  acks.received(FrameId{1}, 6);  // another slice of the same frame
   EXPECT_EQ(filled(acks).ack_count, 1);
 }
 

@@ -1,4 +1,4 @@
-// How a session begins and does not begin, against a server that plays a script.
+// How a session is opened or fails to open, against a scripted server.
 #include <gtest/gtest.h>
 
 #include "tests/unit/client/net/fake_server.h"
@@ -88,7 +88,7 @@ TEST(Connection, AnEndBeforeWelcomeIsAnError) {
 TEST(Connection, ASilentServerIsGivenUp) {
   FakeServer server([](Peer& peer) {
     peer.read();
-    peer.read();  // the client's closing
+    peer.read();  // the client closes
   });
   auto options = options_for(server.address());
   options.connect.timeout = 100ms;

@@ -38,7 +38,7 @@ int bound_socket(int type, uint16_t& port) {
 }
 
 SSL_CTX* context_with(const daemon::Identity& identity) {
-  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to whatever its peer has left
+  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to sockets that the peer has closed
   SSL_CTX* const server = SSL_CTX_new(TLS_server_method());
   const auto bio = [](const std::string& pem) { return BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())); };
   BIO* const certificate = bio(identity.certificate);

@@ -1,4 +1,4 @@
-// A server that plays a script to one client, over TLS: for what a real one never does.
+// A server that runs a script for one client, over TLS, and so can do what a real one never does.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ struct ssl_ctx_st;
 
 namespace gnomon::tests {
 
-// The server's end of one connection. Everything waits five seconds at most and then gives nothing.
+// The server's end of one connection. Every read waits five seconds at most and then gives nullopt.
 class Peer {
  public:
   Peer(int listener, ssl_ctx_st* tls);
@@ -31,13 +31,13 @@ class Peer {
   void write_bytes(std::span<const uint8_t> bytes);
   void hang_up();  // without Bye
 
-  // Fills in session and data port, says Welcome.
+  // Fills in session and data port, and sends the Welcome.
   void welcome(protocol::Welcome message);
-  std::optional<protocol::CameraUpdate> read_camera();             // whatever comes
+  std::optional<protocol::CameraUpdate> read_camera();             // repetitions included
   std::optional<protocol::CameraUpdate> read_new_camera();         // skips repetitions
-  std::optional<protocol::CameraUpdate> read_camera_by_control();  // what else comes is passed over
+  std::optional<protocol::CameraUpdate> read_camera_by_control();  // skips other messages
   void send_frame_by_control(FrameId frame, const TileMaskView& mask);
-  // To where the last camera came from.
+  // Those below send to where the last camera came from.
   void send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload);
   void send_frame(FrameId frame, const TileMaskView& mask);
   void send_raw(std::span<const uint8_t> datagram);
@@ -56,7 +56,7 @@ class FakeServer {
  public:
   using Script = std::function<void(Peer&)>;
 
-  // The script runs on a thread of its own once a client has connected; so often, one connection after the other.
+  // The script runs on a thread of its own, once for each of `connections` connections, one after the other.
   explicit FakeServer(Script script, int connections = 1, const daemon::Identity& identity = usual_identity());
   ~FakeServer();  // waits for the script's end
 

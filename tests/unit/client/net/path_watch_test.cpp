@@ -1,4 +1,4 @@
-// When a client gives datagrams up and when it comes back to them, in virtual time.
+// When a client gives up datagrams and when it returns to them, in virtual time.
 #include "client/net/path_watch.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ struct Path {
 
   explicit Path(Transport wanted) : watch(wanted) {}
 
-  // `passes`: a ping is answered before the next is due.
+  // Lets `time` pass. `passes`: each ping is answered before the next is due.
   void live(Nanoseconds time, bool passes) {
     for (const TimePoint end = now + time; now < end; now += PathWatch::kInterval) {
       if (!watch.ping_due(now)) continue;

@@ -1,5 +1,5 @@
-// Which servers a client speaks to: the one whose certificate it was told of, or one that its authority has signed for
-// the name it connected to; in its time in either case.
+// Which servers a client accepts: the one whose certificate it was given the fingerprint of, or one whose certificate
+// its authority has signed for the name that it connected to; within the certificate's validity period in either case.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -22,7 +22,7 @@ Identity made(const CertificateOptions& options, const Identity* issuer = nullpt
   return daemon::make_certificate(options, issuer).value();
 }
 
-// "opened", or why the client does not speak to a server with that certificate.
+// "opened", or why the client does not accept a server with that certificate.
 std::string verdict(const Identity& identity, const Trust& trust) {
   FakeServer server(
       [](Peer& peer) {

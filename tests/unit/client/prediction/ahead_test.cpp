@@ -99,7 +99,7 @@ TEST(Balance, NeverGoesBack) {
   EXPECT_EQ(choose(balance, turning(15, 0.1f), 6), 6u);
 }
 
-// A scene in which turning costs three times what was assumed: learned from what came of predictions.
+// A scene in which motion costs several times what was assumed, which is learned from the errors of predictions.
 TEST(ErrorCurve, LearnsWhatPredictionsTurnOutToBe) {
   ErrorCurve curve(kSize);
   std::mt19937 random(1);

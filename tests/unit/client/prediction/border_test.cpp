@@ -1,4 +1,5 @@
-// The prediction border per side: the same pixels, wherever it lies, and more of them where the camera turns to.
+// The prediction border by side: the picture's pixels are the same wherever it lies, and more of it lies where the
+// camera turns to.
 #include "client/prediction/border.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ TEST(Border, EveryPlaceShowsTheSamePixels) {
     EXPECT_NEAR(shown.tan_right, plain.tan_right, 1e-6f);
     EXPECT_NEAR(shown.tan_up, plain.tan_up, 1e-6f);
     EXPECT_NEAR(shown.tan_down, plain.tan_down, 1e-6f);
-    // All pixels are of one size.
+    // All pixels have the same size.
     EXPECT_NEAR((traced.tan_left + traced.tan_right) / 384, (plain.tan_left + plain.tan_right) / 320, 1e-8f);
     EXPECT_TRUE(protocol::is_valid(traced));
   }

@@ -1,4 +1,4 @@
-// Bits counted by hand.
+// Prediction errors against bits counted by hand.
 #include "client/prediction/prediction_error.h"
 
 #include <gtest/gtest.h>
@@ -63,7 +63,7 @@ TEST(PredictionError, WithoutCareEveryBitOfWhatWasFoundCounts) {
   EXPECT_EQ(little.of({2, 0}, {0, 0, 3, 1}, false).bits, 2u);
 }
 
-// Every pixel: the same count. Every so many: of pixels that are there.
+// With a step of 1 the count is that of all pixels; with a larger one it stays within the picture.
 TEST(PredictionError, OfSomePixelsIsAnEstimate) {
   const tests::Mask seen = tests::noise(kGrid, 2), fresh = tests::noise(kGrid, 3);
   const Window shown{2, 1, 17, 9};

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kFrame = 10ms;
 
-// Cameras at a steady rate, whose masks come `latency` frames later.
+// Cameras at a steady rate, whose masks arrive `latency` frames later.
 struct Playing {
   ShowOrder order;
   uint32_t latency;
@@ -76,7 +76,7 @@ TEST(ShowOrder, PicturesNeverGoBack) {
   Playing run(Mode::predicted, 8, 10);
   run.settled();
   uint32_t last = 0;
-  // The link grows slow, then quick again; answers are lost and overtaken.
+  // The link becomes slow, then fast; some answers are lost or overtaken.
   for (int i = 0; i < 200; ++i) {
     run.latency = i < 60 ? 10 : i < 120 ? 18 : 2;
     if (i % 7 == 3) run.order.answered(run.order.asked_count() / 2, run.now);

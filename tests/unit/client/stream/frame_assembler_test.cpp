@@ -13,7 +13,7 @@ namespace {
 
 constexpr TileGrid kGrid{200, 120, 3};
 
-// A frame as its datagrams carry it.
+// A frame cut into the slices that datagrams carry.
 struct Sliced {
   tests::Mask mask;
   protocol::EncodedFrame encoded;
@@ -115,7 +115,7 @@ TEST(FrameAssembler, GivesUpTheOldestWhenTooManyAreOpen) {
       EXPECT_FALSE(finished->complete());
     }
   }
-  // Older than those that are open, given up or not: too late.
+  // Slices of frames older than the open ones are late, whether their frame was given up or never began.
   EXPECT_EQ(assembler.add(Sliced(96, 96).slice(1)), SliceOutcome::late);
   EXPECT_EQ(assembler.add(Sliced(9, 9).slice(1)), SliceOutcome::late);
   EXPECT_FALSE(assembler.take_finished());
@@ -137,12 +137,12 @@ TEST(FrameAssembler, RefusesSlicesThatContradictGridOrFrame) {
   EXPECT_EQ(with([](auto& h) { h.tile_count = 0xffffffff; }), SliceOutcome::malformed);
   EXPECT_EQ(with([](auto& h) { h.light_count = 4; }), SliceOutcome::malformed);
   EXPECT_EQ(with([](auto& h) { h.first_light = 0xffff; }), SliceOutcome::malformed);
-  // The frame goes on unharmed.
+  // The frame is unharmed.
   for (size_t i = 1; i < sliced.count(); ++i) assembler.add(sliced.slice(i));
   EXPECT_EQ(assembler.take_finished()->words, sliced.mask.words);
 }
 
-// Retransmitted so late that what it refers to is not kept any more.
+// A slice that arrives so late that the frame to which it refers is not kept any more.
 TEST(FrameAssembler, ASliceWhoseReferenceIsGoneIsAsGoodAsLost) {
   const auto mask = tests::noise(kGrid, 5);
   const auto reference = std::make_shared<protocol::MaskReference>(FrameId{1}, mask.view());

@@ -1,4 +1,4 @@
-// A mask as its datagrams carry it.
+// Cuts a mask into the slices that datagrams carry.
 #pragma once
 
 #include <gtest/gtest.h>

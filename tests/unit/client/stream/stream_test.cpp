@@ -1,4 +1,4 @@
-// Cameras out, masks in, against a server that plays a script.
+// Cameras out, masks in, against a scripted server.
 #include <gtest/gtest.h>
 
 #include "tests/unit/client/net/fake_server.h"
@@ -44,7 +44,7 @@ TEST(Stream, GoesOverTheControlConnectionWhereDatagramsDoNotPass) {
   for (const Transport transport : {Transport::automatic, Transport::tcp}) {
     FakeServer server([&](Peer& peer) {
       peer.read();
-      peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));  // and never answers a datagram
+      peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));  // and answers no datagram
       const auto camera = peer.read_camera_by_control();
       if (camera) peer.send_frame_by_control(camera->frame, mask.view());
       peer.read();
@@ -198,10 +198,10 @@ TEST(Stream, AServerThatVanishesIsReportedAndSurvived) {
   watched.stream.ask(camera_at(0));
   ASSERT_TRUE(watched.until([&] { return watched.stream.connection().failure().has_value(); }));
   EXPECT_NE(watched.stream.connection().failure()->message.find("closed the connection"), std::string::npos);
-  watched.stream.ask(camera_at(1));  // goes nowhere, harms nothing
+  watched.stream.ask(camera_at(1));  // is not sent, and does no harm
 }
 
-// Frames have the shape `grid` from the news on; an answer to a camera from before it still has the former one.
+// Once `news` has arrived, frames have the shape `grid`; the answer to an earlier camera still has the former one.
 void expect_old_frames_left_behind(uint64_t features, const protocol::Message& news, const TileGrid& grid) {
   const auto mask = tests::noise(grid, 1);
   FakeServer server([&](Peer& peer) {
@@ -242,7 +242,7 @@ TEST(Stream, AnotherNumberOfLightsLeavesOldFramesBehindWhateverTheirSize) {
                                 {kWidth, kHeight, kLights + 1});
 }
 
-// Datagrams may overtake the news over the control connection, and come long after it.
+// Datagrams may overtake a message of the control connection, and arrive long after it.
 TEST(Stream, SlicesThatSayTheirSizeAreNeverTakenForAnother) {
   const TileGrid half{kWidth / 2, kHeight / 2, kLights};
   const auto mask = tests::noise(half, 1);

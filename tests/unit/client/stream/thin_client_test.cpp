@@ -1,4 +1,4 @@
-// The whole client against a server that plays a script: what it shows, and that it finds its server again.
+// The complete client against a scripted server: what it shows, and that it reconnects.
 #include "client/thin_client.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(ThinClient, ShowsCamerasAheadOfTheirMasks) {
   FakeServer server([&](Peer& peer) {
     peer.read();
     peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
-    const auto camera = peer.read_new_camera();  // answers the first one alone
+    const auto camera = peer.read_new_camera();  // answers only the first one
     if (camera) peer.send_frame(camera->frame, mask.view());
     peer.read();
   });
@@ -65,7 +65,7 @@ TEST(ThinClient, FindsItsServerAgain) {
         peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
         const auto camera = peer.read_new_camera();
         if (camera) peer.send_frame(camera->frame, mask.view());
-        peer.read();  // an acknowledgement, or nothing for a while: then it is gone
+        peer.read();  // a message, or nothing for a while, before it hangs up
         peer.hang_up();
       },
       2);

@@ -1,4 +1,4 @@
-// A stream to a scripted server, and what came of it.
+// A stream to a scripted server, and the answers and messages that it has received.
 #pragma once
 
 #include <gtest/gtest.h>
