@@ -1,4 +1,4 @@
-// From the scene's and the GPU's terms to the wire's and back. Only the daemon knows both.
+// Converts between the types of the scene and the GPU and those of the wire. Only the daemon knows both.
 #pragma once
 
 #include <string>
