@@ -1,4 +1,4 @@
-// Signs of life of the render thread, for a watchdog on another thread.
+// The progress of a render thread, for a watchdog on another thread.
 #pragma once
 
 #include <atomic>
@@ -11,17 +11,17 @@ namespace gnomon::daemon {
 
 class Heartbeat {
  public:
-  // The render thread: something was finished, or there is nothing to do.
+  // The render thread: something was finished, or the thread is idle.
   void beat() {
     excused_until_ = TimePoint::min().time_since_epoch().count();
     beats_.fetch_add(1);
   }
-  // Until then it may say nothing: it does what takes long.
+  // The render thread: no beat() is expected until `time`, because of a long operation.
   void excuse_until(TimePoint time) { excused_until_ = time.time_since_epoch().count(); }
-  // It ended, as it should.
+  // The render thread has ended regularly.
   void end() { ended_ = true; }
 
-  // One other thread: whether there was a sign since the last call.
+  // The watchdog's thread: whether there was a beat() since the last call, or none is expected.
   bool lives(TimePoint now) {
     const uint64_t beats = beats_;
     const bool moved = beats != seen_;
