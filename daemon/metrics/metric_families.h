@@ -1,5 +1,5 @@
-// The series behind Metrics: every family with its name and help, and those that are made at the start. For metrics.cpp
-// alone.
+// The series behind Metrics: every family with its name and help, and the series that are made at the start. Included
+// by metrics.cpp only.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ using prometheus::Gauge;
 using prometheus::Histogram;
 using prometheus::Registry;
 
-// Few, since each tenant has them: frames of a fast GPU, of one that is shared, of one that is overrun.
+// Seconds. Few buckets, since each tenant has them: frames of a fast GPU, of a shared one, of an overloaded one.
 inline const Histogram::BucketBoundaries kFrameBuckets{0.01, 0.03, 0.1, 0.3};
 inline const Histogram::BucketBoundaries kStageBuckets{0.002, 0.01, 0.05};
 
@@ -95,7 +95,7 @@ struct Metrics::Families {
       counter_family(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
   Family<Counter>& late = counter_family(registry, "gnomon_frames_late_total",
                                          "Frames sent after the time until which they were of use.");
-  // Its series are made when there is something to count: most tenants never lose a frame.
+  // These series are made when there is something to count, as most tenants never lose a frame.
   Family<Counter>& tenant_dropped = counter_family(registry, "gnomon_tenant_frames_dropped_total",
                                                    "Views and frames of the tenant that were dropped, by reason.");
   Family<Counter>& scene_buffers =
@@ -171,14 +171,14 @@ struct Metrics::Families {
   Family<Counter>& limit_refusals = counter_family(registry, "gnomon_tenant_refusals_total",
                                                    "Sessions refused a tenant, by the limit that they met.");
 
-  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; null: not used yet
-  // Reserved once: growing moves nothing, so that others may look at the series that were there before.
+  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; nullptr: not used yet
   LinkMetrics links{registry};
   std::vector<DeviceSeries> devices;
+  // Capacity for `names` and `tenants` is reserved once, so that other threads may use entries while more are added.
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
   std::map<std::string, Counter*> scenes;  // by label
-  std::vector<Counter*> faults;            // by Fault; null: made when there is something to count
+  std::vector<Counter*> faults;            // by Fault; nullptr: made when there is something to count
 
   Family<Counter>& family_of(FaultKind kind) {
     switch (kind) {
@@ -190,14 +190,14 @@ struct Metrics::Families {
     return dropped;
   }
 
-  // Made when a codec is used first, and kept: a frame never waits for a scrape that walks the family.
+  // The counter is made when the codec is first used, and kept, so that a frame never waits for a scrape of the family.
   Counter& bytes_of(protocol::CodecId codec) {
     std::atomic<Counter*>& kept = codecs[static_cast<size_t>(codec)];
     if (!kept) kept = &codec_bytes.Add({{"codec", std::string(protocol::to_string(codec))}});
     return *kept;
   }
 
-  // One device needs no label.
+  // A single device gets no label.
   void add_devices(size_t count) {
     for (size_t i = 0; i < count; ++i) {
       const prometheus::Labels label =
