@@ -1,5 +1,5 @@
-// How many sessions there may be in all, of a tenant and from an address, and what a tenant's sessions may ask for
-// together. A permit counts as a session for as long as it exists.
+// Limits the number of sessions in all, of a tenant and from an address, and what a tenant's sessions may ask for
+// together. A permit counts as a session while it exists.
 #pragma once
 
 #include <asio/ip/address.hpp>
