@@ -14,7 +14,7 @@ using nlohmann::json;
 using namespace std::chrono_literals;
 
 constexpr const char* kText = "text/plain; charset=utf-8";
-constexpr size_t kMaxWhy = 200;  // bytes that a client is told
+constexpr size_t kMaxWhy = 200;  // bytes of the reason that the client is sent
 
 }  // namespace
 

@@ -29,7 +29,7 @@ class SessionLinks {
   // Receives what a client has sent over its control connection in place of a datagram.
   void receive(Session& session, const protocol::Data& data);
   // Sends a frame of one of the sessions. Drops and counts it if the session has ended or cannot be reached, or if its
-  // client has not been told of the frame's size and cannot be, as the control connection is lost.
+  // client has not been notified of the frame's size and cannot be, as the control connection is lost.
   void send(EncodedFrame& frame);
   // The session is not served until its client can be reached again.
   void pause(SessionId id) { timers_.remove(id); }

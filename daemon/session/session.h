@@ -74,7 +74,7 @@ class Session {
 
   TimePoint last_heard() const { return last_heard_; }
 
-  // A session that can be resumed goes on without its control connection until `until`.
+  // A session that can be resumed continues without its control connection until `until`.
   bool resumable() const { return static_cast<bool>(stored_); }
   void control_lost(TimePoint until) { resumed_until_ = until; }
   TimePoint resumed_until() const { return resumed_until_; }

@@ -48,7 +48,7 @@ class SessionLimits {
   // `devices`: the number of devices whose time can be booked.
   explicit SessionLimits(const Config& config, size_t devices = 1);
 
-  // Returns a permit, or the refusal that tells which limit is reached.
+  // Returns a permit, or the refusal that names the limit that is reached.
   std::variant<SessionPermit, protocol::Refused> take(TenantId tenant, const asio::ip::address& address);
 
   // Books what the session asks for on its permit. Returns nullopt, or the exceeded limit and what would fit.
