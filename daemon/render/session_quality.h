@@ -16,7 +16,7 @@
 namespace gnomon::daemon {
 
 // Three ladders lead down and up again: the device's (scheduler::Degradation), the link's and the memory's. The client
-// is told of each change of its rate, size and lights, through the sink. The render thread's.
+// is notified of each change of its rate, size and lights, through the sink. Belongs to the render thread.
 class SessionQuality {
  public:
   // At first all that was granted. References outlive this.
