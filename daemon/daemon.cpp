@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr size_t kRecordsPerPermit = 2;         // those that rest have no permit
-constexpr const char* kStoreName = "sessions";  // for the service manager
+constexpr size_t kRecordsPerPermit = 2;         // records that rest have no permit
+constexpr const char* kStoreName = "sessions";  // in the service manager's file descriptor store
 
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
@@ -55,8 +55,8 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
   return made;
 }
 
-// Ports first: they fail at once, a scene may take seconds. Clients are taken when the devices are there, and wait for
-// the scene that they ask for.
+// Ports are opened first, as they fail at once, while a scene may take seconds. Clients are admitted once the devices
+// are open, and wait for the scene that they ask for.
 Result<void> Daemon::bring_up() {
   sharing_policy_.publish(sharing_policy_of(options_.config));
   tenant_directory_.publish(TenantDirectory().with(options_.config.tenants));
@@ -82,7 +82,7 @@ Result<void> Daemon::bring_up() {
   if (auto opened = open_admin(); !opened) return opened;
   if (auto opened = open_devices(); !opened) return opened;
   const std::vector<SceneFile>& list = options_.config.scenes.list;
-  SceneHost::Fetches fetches = fetch_scenes(list, *scenes_);  // before any that a client asks for
+  SceneHost::Fetches fetches = fetch_scenes(list, *scenes_);  // before those that clients ask for
   server_->run();
   if (auto loaded = wait_for_scenes(list, fetches); !loaded) return loaded;
   health_.scenes_loaded = true;
@@ -140,7 +140,7 @@ void Daemon::on_lights(const LightsUpdate& lights) {
   server_->announce_lights(lights);
 }
 
-// After the devices, which say where they are; before the first session, whose frames they encode.
+// Called after the devices are open, as their PCI addresses are needed, and before the first session.
 void Daemon::open_encoders() {
   const Cores usable = usable_cores();
   std::vector<Cores> near;
@@ -189,7 +189,7 @@ Result<void> Daemon::apply(const Config& next) {
   devices_.set_terms(sharing);
   tls_.publish(*tls);
   admin_->set_token(*token);
-  tenant_directory_.publish(directory);  // last: whoever learns of a tenant finds all that it needs
+  tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms
   server_->close_closed_tenants();
   log::info("configuration reloaded", {{"policy", sharing.policy}, {"pin", protocol::to_string((*tls)->pin)}});
   return {};
@@ -206,13 +206,13 @@ void Daemon::drain() {
   store_->forget_resting();
 }
 
-// Nobody is refused meanwhile: who has lost the connection tries again until somebody answers.
+// No client is refused meanwhile: the acceptor is closed first, and clients reconnect until the next process answers.
 void Daemon::give_up() {
   server_->leave();
   stop();
 }
 
-// The flow's own order: no more views, then the frames on the device, in the pool, on the wire; then the rest.
+// The order of the flow: no more views, then the frames on the devices, in the pool and on the wire; then the rest.
 void Daemon::stop() {
   health_.draining = true;
   devices_.stop();

@@ -1,4 +1,4 @@
-// The daemon as a whole: every part made, connected and, in the end, stopped in the right order.
+// The daemon as a whole: makes every part, connects them, and stops them in the right order.
 #pragma once
 
 #include <functional>
@@ -20,44 +20,44 @@ namespace gnomon::daemon {
 class Daemon final : private FrameSink {
  public:
   struct Options {
-    Config config;                                // scene files found, passes named
+    Config config;                                // after find_files(), with passes set
     std::vector<RendererFactory> make_renderers;  // one for each device
     std::string version;
-    std::function<void()> on_drain = {};           // any thread: an operator asks for what SIGTERM asks for
-    std::function<void(const Error&)> on_failure;  // from a render thread, once: no device is left
-    // Reads the configuration anew and calls reload() on the main thread, then the argument. Any thread may ask.
+    std::function<void()> on_drain = {};           // an operator requests a drain, as SIGTERM does; any thread
+    std::function<void(const Error&)> on_failure;  // called once, on a render thread, when no device is left
+    // Reads the configuration again and calls reload() on the main thread, then its argument. Any thread may call it.
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
   };
 
-  // Returns when clients are served: device open, scenes resident, ports open. A client of a scene that is resident
-  // before the others is served at once. Error: which of them failed, and why.
+  // Blocks until the devices and ports are open and the configured scenes are resident. A client of a scene that is
+  // resident before the others is served at once. The error names what failed and why.
   static Result<std::unique_ptr<Daemon>> start(Options options);
   ~Daemon();  // drains without waiting for clients
 
-  // Admits nobody, tells the clients, waits up to server.drain_timeout_ms for them to leave, finishes the frames in
-  // flight and closes. A device that hangs or a scene that is being read makes it wait for them.
+  // Admits no more clients, notifies those that there are, waits up to server.drain_timeout_ms for them to leave,
+  // finishes the frames in flight and closes every session. Blocks longer if a device hangs or a scene is being read.
   void drain();
 
-  // In the place of drain(), where no device is left: clients are told nothing, and whoever comes after us with the same
-  // memory goes on with their sessions.
+  // Instead of drain() if no device is left: sessions that can be resumed are left, without a message to their clients,
+  // to the next process, which gets the same memory from the service manager.
   void give_up();
 
-  // Shares the device on the terms of `next` from now on and takes its tenants, limits and log level, for new connections
-  // the certificates that it names, and the operators' token: their files are read again. No session is dropped, but
-  // those of tenants that it names no more. What else differs needs a restart, which the log says. The main thread.
-  // An error in the place of a configuration is counted and given back.
+  // Applies the sharing terms, tenants, limits and log level of `next`, its certificates (for new connections) and the
+  // operators' token, whose files are read again. No session is closed except those of tenants that `next` no longer
+  // names. Other differences need a restart; the log says so. An error in place of a configuration is counted and
+  // returned. The main thread.
   Result<void> reload(const Result<Config>& next);
 
-  // The session's frames are coded so from the next one on; its client must have said that it decodes this. Any thread.
+  // The session's frames use the codec from the next one on. Precondition: its client decodes it. Any thread.
   void choose_codec(SessionId session, protocol::CodecId codec) { devices_.choose_codec({session, codec}); }
 
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }
-  protocol::Pin pin() const { return (*tls_.get())->pin; }  // of new connections
+  protocol::Pin pin() const { return (*tls_.get())->pin; }  // of the certificate for new connections
   Metrics& metrics() { return metrics_; }
   std::vector<Heartbeat*> heartbeats() { return devices_.heartbeats(); }  // for one watchdog
-  void alive(TimePoint at) { health_.alive_at = at; }                     // it found them all alive
+  void alive(TimePoint at) { health_.alive_at = at; }                     // the watchdog found all of them alive
   std::string summary() const;                                            // one line; any thread
 
  private:
@@ -74,7 +74,7 @@ class Daemon final : private FrameSink {
   Result<void> open_admin();
   void stop();
 
-  // What stands below may use what stands above, and goes first; stop() has ended all threads before.
+  // Each member may use those above it and is destroyed before them; stop() has ended all threads before.
   const Options options_;
   const SceneCatalog catalog_;
   Health health_;

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kStopTime = 1500ms;  // beyond server.drain_timeout_ms, for frames in flight and last words
+constexpr auto kStopTime = 1500ms;  // beyond server.drain_timeout_ms, for frames in flight and the last messages
 
 struct Arguments {
   std::filesystem::path config;
@@ -33,7 +33,7 @@ int fail(const Error& error) {
   return EXIT_FAILURE;
 }
 
-// Built and installed trees look alike: bin/gnomond beside share/gnomon/scenes.
+// Build trees and installed trees have the same layout: bin/gnomond and share/gnomon/scenes.
 std::filesystem::path share_folder() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -58,7 +58,7 @@ Result<Config> load_config(const Arguments& arguments) {
   return config;
 }
 
-// As it stands before a port's colon.
+// The address as it is written before a colon and a port: IPv6 in brackets.
 std::string bracketed(const std::string& address) {
   const bool v6 = address.find(':') != std::string::npos;
   return v6 ? std::string("[").append(address).append("]") : address;
@@ -74,7 +74,7 @@ void print_ready_line(const Daemon& daemon, const Config& config) {
   std::fflush(stdout);
 }
 
-// Whatever hangs, device or disk: the process is gone when it was promised to be.
+// Ends the process at the deadline, even if a device or a disk hangs.
 void leave_at(TimePoint deadline) {
   std::thread([deadline] {
     std::this_thread::sleep_until(deadline);
@@ -83,7 +83,7 @@ void leave_at(TimePoint deadline) {
   }).detach();
 }
 
-// The file and the command line are read again. A mistake in them changes nothing.
+// Reads the file and the command line's overrides again. An error in them leaves the configuration unchanged.
 Result<void> reload(Daemon& daemon, const Arguments& arguments) {
   supervisor::reloading();
   auto done = daemon.reload(load_config(arguments));
@@ -92,11 +92,11 @@ Result<void> reload(Daemon& daemon, const Arguments& arguments) {
   return done;
 }
 
-// SIGHUP.
+// Reloads the configuration at each SIGHUP.
 void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
   hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
     if (error) return;
-    (void)reload(daemon, arguments);  // it has logged what there is to say
+    (void)reload(daemon, arguments);  // it logs its errors
     reload_on_hangup(hangup, daemon, arguments);
   });
 }
@@ -111,14 +111,14 @@ int serve(const Config& config, const Arguments& arguments) {
     });
   };
   const auto drain = [&] { asio::post(events, [&] { events.stop(); }); };
-  Daemon* running = nullptr;  // until the events end
+  Daemon* running = nullptr;  // set before the events run
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
     asio::post(events, [&, answer] { answer(reload(*running, arguments)); });
   };
   auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed, ask_for_reload});
   if (!daemon) return fail(daemon.error());
   running = daemon->get();
-  asio::signal_set signals(events, SIGTERM, SIGINT);  // before this, while scenes load, a signal simply ends us
+  asio::signal_set signals(events, SIGTERM, SIGINT);  // a signal before this, while scenes load, ends the process
   signals.async_wait([&](asio::error_code, int) { events.stop(); });
   asio::signal_set hangup(events, SIGHUP);
   reload_on_hangup(hangup, **daemon, arguments);

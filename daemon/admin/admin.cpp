@@ -11,10 +11,10 @@ namespace {
 constexpr size_t kLeastToken = 16;  // characters
 constexpr const char* kTokenKey = "admin.token_file";
 
-// A web page of a stranger that the operator's browser shows may post here too, but not as JSON.
+// A foreign web page in the operator's browser can post here too (cross-site request forgery), but not as JSON.
 bool is_json(const HttpRequest& request) { return request.content_type.starts_with("application/json"); }
 
-// How long that takes says nothing of the token.
+// Compares in a time that does not depend on the token.
 bool shows(const HttpRequest& request, const TokenHash& token) {
   constexpr std::string_view kScheme = "Bearer ";
   const std::string_view header = request.authorization;

@@ -1,5 +1,5 @@
-// The operators' pages: a few, made anew for each request. Loopback by default. Whoever reaches it may look; who
-// posts, and so changes something, needs the token where one is configured.
+// The admin server: pages that are generated for each request, and actions. It listens on loopback by default. Pages
+// are open to everybody who can reach it; actions, which are posted, need the token if one is configured.
 #pragma once
 
 #include <functional>
@@ -18,21 +18,21 @@
 
 namespace gnomon::daemon {
 
-// The hash of what stands in the first line of admin.token_file; none: no token is configured. Error: the file cannot
-// be read or is read by others, it is too short, or there has to be one.
+// The hash of the first line of admin.token_file; nullopt if no token is configured. Error if the file cannot be read,
+// others may read it, the token is too short, or the address needs one.
 using OperatorToken = std::optional<TokenHash>;
 Result<OperatorToken> read_operator_token(const AdminConfig& config);
 
 class Admin {
  public:
-  // Path ("/metrics") -> what makes the page. Called from the HTTP server's threads, several at a time.
+  // Path ("/metrics") -> the function that makes the page. Called on the HTTP server's threads, several at a time.
   using Pages = std::map<std::string, std::function<Page()>>;
-  // Regular expression of paths that something is posted to ("/scenes/(.+)/lights/([0-9]+)") -> what answers, given the
-  // expression's groups and the body, which is JSON. The same.
+  // Regular expression of the path of a POST ("/scenes/(.+)/lights/([0-9]+)") -> the function that answers, given the
+  // expression's groups and the body, whose Content-Type is JSON. Called on the same threads.
   using Actions =
       std::map<std::string, std::function<Page(const std::vector<std::string>& groups, const std::string& body)>>;
 
-  // Error: the port is taken, or as read_operator_token().
+  // Error if the port cannot be opened, or as read_operator_token().
   static Result<std::unique_ptr<Admin>> start(const AdminConfig& config, Pages pages, const Actions& actions,
                                               Metrics& metrics);
   ~Admin();  // waits for requests in progress

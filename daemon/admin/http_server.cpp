@@ -23,7 +23,7 @@ namespace http = boost::beast::http;
 using net::ip::tcp;
 using namespace std::chrono_literals;
 
-constexpr size_t kThreads = 2;  // that answer: so many for those who look, and for those who change something
+constexpr size_t kThreads = 2;  // of each pool: one pool answers GET, the other POST
 constexpr size_t kMaxHeader = 8192;
 constexpr size_t kMaxRequestBody = 4096;
 constexpr auto kResponseTime = 5s;  // for a client to read the answer
@@ -61,7 +61,7 @@ http::response<http::string_body> to_response(Page page) {
   response.set(http::field::content_type, page.content_type);
   response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
-  // The page needs nothing from elsewhere, and nobody else may show it.
+  // The page loads nothing from elsewhere, and no other page may embed it.
   response.set("Content-Security-Policy",
                "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
                "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
@@ -72,7 +72,7 @@ http::response<http::string_body> to_response(Page page) {
   return response;
 }
 
-// What the reader did not take: an answer, if it is a mistake of the request's.
+// The page that answers a request that could not be read; nullopt if the connection failed or ended.
 std::optional<Page> complaint(const beast::error_code& error) {
   if (error == http::error::end_of_stream || error == http::error::partial_message) return std::nullopt;
   if (error == http::error::body_limit) return Page{.status = 413, .body = "the body is too long\n"};
@@ -126,7 +126,7 @@ class HttpServer::Impl::Connection : public std::enable_shared_from_this<Connect
     stream_.close();
   }
 
-  // All of the request within its time, however often a byte of it comes.
+  // The deadline is for the complete request, however slowly its bytes arrive.
   void read() {
     stream_.expires_after(kRequestTime);
     http::async_read(stream_, buffer_, parser_,
@@ -181,7 +181,8 @@ class HttpServer::Impl::Connection : public std::enable_shared_from_this<Connect
     if (place_) server_.connections.erase(*std::exchange(place_, std::nullopt));
   }
 
-  // Closing now, with bytes of the client unread, would reset the connection and could take the answer with it.
+  // Closing the socket while bytes of the client are unread would reset the connection, and the client could lose the
+  // answer.
   void wait_for_end() {
     stream_.async_read_some(net::buffer(rest_), [self = shared_from_this()](beast::error_code error, size_t) {
       if (!error) self->wait_for_end();
@@ -190,7 +191,7 @@ class HttpServer::Impl::Connection : public std::enable_shared_from_this<Connect
 
   beast::tcp_stream stream_;
   Impl& server_;
-  std::optional<std::list<Connection*>::iterator> place_;  // none: it is being closed
+  std::optional<std::list<Connection*>::iterator> place_;  // nullopt if it is being closed
   State state_ = State::asking;
   bool head_ = false;
   beast::flat_buffer buffer_{kMaxHeader + kMaxRequestBody};
@@ -222,7 +223,7 @@ void HttpServer::Impl::accept() {
       make_room();
       return accept();
     }
-    // Out of descriptors, most likely. Those who wait stay in the kernel's queue until some come free.
+    // Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
     retry.expires_after(kRetryAccept);
     retry.async_wait([this](beast::error_code cancelled) {
       if (!cancelled) accept();
@@ -230,7 +231,7 @@ void HttpServer::Impl::accept() {
   });
 }
 
-// Who waits for us is not to blame for it.
+// Connections that wait for our answer are not closed, as the delay is ours.
 void HttpServer::Impl::make_room() {
   if (connections.size() <= kMostConnections) return;
   const auto oldest = std::find_if(connections.begin(), connections.end(),

@@ -1,6 +1,7 @@
-// HTTP for a few operators, with strangers at the door: one thread reads all requests, so that who says nothing, or a
-// byte at a time, keeps nobody waiting; others answer them. Whoever waits for us is bounded by kMostAnswering, whoever
-// we wait for by number and time: when there are too many the oldest has to go.
+// An HTTP server for a few trusted operators among untrusted clients. One thread reads all requests, so that a client
+// that sends nothing, or a byte at a time, delays nobody; other threads answer them. Requests that are being answered
+// are bounded by kMostAnswering. Connections that we wait for are bounded in number and time: when there are too many,
+// the oldest is closed.
 #pragma once
 
 #include <chrono>
@@ -31,18 +32,19 @@ class HttpServer {
  public:
   static constexpr size_t kMostConnections = 256;
   static constexpr size_t kMostAnswering = 64;
-  static constexpr std::chrono::seconds kRequestTime{1};  // for a client to say what it wants
+  static constexpr std::chrono::seconds kRequestTime{1};  // for a client to send its request
 
-  // Called by threads of ours, several at a time. Who looks never waits for what those do who change something.
+  // Called on the server's threads, several at a time. GET and POST have threads of their own, so that a GET never
+  // waits for a POST.
   using Answer = std::function<Page(const HttpRequest&)>;
   struct Answers {
     Answer get;
     Answer post;
   };
 
-  // Error: the port is taken. `metrics`: counts who is turned away.
+  // Error if the port cannot be opened. `metrics` counts connections that are closed before they have asked.
   static Result<std::unique_ptr<HttpServer>> start(const AdminConfig& config, Answers answers, Metrics& metrics);
-  ~HttpServer();  // answers what has been asked
+  ~HttpServer();  // blocks until received requests are answered
 
   uint16_t port() const;
 

@@ -1,4 +1,4 @@
-// The parts of a daemon that its operators look at and change.
+// The parts of a daemon that its operators inspect and change.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace gnomon::daemon {
 
-// All of it outlives whoever holds this, and may be used from any thread.
+// Everything referred to outlives the holder and may be used on any thread.
 struct OperatedParts {
   std::string version;
   const SceneCatalog& catalog;

@@ -14,13 +14,13 @@ using nlohmann::json;
 using namespace std::chrono_literals;
 
 constexpr const char* kText = "text/plain; charset=utf-8";
-constexpr size_t kMaxWhy = 200;  // bytes that a client is told
+constexpr size_t kMaxWhy = 200;  // bytes of the reason that the client is sent
 
 }  // namespace
 
 Operations::Operations(OperatedParts parts) : parts_(std::move(parts)) {}
 
-// Says what is wrong before the render thread is asked; that it was asked is all that it says otherwise.
+// The change is checked here, before it is sent to the render threads, which apply it later: the answer is "accepted".
 Page Operations::change_light(const std::string& name, const std::string& light, const std::string& body) {
   const auto resident = parts_.scenes.resident();
   const auto scene = resident.find(name);
@@ -59,12 +59,12 @@ Page Operations::drain_device(const std::string& number, bool drained) {
 
 Page Operations::begin_drain() {
   if (!parts_.begin_drain) return {501, kText, "this daemon cannot be drained from here\n"};
-  parts_.health.draining = true;  // at once: main may be busy
+  parts_.health.draining = true;  // at once, as the main thread may be busy
   parts_.begin_drain();
   return {202, kText, "draining\n"};
 }
 
-// Those who answer may end before they do: a daemon that stops keeps nobody waiting.
+// A daemon that is stopping may never fulfil `done`, so the wait ends when it drains.
 Page Operations::await(std::future<Result<void>> done, const char* what) {
   while (done.wait_for(50ms) != std::future_status::ready) {
     if (parts_.health.draining) return {503, kText, "the server is stopping\n"};
@@ -73,7 +73,7 @@ Page Operations::await(std::future<Result<void>> done, const char* what) {
   return result ? Page{200, kText, std::string(what) + "\n"} : Page{409, kText, result.error().message + "\n"};
 }
 
-// One at a time: each holds a thread of this server's few for as long as it takes.
+// One scene at a time, as each request occupies one of the server's few threads until the scene is resident.
 Page Operations::load_scene(const std::string& asked) {
   const std::string name = parts_.catalog.find(asked);
   if (name.empty()) return {404, kText, "the configuration has no such scene\n"};
@@ -92,7 +92,7 @@ Page Operations::unload_scene(const std::string& asked) {
   return gone ? Page{200, kText, "unloaded\n"} : Page{409, kText, gone.error().message + "\n"};
 }
 
-// The main thread reads and applies; this one waits for what it says.
+// The main thread reads and applies the configuration; this thread waits for the result.
 Page Operations::reload_page() {
   if (!parts_.ask_for_reload) return {501, kText, "this daemon has no configuration file\n"};
   auto done = std::make_shared<std::promise<Result<void>>>();

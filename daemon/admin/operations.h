@@ -1,4 +1,4 @@
-// What operators see and do over HTTP: the handlers of the admin server's pages and actions.
+// The handlers of the admin server's pages and actions.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace gnomon::daemon {
 
-// Called from the admin server's threads, several at a time. Outlives that server.
+// Called on the admin server's threads, several at a time. Outlives that server.
 class Operations {
  public:
   explicit Operations(OperatedParts parts);
@@ -29,7 +29,7 @@ class Operations {
   Page change_light(const std::string& scene, const std::string& light, const std::string& body);
 
   OperatedParts parts_;
-  std::atomic<bool> loading_{false};  // a scene that an operator asked for
+  std::atomic<bool> loading_{false};  // an operator's request to load a scene is in progress
 };
 
 }  // namespace gnomon::daemon

@@ -1,4 +1,4 @@
-// The operators' page: the files of daemon/admin/page/ as text, put in by the build.
+// The operators' page: the files of daemon/admin/page/ as text, embedded by the build.
 #pragma once
 
 namespace gnomon::daemon {

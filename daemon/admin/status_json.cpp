@@ -14,7 +14,7 @@ const char* state_of(const SceneReport& scene) {
   return scene.progress.lights.empty() ? "ready" : "building";
 }
 
-// What the tracer builds for the scene's lights. Until it is ready frames are as exact, and cost more.
+// How far the build of the scene's light buffers is. Until it is complete, frames are as exact but cost more.
 json to_json(const SceneReport& scene) {
   return {{"state", state_of(scene)},
           {"percent", 100 * scene.built_share()},
@@ -61,7 +61,7 @@ json to_json(const TenantReport& tenant) {
           {"cost_error", tenant.predicted_error}};
 }
 
-// Ids are 64 bits: as text, for readers whose numbers are doubles.
+// Ids have 64 bits and are given as text, for readers whose numbers are doubles.
 json to_json(const SessionStatus& session, const std::string& tenant) {
   return {{"id", std::to_string(session.id.value)},
           {"tenant", tenant},
@@ -113,7 +113,7 @@ std::string status_json(const OperatedParts& parts) {
   for (const SessionStatus& session : sessions) {
     status["sessions"].push_back(to_json(session, directory->name(session.tenant)));
   }
-  // A scene file's name may be no UTF-8: shown with replacement characters, never an exception.
+  // A scene file's name may not be valid UTF-8: replacement characters avoid an exception.
   return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

@@ -1,4 +1,4 @@
-// What `/status` answers, and with it `gnomonctl status` and the operators' page.
+// The answer to `/status`, on which `gnomonctl status` and the operators' page are based.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace gnomon::daemon {
 
-// JSON in UTF-8 with a line end. Any thread; it waits for no other.
+// JSON in UTF-8, ending with a newline. Any thread; it waits for no other thread.
 std::string status_json(const OperatedParts& parts);
 
 }  // namespace gnomon::daemon

@@ -16,7 +16,7 @@ Result<void> read_into(Config& config, const YAML::Node& root, const Source& sou
   return schema::read_map(Value{source, "", root, root.Mark()}, config_keys(), config);
 }
 
-// yaml-cpp throws on text that is no YAML.
+// yaml-cpp throws on text that is not YAML.
 Result<YAML::Node> load_yaml(const std::string& text, const Source& source) {
   try {
     return YAML::Load(text);
@@ -44,7 +44,7 @@ Result<YAML::Node> override_tree(const std::string& text, const Source& source) 
   }
 }
 
-// What no key can see alone.
+// Checks that involve several keys.
 Result<void> check_together(const Config& config) {
   const ServerConfig& server = config.server;
   if (config.tenants.empty()) return Error{"tenants: an empty list; allowed: at least one tenant"};

@@ -1,4 +1,4 @@
-// What an operator may set, as plain data. The defaults stand here and nowhere else; config/gnomond.yaml explains
+// What an operator may set, as plain data. The defaults are defined here and nowhere else; config/gnomond.yaml explains
 // every key.
 #pragma once
 
@@ -18,50 +18,50 @@ namespace gnomon::daemon {
 
 enum class ServerMode : uint8_t { production, demo };
 
-// PEM files; absolute after find_files. Empty: not set.
+// PEM files; absolute after find_files. An empty path is not set.
 struct TlsConfig {
-  std::filesystem::path certificate;  // the server's own first, then those between it and its authority's
+  std::filesystem::path certificate;  // the server's own first, then intermediate ones
   std::filesystem::path key;
-  std::filesystem::path client_ca;  // authorities of clients' certificates; empty: clients are not asked for any
+  std::filesystem::path client_ca;  // authorities of clients' certificates; empty: clients are not asked for one
   friend bool operator==(const TlsConfig&, const TlsConfig&) = default;
 };
 
 struct ServerConfig {
   ServerMode mode = ServerMode::production;
   TlsConfig tls;
-  std::filesystem::path state_folder;  // what the server keeps for itself; empty: see demo_certificate.h
+  std::filesystem::path state_folder;  // of files that the server makes; empty: see demo_certificate.h
   std::string listen = "127.0.0.1";    // address of the control connections and of the data sockets
   uint16_t control_port = 7600;        // TCP; 0: a free one
   uint16_t data_port = 7600;           // UDP; net thread i has data_port + i; 0: free ones
   uint32_t net_threads = 1;
   std::chrono::milliseconds handshake_timeout{3000};  // from the connection to the Hello
-  std::chrono::milliseconds silence_timeout{5000};    // after it, a session that said nothing is closed
+  std::chrono::milliseconds silence_timeout{5000};    // then a session whose client sends nothing is closed
   std::chrono::milliseconds drain_timeout{2000};      // from SIGTERM until the remaining sessions are closed
   uint32_t max_half_open = 1024;  // connections without a session; a further one replaces the oldest
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
-  uint32_t connections_per_s = 100;  // of an address, in the long run; so many at once as it may have sessions
+  uint32_t connections_per_s = 100;  // of an address, in the long run; max_sessions_per_address in a burst
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 
 struct AdminConfig {
   std::string listen = "127.0.0.1";
   uint16_t port = 7601;                   // HTTP; 0: a free one
-  std::filesystem::path token_file = {};  // who posts shows what stands in it; empty: who reaches us may post
+  std::filesystem::path token_file = {};  // holds the token that actions need; empty: actions need none
   friend bool operator==(const AdminConfig&, const AdminConfig&) = default;
 };
 
 struct MovingNode {
   std::string node;                        // its name in the scene's file
-  std::vector<float> spin, shift;          // one of them: an axis, or how far
-  std::chrono::milliseconds period{4000};  // of a turn, or of the way there and back
+  std::vector<float> spin, shift;          // exactly one is set: the axis of rotation, or the displacement
+  std::chrono::milliseconds period{4000};  // of a turn, or of the displacement and return
   friend bool operator==(const MovingNode&, const MovingNode&) = default;
 };
 
 struct SceneFile {
   std::string name;
   std::filesystem::path file;  // absolute after find_files
-  std::string place;           // where the configuration names it, for error messages
+  std::string place;           // in the configuration, for error messages
   std::vector<MovingNode> moving = {};
   friend bool operator==(const SceneFile&, const SceneFile&) = default;
 };
@@ -70,21 +70,21 @@ struct ScenesConfig {
   std::vector<SceneFile> list;
   std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
   uint32_t clock_hz = 60;                          // steps of the clock that animations play on
-  std::chrono::milliseconds light_rest{2000};      // after which a changed light's buffers are built anew
+  std::chrono::milliseconds light_rest{2000};      // then the buffers of changed lights are rebuilt
   friend bool operator==(const ScenesConfig&, const ScenesConfig&) = default;
 };
 
 struct RenderConfig {
   std::string device = "auto";       // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
-  std::vector<std::string> devices;  // several, each as `device`; empty: that one
+  std::vector<std::string> devices;  // several devices, each as `device`; empty: `device` alone
   std::string tracer = "auto";
   std::string raster = "auto";          // "auto", "hardware", "compute"
   std::vector<std::string> passes;      // in order; empty: the renderer's own list
-  std::filesystem::path cache_folder;   // what tracers build is kept there for the next start; empty: nowhere
+  std::filesystem::path cache_folder;   // for light buffers, kept for the next start; empty: no cache
   uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by the number of lights
   bool wait_for_light_buffers = false;  // before a scene is served
   uint32_t frames_in_flight = 6;
-  uint32_t queues = 1;  // of the device, that frames overlap on
+  uint32_t queues = 1;  // of the device, on which frames overlap
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
   friend bool operator==(const RenderConfig&, const RenderConfig&) = default;
@@ -92,23 +92,23 @@ struct RenderConfig {
 
 struct EncodeConfig {
   uint32_t threads = 0;                                    // 0: by the cores, see default_encode_threads
-  protocol::CodecId codec = protocol::CodecId::tiles_lz4;  // for clients that name none
+  protocol::CodecId codec = protocol::CodecId::tiles_lz4;  // for clients that do not choose one
   friend bool operator==(const EncodeConfig&, const EncodeConfig&) = default;
 };
 
 struct SchedulerConfig {
   std::string policy = "fair";
   uint32_t priority_floor_percent = 0;  // under `priority`: of the device, for the classes below the highest
-  // Frames that cost more are rendered in bands; 0: never; none: by the kind of device, see SharingPolicy.
+  // Frames that cost more are rendered in bands; 0: never; nullopt: by the kind of device, see SharingPolicy.
   std::optional<std::chrono::microseconds> quantum;
-  uint32_t admit_percent = 1000;  // of the device, that sessions with a rate may ask for together; 0: no limit
+  uint32_t admit_percent = 1000;  // of the device: most that sessions with a rate may book together; 0: no limit
 };
 
 struct TenantConfig {
   std::string name;
   uint32_t weight = 1;
   uint32_t priority = 0;
-  // 0: no limit of its own.
+  // Limits of the tenant's sessions together, or of each buffer; 0: no limit of its own.
   uint32_t max_sessions = 0;
   uint32_t max_vbps = 0;         // visibility buffers a second, of all its sessions
   uint64_t max_bits_per_s = 0;   // visibility bits: pixels x lights
@@ -120,8 +120,8 @@ struct TenantConfig {
   uint32_t least_size_percent = 100;         // then, of each side of its buffer
   uint32_t least_lights_percent = 100;       // then, of the scene's lights
   uint32_t max_memory_mb = 0;                // of its sessions' buffers on the device, MiB
-  std::vector<TokenHash> token_sha256 = {};  // of its tokens: any of them is good
-  bool open = false;                         // no token needed: whoever names it is let in
+  std::vector<TokenHash> token_sha256 = {};  // of its tokens, each of which is accepted
+  bool open = false;                         // clients need no token
 };
 
 struct LogConfig {
@@ -147,20 +147,20 @@ struct Config {
 // line (or --set), the key, and what is allowed there.
 Result<Config> read_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-// The same from text that stands in `name`; relative paths are kept.
+// As read_config(), from the text of the file `name`; relative paths are kept.
 Result<Config> parse_config(const std::string& text, const std::string& name,
                             const std::vector<std::string>& overrides = {});
 
-// Makes paths absolute: relative ones are below `config_folder`; scenes else below `share_folder`. The error names the scene's
-// place in the configuration and where was looked.
+// Makes paths absolute: relative ones are below `config_folder`; scenes that are not there, below `share_folder`. The
+// error names the scene's place in the configuration and where it was searched for.
 Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
                         const std::filesystem::path& share_folder);
 
-// Error: it could be reached from elsewhere by those who show no token.
+// Error if the admin server would listen on another address than loopback without a token.
 Result<void> check_admin(const AdminConfig& admin);
 
-// True: they differ in what a running daemon cannot change. Limits of sessions, tenants, the scheduler's keys, the
-// operators' token and the log level it can.
+// Whether the two differ in anything that a running daemon cannot change. It can change limits of sessions, TLS files,
+// tenants, the scheduler's keys, the operators' token and the log level.
 bool needs_restart(const Config& next, const Config& running);
 
 // Every key that read_config knows, dotted ("server.listen", "tenants.name").

@@ -73,13 +73,13 @@ Key<T> name_key(std::string T::*member) {
   return scalar("name", member, kNameRule, parse_name);
 }
 
-// "auto": 0.
+// "auto" is read as 0.
 std::optional<uint32_t> parse_threads(const YAML::Node& node) {
   if (plain_scalar(node) == "auto") return 0;
   return parse_integer<uint32_t>(node, 1, 64);
 }
 
-// "auto": none.
+// "auto" is read as a nullopt quantum; the outer nullopt is an error.
 std::optional<std::optional<std::chrono::microseconds>> parse_quantum(const YAML::Node& node) {
   using Quantum = std::optional<std::chrono::microseconds>;
   if (plain_scalar(node) == "auto") return Quantum();

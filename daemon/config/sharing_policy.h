@@ -1,4 +1,4 @@
-// How tenants share a device: what the render loop needs of the configuration. A reload replaces it.
+// How tenants share a device: the part of the configuration that the render loop needs. A reload replaces it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct TenantRates {
   double buffers_per_second = 0;  // vbps
   double bits_per_second = 0;     // visibility bits
   double bytes_per_second = 0;    // of datagrams
-  double gpu_share = 0;           // of all devices together; 1: as much as one has
+  double gpu_share = 0;           // device seconds a second, of all devices together; 1: one device's time
 };
 
 struct TenantShare {
@@ -27,15 +27,15 @@ struct TenantShare {
   scheduler::DegradationTerms degradation;
 };
 
-// How long a quantum is where the configuration says auto. Each cut costs a CPU's frame far more than a GPU's, which
-// has work of others to overlap it with: in bands of 4 ms lavapipe lost a quarter of its throughput.
+// The quantum if the configuration says auto. Each cut costs a frame on a CPU far more than on a GPU, which overlaps it
+// with other work: in bands of 4 ms lavapipe lost a quarter of its throughput.
 inline constexpr Nanoseconds kQuantumOfGpu = std::chrono::milliseconds(4);
 inline constexpr Nanoseconds kQuantumOfCpu = std::chrono::milliseconds(100);
 
 struct SharingPolicy {
   std::string policy = "fair";
   double priority_floor = 0;
-  std::optional<Nanoseconds> quantum = {};  // 0: frames are never cut; none: as long as is good for the device
+  std::optional<Nanoseconds> quantum = {};  // 0: frames are never cut; nullopt: by the kind of device
   uint32_t frames_in_flight = 3;            // on the device or waiting to be encoded
   std::vector<TenantShare> tenants;         // by TenantId
 };

@@ -1,5 +1,5 @@
-// The tenants by id, through all reloads: a tenant is its name. A tenant that the configuration no longer names keeps
-// its id, so that no other tenant gets it, and is closed; a tenant that is named again is open again.
+// The tenants by id, across all reloads. A tenant is identified by its name. A tenant that the configuration no longer
+// names is closed but keeps its id, so that no other tenant gets it; a tenant that is named again is open again.
 //
 // An immutable value: the main thread makes the next one and publishes it, other threads read it.
 #pragma once
@@ -13,22 +13,22 @@
 
 namespace gnomon::daemon {
 
-// Open and closed ones, while one process runs: the metrics have room for so many.
+// Most tenants, open or closed, of one process: the metrics reserve room for them.
 inline constexpr size_t kMostTenants = 4096;
 
 class TenantDirectory {
  public:
-  // `tenants` are the open ones from now on.
+  // Returns the next directory, in which `tenants` are the open ones.
   TenantDirectory with(const std::vector<TenantConfig>& tenants) const;
 
-  // An open one.
+  // Finds an open tenant; nullopt if there is none of that name.
   std::optional<TenantId> find(std::string_view name) const;
   bool open(TenantId id) const { return entries_[id.value].open; }
   const TenantConfig& config(TenantId id) const { return entries_[id.value].config; }
   const std::string& name(TenantId id) const { return entries_[id.value].config.name; }
   size_t size() const { return entries_.size(); }
 
-  // By id; closed ones as they were last.
+  // By id; closed tenants with their last configuration.
   std::vector<TenantConfig> configs() const;
 
  private:

@@ -6,7 +6,7 @@
 namespace gnomon::daemon::schema {
 namespace {
 
-// Levenshtein's distance: how many letters to insert, delete or change.
+// The Levenshtein distance: how many characters to insert, delete or change.
 size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), size_t{0});

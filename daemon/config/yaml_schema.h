@@ -1,7 +1,8 @@
-// Strict reading of YAML into plain structs: a schema is a list of keys, each of which knows what is allowed.
+// Strict reading of YAML into plain structs. A schema is a list of keys, each of which defines the values that it
+// allows.
 //
-// An unknown or repeated key, a wrong type and an impossible value are errors that name the place, the key and what
-// would have been accepted.
+// An unknown or repeated key, a wrong type and a value that is not allowed are errors that name the place, the key and
+// what would be accepted.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -18,7 +19,7 @@
 
 namespace gnomon::daemon::schema {
 
-// Where YAML came from: a file, whose lines are worth naming, or the command line.
+// Where YAML came from: a file, whose lines are named in errors, or the command line.
 struct Source {
   std::string name;
   bool has_lines = true;
@@ -26,7 +27,7 @@ struct Source {
   std::string at(const YAML::Mark& mark) const;  // "gnomond.yaml:12"
 };
 
-// A node, the dotted path that leads to it, and where its key stands.
+// A node, the dotted path that leads to it, and the position of its key.
 struct Value {
   const Source& source;
   std::string path;
@@ -35,16 +36,16 @@ struct Value {
 
   std::string place() const { return source.at(mark); }
 
-  Error refuse(const std::string& why) const;           // place: path: why
-  Error not_allowed(const std::string& allowed) const;  // the same, with the value found
+  Error refuse(const std::string& why) const;           // "place: path: why"
+  Error not_allowed(const std::string& allowed) const;  // refuse(), with the value found and what is allowed
 };
 
 template <class T>
 struct Key {
   std::string name;
   std::function<Result<void>(const Value&, T&)> read;
-  std::vector<std::string> below;  // dotted names of the keys below this one; empty: a value
-  bool deprecated = false;         // read as ever, but no longer shown to anybody
+  std::vector<std::string> below;  // dotted names of the keys below this one; empty if it has a value
+  bool deprecated = false;         // still read, but not listed by all_paths()
 };
 template <class T>
 using Keys = std::vector<Key<T>>;
@@ -67,12 +68,12 @@ std::vector<std::string> all_paths(const Keys<T>& keys) {
   return paths;
 }
 
-// A plain (unquoted) scalar's text; a quoted one is a string, whatever it looks like.
+// The text of a plain (unquoted) scalar, nullopt for any other node: a quoted "1" is a string.
 std::optional<std::string> plain_scalar(const YAML::Node& node);
 std::optional<std::string> any_scalar(const YAML::Node& node);
 std::string join(const std::vector<std::string>& words);
 
-// Checks that `value` is a map without repeated or unknown keys and gives its entries by name.
+// Checks that `value` is a map without repeated or unknown keys and returns its entries by name.
 Result<std::vector<std::pair<std::string, Value>>> entries_of(const Value& value,
                                                               const std::vector<std::string>& known);
 
@@ -89,7 +90,7 @@ Result<void> read_map(const Value& value, const Keys<T>& keys, T& out) {
   return {};
 }
 
-// A key whose value `parse` understands, or does not (empty).
+// A key whose value is read by `parse`, which returns nullopt if the value is not allowed.
 template <class T, class V, class Parse>
 Key<T> scalar(std::string name, V T::*member, std::string allowed, Parse parse) {
   return {std::move(name),
@@ -102,7 +103,7 @@ Key<T> scalar(std::string name, V T::*member, std::string allowed, Parse parse) 
           {}};
 }
 
-// An earlier name of `key`: it is read in the same way, and the log says which name to use.
+// An earlier name of `key`: it is read in the same way, and a warning in the log says which name to use.
 template <class T>
 Key<T> deprecated(std::string name, const Key<T>& key) {
   const auto read = [key](const Value& value, T& out) {
@@ -123,7 +124,7 @@ std::optional<V> parse_integer(const YAML::Node& node, int64_t min, int64_t max)
   return V(number);
 }
 
-// An integer, or anything that is made from one (milliseconds).
+// An integer, or a type that is constructed from one (milliseconds).
 template <class T, class V>
 Key<T> integer(std::string name, V T::*member, int64_t min, int64_t max, const std::string& note = "") {
   return scalar(std::move(name), member,
@@ -145,7 +146,7 @@ Key<T> choice(std::string name, V T::*member, std::vector<std::pair<std::string,
                 });
 }
 
-// A list whose items `parse` understands.
+// A list whose items are read by `parse`, as in scalar().
 template <class T, class V, class Parse>
 Key<T> scalars(std::string name, std::vector<V> T::*member, std::string allowed, Parse parse) {
   return scalar(std::move(name), member, std::move(allowed),
@@ -170,7 +171,7 @@ Key<T> section(std::string name, S T::*member, Keys<S> keys) {
       std::move(below)};
 }
 
-// A list of maps. `finish` sees each item as read and may refuse it: empty, or what is wrong.
+// A list of maps. `finish` checks and completes each item; it returns an empty string, or what is wrong.
 template <class T, class S, class Finish>
 Key<T> sections(std::string name, std::vector<S> T::*member, Keys<S> keys, Finish finish) {
   auto below = all_paths(keys);

@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kConnectTime = 3s;
-constexpr auto kPostTime = 10min;  // a scene may have to be read and built for
+constexpr auto kPostTime = 10min;  // a scene may have to be read and its light buffers built
 
 std::string without_line_end(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();

@@ -1,4 +1,4 @@
-// Speaks to a running gnomond's admin HTTP server.
+// A client of a running gnomond's admin HTTP server.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@ class AdminClient {
 
   Result<nlohmann::json> status();
 
-  // The answer's text without its last line end. Error: what the daemon says against it, or that nobody answers.
-  // Some requests are answered when they are done, which may take minutes.
+  // Returns the answer's text without its final newlines. The error is the daemon's refusal, or says that it does not
+  // answer. Blocks until the request is carried out, which may take minutes.
   Result<std::string> post(const std::string& path, const nlohmann::json& body = nlohmann::json::object());
 
  private:

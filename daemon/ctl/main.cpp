@@ -1,4 +1,4 @@
-// gnomonctl: what an operator asks of a running gnomond, from a shell.
+// gnomonctl: the operators' command line tool for a running gnomond.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -30,7 +30,7 @@ using View = std::string (*)(const nlohmann::json&);
 
 void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
 
-// `key`: the part of /status that --json prints; empty: all of it.
+// `key`: the member of /status that --json prints; empty: all of it.
 Command show(View view, std::string key) {
   return [view, key = std::move(key)](const Arguments& arguments) -> Result<void> {
     const auto status = AdminClient(arguments.admin).status();
@@ -70,10 +70,10 @@ Result<void> live(const Arguments& arguments) {
   return top(admin, {interval, arguments.count, arguments.json});
 }
 
-// A subcommand that sets `chosen` when it is named.
+// Adds a subcommand that sets `chosen` when it is named.
 CLI::App* add(CLI::App& app, Command& chosen, const char* name, const char* help, Command command) {
   CLI::App* sub = app.add_subcommand(name, help);
-  sub->fallthrough();  // --admin and --json may also stand behind it
+  sub->fallthrough();  // --admin and --json may also follow the subcommand
   if (command) sub->callback([&chosen, command = std::move(command)] { chosen = command; });
   return sub;
 }

@@ -28,7 +28,7 @@ std::string read(const fs::path& file) {
   return text.str();
 }
 
-// Complete under its name or not at all.
+// The file appears under its name only when it is complete.
 Result<void> write(const fs::path& file, const std::string& text, mode_t mode) {
   const fs::path unfinished = file.string() + ".new";
   unlink(unfinished.c_str());

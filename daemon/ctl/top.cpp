@@ -17,7 +17,7 @@ constexpr const char* kHome = "\x1b[H";
 constexpr const char* kClearLine = "\x1b[K\n";
 constexpr const char* kClearBelow = "\x1b[J";
 
-// As many lines as the terminal has, each cleared behind its text, so that nothing flickers.
+// As many lines as the terminal has; each line is cleared behind its text, so that the screen does not flicker.
 std::string on_screen(const std::string& text) {
   winsize size{};
   const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1 && size.ws_col > 0;

@@ -10,11 +10,11 @@ namespace gnomon::ctl {
 
 struct TopOptions {
   std::chrono::milliseconds interval{1000};
-  uint32_t count = 0;  // tables before it ends; 0: until it is interrupted
-  bool json = false;   // one object a line instead
+  uint32_t count = 0;  // number of tables; 0: until it is interrupted
+  bool json = false;   // prints one object a line instead
 };
 
-// Draws on a terminal in place, else one table after the other. Error: the daemon has gone.
+// Draws in place on a terminal, else one table after the other. Blocks. Error if the daemon does not answer.
 Result<void> top(AdminClient& admin, const TopOptions& options);
 
 }  // namespace gnomon::ctl

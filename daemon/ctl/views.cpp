@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-// Members that a daemon of another version does not have read as empty or 0.
+// Members that a daemon of another version lacks are read as empty or 0.
 std::string text(const json& from, const char* key) { return from.value(key, std::string()); }
 double number(const json& from, const char* key) { return from.value(key, 0.0); }
 std::string whole(const json& from, const char* key) { return fixed(number(from, key), 0); }
@@ -89,7 +89,7 @@ std::string status_text(const json& status) {
   return out + "\n" + scenes_text(status) + "\n" + tenants.text();
 }
 
-// How far a scene's light buffers are, and of which light.
+// How far the build of a scene's light buffers is, and at which light.
 std::string light_buffers_of(const json& scene) {
   const auto found = scene.find("light_buffers");
   if (found == scene.end()) return "";

@@ -1,4 +1,4 @@
-// What /status says, as text for people.
+// The contents of /status as text for people.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@ std::string status_text(const nlohmann::json& status);
 std::string sessions_text(const nlohmann::json& status);
 std::string scenes_text(const nlohmann::json& status);
 
-// The live table: rates are between `before` and `now`, which are `seconds` apart.
+// The live table. Rates are computed between `before` and `now`, which are `seconds` apart.
 std::string top_text(const nlohmann::json& before, const nlohmann::json& now, double seconds);
 
 }  // namespace gnomon::ctl

@@ -29,7 +29,7 @@ Set empty_set() {
   return set;
 }
 
-// Takes a number off the front of `text`.
+// Removes a number from the front of `text`; returns false if there is none below kMostCores.
 bool take_number(std::string_view& text, uint32_t& number) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || number >= kMostCores) return false;

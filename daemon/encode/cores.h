@@ -1,6 +1,6 @@
-// Processors: those that this process may use, those near a device, and threads that stay on some of them.
+// Processors: those that this process may use, those near a device, and binding threads to some of them.
 //
-// On a machine of several NUMA nodes a frame is encoded on the node that its device writes masks to, where reading
+// On a machine with several NUMA nodes a frame is encoded on the node to which its device writes masks, so that reading
 // them does not cross the link between nodes.
 #pragma once
 
@@ -13,24 +13,25 @@
 
 namespace gnomon::daemon {
 
-using Cores = std::vector<uint32_t>;  // numbers as Linux gives them, increasing; empty: any
+using Cores = std::vector<uint32_t>;  // Linux's numbers, increasing; empty: any
 
-// As Linux writes such lists: "0-3,8,10-11". Error: anything else.
+// Parses a list as Linux writes it: "0-3,8,10-11".
 Result<Cores> parse_cores(std::string_view list);
 
-// The calling process may run on these: what taskset, a cpuset or systemd's CPUAffinity left.
+// The processors that the calling thread may run on, as restricted by taskset, a cpuset or systemd's CPUAffinity.
 Cores usable_cores();
 
-// Of `usable`, those on the node of a device on the PCI bus ("0000:65:00.0"). Empty: the device has no address or the
-// machine one node, or none of them is usable. `devices`: sysfs's list; elsewhere in tests.
+// Returns those of `usable` on the node of a device on the PCI bus ("0000:65:00.0"). Empty if the device has no
+// address, if all of `usable` are near it (as with one node), or if none is. `devices`: sysfs's folder; another one in
+// tests.
 Cores cores_near(std::string_view pci_address, const Cores& usable,
                  const std::filesystem::path& devices = "/sys/bus/pci/devices");
 
-// The calling thread runs on these from now on. Empty: nothing changes. Error: the kernel says no.
+// Binds the calling thread to these processors; no effect if `cores` is empty. Error if the kernel refuses.
 Result<void> stay_on(const Cores& cores);
 
-// How many workers encode where nobody has said: a quarter of the cores, the others are for sealing and sending, the
-// render threads and the machine.
+// The number of encode workers if it is not configured: a quarter of the cores. The others are left to sealing and
+// sending, the render threads and the rest of the machine.
 uint32_t default_encode_threads(const Cores& usable);
 
 }  // namespace gnomon::daemon

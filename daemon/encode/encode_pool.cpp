@@ -11,7 +11,7 @@ EncodePool::EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metri
                        std::function<void(EncodedFrame)> encoded)
     : near_(std::move(near)), metrics_(metrics), encoded_(std::move(encoded)) {
   const bool known = std::any_of(near_.begin(), near_.end(), [](const Cores& cores) { return !cores.empty(); });
-  const bool own = known && threads >= near_.size();  // fewer workers would leave a device's frames to nobody
+  const bool own = known && threads >= near_.size();  // with fewer workers some device would have none
   for (uint32_t i = 0; i < threads; ++i) {
     const auto home = own ? std::optional(i % static_cast<uint32_t>(near_.size())) : std::nullopt;
     workers_.emplace_back([this, home] { work(home); });
@@ -43,7 +43,7 @@ bool EncodePool::take(std::optional<uint32_t> home, RenderedFrame& frame, Shared
     if (!shared_.empty()) {
       shared = shared_.front();
       if (shared->next < shared->frame.unit_count()) return true;
-      shared_.pop_front();  // every unit has somebody
+      shared_.pop_front();  // every unit has a worker
       shared.reset();
       continue;
     }

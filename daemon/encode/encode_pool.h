@@ -1,4 +1,4 @@
-// Workers that turn masks into slices. A finished frame's lease is dropped as soon as its mask has been read.
+// Workers that encode masks into slices. A frame's lease is dropped as soon as its mask has been read.
 #pragma once
 
 #include <atomic>
@@ -17,17 +17,17 @@
 
 namespace gnomon::daemon {
 
-// A frame of tiles_context takes milliseconds: its units are spread over all workers that have nothing else to do. The
-// slices do not depend on how many these are. Frames of other codecs are one worker's each.
+// A frame of codec tiles_context takes milliseconds: its units are spread over all idle workers. The slices do not
+// depend on their number. A frame of another codec is encoded by one worker.
 //
 // The queue needs no limit of its own: every frame in it holds one of the device's frame slots.
 class EncodePool {
  public:
-  // `near`: the cores near each device. If some are known and there is a worker for each device, workers are dealt out
-  // to devices in turn, stay near theirs and take its frames before others'. `encoded` is called from the workers.
+  // `near`: the cores near each device. If some are known and there is a worker for each device, workers are assigned
+  // to devices in turn, are bound to the cores near theirs and prefer its frames. `encoded` is called on the workers.
   EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics,
              std::function<void(EncodedFrame)> encoded);
-  ~EncodePool();  // what is queued is thrown away, its leases dropped
+  ~EncodePool();  // queued frames are discarded and their leases dropped
 
   void push(RenderedFrame frame);  // any thread
 
@@ -40,8 +40,9 @@ class EncodePool {
   };
   using SharedPtr = std::shared_ptr<Shared>;
 
-  void work(std::optional<uint32_t> home);  // a device, if it has one
-  // One of the two; false: the pool ends. Shared frames come first: they were pushed earlier.
+  void work(std::optional<uint32_t> home);  // `home`: the worker's device, if it has one
+  // Takes a shared frame or a frame from the queue; returns false if the pool ends. Shared frames come first, as they
+  // were pushed earlier.
   bool take(std::optional<uint32_t> home, RenderedFrame& frame, SharedPtr& shared);
   void encode(RenderedFrame& frame, protocol::FrameEncoder& encoder);
   SharedPtr share(RenderedFrame& frame);

@@ -1,4 +1,4 @@
-// One frame's way through the daemon: each stage takes one of these values and hands the next one on.
+// The values that carry a frame through the daemon: each stage takes one of them and passes the next one on.
 //
 //   ViewRequest -render loop, GPU-> RenderedFrame -encode pool-> EncodedFrame -net thread-> datagrams
 #pragma once
@@ -20,14 +20,14 @@ struct ViewRequest {
   FrameId frame;
   protocol::CameraView camera;
   TimePoint arrival;                      // of the datagram
-  TimePoint deadline = TimePoint::max();  // of use until then; max: not said
-  // What its link takes at the moment.
-  size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;  // header and payload
-  uint32_t coalesced = 0;                                  // views that it replaced while the link was busy
+  TimePoint deadline = TimePoint::max();  // when the client can no longer use the frame; max: no deadline
+  // Longest slice body, header and payload, that the session's link carries at the moment.
+  size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
+  uint32_t coalesced = 0;  // views that this one replaced while the link was busy
   TenantId tenant{};
 };
 
-// Whose frame it is and by whose hands it goes.
+// Whose frame it is, and which threads and device handle it.
 struct FrameRoute {
   SessionId session{};
   TenantId tenant{};
@@ -41,17 +41,17 @@ struct FrameRoute {
 struct FrameSpec {
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   size_t slice_body_bytes = protocol::kMaxSliceBodyBytes;
-  SessionReferencesPtr references = nullptr;  // shared with the session; null if the client keeps no frames
+  SessionReferencesPtr references = nullptr;  // shared with the session; nullptr if the client keeps no frames
   protocol::CameraView camera = {};
   TileGrid grid = {};
-  bool tells_size = false;                      // the client is told the size, as it is not the granted one
+  bool tells_size = false;                      // slices carry the size, as it is not the granted one
   uint32_t traced_lights = 0;                   // of the grid's lights; the others are lit everywhere
-  std::optional<protocol::Moment> moment = {};  // of the scene; the client is told it
+  std::optional<protocol::Moment> moment = {};  // of the scene; carried by the slices
 
   uint64_t traced_bits() const { return uint64_t{grid.width} * grid.height * traced_lights; }
 };
 
-// When each stage was done with it, and what the device measured.
+// When each stage was finished, and what the device measured.
 struct FrameTimes {
   TimePoint arrival{};  // of the datagram that asked for it
   TimePoint deadline = TimePoint::max();
@@ -76,7 +76,7 @@ struct RenderedFrame {
   gpu::FrameLease mask;
 };
 
-// A session is served less, or again more, than before.
+// What a session is served has changed: its rate, size or lights.
 struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;

@@ -1,4 +1,5 @@
-// Where the render room's results go. The daemon implements it once, so that a reader finds the next stage of a frame.
+// Where the results of daemon/render go. Daemon is the only implementation, so that a reader finds the next stage of a
+// frame.
 #pragma once
 
 #include <string>
@@ -9,21 +10,21 @@
 
 namespace gnomon::daemon {
 
-// The lights of a scene from a version on.
+// The lights of a scene as of a version.
 struct LightsUpdate {
   std::string scene;
   uint32_t version = 0;
   std::vector<scenes::Light> lights;
 };
 
-// Implementations are called from several threads at a time and return soon. The sink outlives all devices.
+// Implementations are called from several threads at a time and must not block. The sink outlives all devices.
 class FrameSink {
  public:
-  // A frame is rendered and to be encoded. The completion threads of the devices call this.
+  // A frame is rendered and has to be encoded. Called by the completion threads of the devices.
   virtual void on_rendered(RenderedFrame frame) = 0;
-  // The session's client is to be told what it is served from now on. The render threads call this.
+  // The client has to be notified of what its session is served from now on. Called by the render threads.
   virtual void on_degraded(const SessionDegraded& session) = 0;
-  // Frames are of these lights from now on. The render threads call this, each for its device.
+  // Frames use these lights from now on. Called by the render threads, by each for its device.
   virtual void on_lights(const LightsUpdate& lights) = 0;
 
  protected:

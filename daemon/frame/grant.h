@@ -1,6 +1,6 @@
 // What a session was granted: the one value that goes from the handshake to the session's record, the net thread that
-// serves it and the device that renders for it. It does not change during the session's life; what is in force at a
-// moment (a smaller size, another codec) is the owner's own field.
+// serves it and the device that renders for it. It does not change while the session exists; what is in force at a
+// moment (a smaller size, another codec) is a field of its owner.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace gnomon::daemon {
 
-// A plain value; any thread.
+// A plain value.
 struct SessionGrant {
   TenantId tenant{};
   std::string scene_name = {};  // as the server names it

@@ -14,7 +14,7 @@ using SceneUses = std::atomic<uint32_t>;
 // A scene is not unloaded while a use of it exists. Move-only; any thread may drop it, also after the scene's host.
 class SceneUse {
  public:
-  SceneUse() = default;  // of no scene
+  SceneUse() = default;  // uses no scene
   explicit SceneUse(std::shared_ptr<SceneUses> uses) : uses_(std::move(uses)) { ++*uses_; }
   SceneUse(SceneUse&& other) noexcept = default;
   SceneUse& operator=(SceneUse&& other) noexcept {

@@ -1,14 +1,14 @@
-// What a link reports about the views that it took.
+// How many of a session's views its link had room for.
 #pragma once
 
 #include <cstdint>
 
 namespace gnomon::daemon {
 
-// What happened to a session's views at its link in about a second.
+// Counts of a session's views at its link, over about a second.
 struct LinkWindow {
-  uint32_t offered = 0;  // views that came
-  uint32_t taken = 0;    // of them, those that the link had room for
+  uint32_t offered = 0;  // views that arrived
+  uint32_t taken = 0;    // views that the link had room for
 };
 
 }  // namespace gnomon::daemon

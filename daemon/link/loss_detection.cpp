@@ -7,13 +7,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Nanoseconds kFirstRtt = 100ms;         // until one has been measured
-constexpr Nanoseconds kFeedbackInterval = 15ms;  // a client speaks that often, and a little late at times
+constexpr Nanoseconds kFirstRtt = 100ms;         // assumed until a round trip has been measured
+constexpr Nanoseconds kFeedbackInterval = 15ms;  // of a client's Feedback, with some lateness
 constexpr Nanoseconds kLeastReordering = 2ms;
-constexpr Nanoseconds kReordering = 15ms;  // paths do that
-constexpr Nanoseconds kGivenUp = 2s;
+constexpr Nanoseconds kReordering = 15ms;  // paths reorder datagrams by as much
+constexpr Nanoseconds kGivenUp = 2s;       // an older datagram is lost in any case
 
-// When the client got it, by its own clock of any origin.
+// When the client received the datagram, by the client's clock, whose origin is arbitrary.
 Nanoseconds arrival_time(const protocol::Feedback& feedback, uint16_t age) {
   return std::chrono::microseconds(static_cast<int64_t>(feedback.time_us)) -
          std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
@@ -22,7 +22,7 @@ Nanoseconds arrival_time(const protocol::Feedback& feedback, uint16_t age) {
 }  // namespace
 
 void LossDetection::sent(uint64_t sequence, const SentDatagram& datagram) {
-  if (sequence != first_ + entries_.size()) {  // the sequence began elsewhere: nothing before it is ours
+  if (sequence != first_ + entries_.size()) {  // a resumed session continues another process's sequence
     entries_.clear();
     first_ = unsettled_ = sequence;
     unheard_ = 0;
@@ -37,7 +37,7 @@ void LossDetection::sent(uint64_t sequence, const SentDatagram& datagram) {
 
 PathUpdate LossDetection::take(const protocol::Feedback& feedback, TimePoint now) {
   PathUpdate update;
-  const uint64_t count = std::min<uint64_t>(feedback.count, ~feedback.first);  // no number is beyond the last
+  const uint64_t count = std::min<uint64_t>(feedback.count, ~feedback.first);  // sequence numbers must not wrap
   for (uint64_t i = 0; i < count; ++i) {
     const uint16_t age = feedback.ages[i];
     Entry* entry = age == 0 ? nullptr : find(feedback.first + i);
@@ -99,7 +99,7 @@ std::optional<SentDatagram> LossDetection::take_tail(TimePoint now) {
   return std::nullopt;
 }
 
-// Counts from the last one sent: while others follow, they will tell.
+// The timeout counts from the newest datagram: while datagrams follow, their arrival reveals a loss.
 TimePoint LossDetection::tail_due() const {
   if (unsettled_ >= first_ + entries_.size()) return TimePoint::max();
   return std::max(entries_.back().datagram.at, last_tail_) + tail_patience();
@@ -112,12 +112,12 @@ Nanoseconds LossDetection::silence(TimePoint now) const {
 Nanoseconds LossDetection::rtt_or_guess() const { return smoothed_.count() > 0 ? smoothed_ : kFirstRtt; }
 
 Nanoseconds LossDetection::tail_patience() const {
-  // Twice as long each time: a client that is busy elsewhere is no reason to send to it.
+  // The timeout doubles with each probe (RFC 9002, 6.2.1), so that a busy client is not flooded with probes.
   return (rtt_or_guess() + std::max(4 * variance_, rtt_or_guess() / 8) + kFeedbackInterval) *
          (1 << std::min(tails_, 6u));
 }
 
-// RFC 6298.
+// Smoothed round-trip time and its variance (RFC 6298, 2).
 void LossDetection::measure(Nanoseconds rtt) {
   if (smoothed_.count() == 0) {
     smoothed_ = rtt;
@@ -129,7 +129,7 @@ void LossDetection::measure(Nanoseconds rtt) {
   smoothed_ = (7 * smoothed_ + rtt) / 8;
 }
 
-// The settled ones stay for a while: late arrivals take back a loss.
+// Settled entries are kept for a while, as a datagram that was declared lost may still arrive.
 void LossDetection::settle() {
   while (unsettled_ < first_ + entries_.size() && find(unsettled_)->state != State::flying) ++unsettled_;
   while (entries_.size() > 2 * protocol::kMaxReported && first_ < unsettled_) {

@@ -1,9 +1,10 @@
-// What was sent to a client and what became of it: acknowledged with its arrival time, or lost. Pure.
+// Tracks each datagram sent to a client until it is acknowledged with its arrival time, or lost. Pure.
 //
-// A datagram counts as lost when a little more than a round trip has passed and three sent after it have arrived, or
-// one sent well after it (RFC 9002, 6.1: packet and time threshold). Where nothing arrives after it to tell, the last
-// one is taken for lost and should go again: its arrival then tells of the others (a tail probe: RFC 9002, 6.2). One
-// that arrives after all is reported as arrived too.
+// A datagram counts as lost when a little more than a round trip has passed and a datagram has arrived that was sent at
+// least three after it, or well after it in time (RFC 9002, 6.1: packet and time threshold). If nothing that was sent
+// after a datagram arrives, the newest unacknowledged one should be sent again after a timeout: the Feedback on it then
+// reveals the other losses (a tail probe: RFC 9002, 6.2). A datagram that arrives after it was declared lost is
+// reported as arrived as well.
 #pragma once
 
 #include <deque>
@@ -22,35 +23,35 @@ struct SentDatagram {
   TimePoint at{};
   uint32_t bytes = 0;  // of the UDP payload
   Cargo cargo = Cargo::slice;
-  uint64_t answer = 0;  // to the client's cameras, counted from 1: a camera can be answered twice
-  uint16_t number = 0;  // of the slice, or of the parity's group
+  uint64_t answer = 0;  // LinkSender's number of the frame, from 1; one camera can be answered twice
+  uint16_t number = 0;  // index of the slice, or of the parity datagram, within the frame
 };
 
 struct Arrival {
   SentDatagram sent;
-  Nanoseconds one_way{};  // the client's clock at arrival minus ours at sending: differences mean something
+  Nanoseconds one_way{};  // client's clock at arrival minus ours at sending: only differences are meaningful
 };
 
-// What one Feedback told that was not known before.
+// What one Feedback reported for the first time.
 struct PathUpdate {
   std::vector<Arrival> arrived;  // in the order of sending
   std::vector<SentDatagram> lost;
-  Nanoseconds rtt{};  // of the newest that arrived, without the client's waiting; 0: none arrived
+  Nanoseconds rtt{};  // of the newest arrival, without the client's delay before the Feedback; 0 if not measured
 };
 
 class LossDetection {
  public:
-  // Sequences count up by one.
+  // Sequence numbers count up by one; another number starts afresh (a resumed session).
   void sent(uint64_t sequence, const SentDatagram& datagram);
 
   PathUpdate take(const protocol::Feedback& feedback, TimePoint now);
-  // The newest datagram, if nothing was heard of it for too long; nullopt otherwise.
+  // Returns the newest unacknowledged datagram once tail_due() has passed, and marks it as lost; nullopt otherwise.
   std::optional<SentDatagram> take_tail(TimePoint now);
-  TimePoint tail_due() const;
+  TimePoint tail_due() const;  // TimePoint::max() if every datagram is acknowledged or lost
 
-  Nanoseconds rtt() const { return smoothed_; }  // 0 if it is not known
+  Nanoseconds rtt() const { return smoothed_; }  // smoothed; 0 if not measured yet
 
-  // How long nothing has arrived although several datagrams were sent; 0 if too few were sent to tell.
+  // How long nothing has arrived; 0 if fewer than kLaterOnes datagrams were sent since the newest arrival.
   Nanoseconds silence(TimePoint now) const;
 
  private:
@@ -73,13 +74,13 @@ class LossDetection {
 
   std::deque<Entry> entries_;
   uint64_t first_ = 1;   // sequence of entries_.front()
-  uint64_t newest_ = 0;  // highest that arrived
+  uint64_t newest_ = 0;  // highest sequence that arrived
   TimePoint newest_sent_{};
-  uint64_t unsettled_ = 1;  // all before are arrived or lost
-  uint64_t unheard_ = 0;    // sent after the newest that arrived
+  uint64_t unsettled_ = 1;  // every earlier sequence has arrived or is lost
+  uint64_t unheard_ = 0;    // number of datagrams sent after the newest arrival
   TimePoint silent_since_{};
   TimePoint last_tail_{};
-  uint32_t tails_ = 0;  // since something arrived
+  uint32_t tails_ = 0;  // tail probes since the newest arrival
   Nanoseconds smoothed_{}, variance_{};
 };
 

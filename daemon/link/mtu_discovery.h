@@ -1,8 +1,9 @@
-// The length of the longest datagram that the path takes. Pure.
+// Finds the length of the longest datagram that the path carries. Pure.
 //
 // Packetization layer path MTU discovery for datagrams (RFC 8899): padded probes of growing size, each tried three
-// times; the largest that was acknowledged counts. Their loss is no sign of congestion. Should long datagrams stop to
-// arrive (a black hole: the path has changed), the base size counts again, and the search begins anew a little later.
+// times; the largest acknowledged size is used. The loss of a probe is no sign of congestion. If long datagrams no
+// longer arrive (a black hole, because the path has changed), the base size is used again, and the search restarts
+// kAfterBlackHole later.
 #pragma once
 
 #include <array>
@@ -16,16 +17,16 @@ namespace gnomon::daemon {
 
 class MtuDiscovery {
  public:
-  // UDP payloads that common paths take: tunnels, Ethernet with IPv6 and IPv4, jumbo frames.
+  // UDP payloads that common paths carry, in bytes: tunnels, Ethernet with IPv6 and IPv4, jumbo frames.
   static constexpr std::array<size_t, 7> kSizes{protocol::kMaxDatagramBytes, 1280, 1352, 1400, 1452, 1472,
                                                 protocol::kMaxProbedBytes};
   static constexpr uint32_t kTries = 3;
-  static constexpr Nanoseconds kSearchAgain = std::chrono::seconds(600);
+  static constexpr Nanoseconds kSearchAgain = std::chrono::seconds(600);  // RFC 8899, 5.1.1: PMTU_RAISE_TIMER
   static constexpr Nanoseconds kAfterBlackHole = std::chrono::seconds(10);
   static constexpr Nanoseconds kBetweenProbes = std::chrono::milliseconds(50);
   static constexpr uint32_t kBlackHole = 10;  // long datagrams lost in a row
 
-  size_t bytes() const { return kSizes[level_]; }
+  size_t bytes() const { return kSizes[level_]; }  // longest UDP payload to send
 
   // The size of the probe that is due; nullopt if none is.
   std::optional<size_t> probe_due(TimePoint now) const {
@@ -48,7 +49,7 @@ class MtuDiscovery {
     if (tries_ >= kTries) tries_ = 0;
   }
 
-  // For every other datagram.
+  // Reports on datagrams other than probes.
   void arrived(size_t size) {
     if (size > kSizes[0]) lost_in_row_ = 0;
   }
@@ -57,7 +58,7 @@ class MtuDiscovery {
     begin_anew(now);
   }
 
-  // Nothing at all has arrived for long: where all datagrams are long ones, no other would tell of their loss.
+  // Call it when nothing has arrived for long: if every datagram is a long one, no later arrival reveals their loss.
   void silent(TimePoint now) {
     if (level_ > 0) begin_anew(now);
   }

@@ -1,4 +1,5 @@
-// When the next datagram may go, so that a frame's datagrams are spread in time instead of filling a queue somewhere.
+// When the next datagram may be sent, so that a frame's datagrams are spread in time instead of filling a queue on the
+// path.
 #pragma once
 
 #include "common/clock.h"
@@ -7,7 +8,7 @@ namespace gnomon::daemon {
 
 class Pacer {
  public:
-  // Datagrams that were due within this time may go together: one wake-up and one system call for all of them.
+  // Datagrams that are due within this time may be sent together, with one wake-up and one system call.
   static constexpr Nanoseconds kBatch = std::chrono::milliseconds(1);
 
   bool may_send(TimePoint now) const { return now >= next_; }

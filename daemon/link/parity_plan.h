@@ -1,4 +1,4 @@
-// How much parity a frame gets. Pure.
+// How much forward error correction (parity) a frame gets. Pure.
 #pragma once
 
 #include <cmath>
@@ -8,16 +8,16 @@
 
 namespace gnomon::daemon {
 
-inline constexpr double kLeastLoss = 0.005;     // of datagrams; below, parity costs more than it saves
-inline constexpr double kGroupFailure = 0.005;  // a group that cannot be rebuilt is no more likely than this
-inline constexpr size_t kGroupSlices = 32;
+inline constexpr double kLeastLoss = 0.005;     // share of datagrams; below it parity costs more than it saves
+inline constexpr double kGroupFailure = 0.005;  // accepted probability that a group cannot be rebuilt
+inline constexpr size_t kGroupSlices = 32;      // most slices of a group
 
-// The fewest shards for `slices` of which each datagram is lost with probability `loss`, parity itself included.
-// Never more than half of the slices, and one at least.
+// The fewest parity shards with which a group of `slices` can be rebuilt with probability 1 - kGroupFailure, if each
+// datagram, parity included, is lost independently with probability `loss`. At most half of the slices, at least one.
 inline size_t parity_count(size_t slices, double loss) {
   const size_t most = std::max<size_t>(1, slices / 2);
   for (size_t parity = 1; parity < most; ++parity) {
-    // P(no more than `parity` of slices + parity are lost), the binomial distribution summed up.
+    // P(at most `parity` of slices + parity datagrams are lost): the binomial distribution, summed up.
     const double sent = static_cast<double>(slices + parity);
     double term = std::pow(1 - loss, sent), good = term;
     for (size_t lost = 1; lost <= parity; ++lost) {

@@ -1,7 +1,7 @@
-// How long datagrams wait in queues on their way: their one-way delay beyond the least that was seen lately.
+// How long datagrams wait in queues on the path: their one-way delay beyond the least delay of the last minute.
 //
-// After LEDBAT (RFC 6817): the base is the minimum of the last minutes, so that the clocks' difference and its drift
-// do not matter, and a sample is the minimum of a few datagrams, so that jitter does not either.
+// After LEDBAT (RFC 6817): the base is the minimum of the last minute, so that the clocks' offset and drift cancel out;
+// a sample is the minimum of four datagrams, which filters jitter.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace gnomon::daemon {
 
 class QueueDelay {
  public:
-  // `one_way` may have any constant offset, also a negative one.
+  // `one_way` may have any constant offset, including a negative one.
   void add(Nanoseconds one_way, TimePoint now) {
     if (!begun_ || now - bucket_began_ >= kBucket) next_bucket(now);
     buckets_[bucket_] = std::min(buckets_[bucket_], one_way);
@@ -22,7 +22,7 @@ class QueueDelay {
 
   bool known() const { return next_ >= recent_.size(); }
 
-  Nanoseconds now() const {
+  Nanoseconds now() const {  // 0 until known()
     if (!known()) return {};
     return *std::min_element(recent_.begin(), recent_.end()) - base();
   }

@@ -8,20 +8,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kDatagram = 1200;       // bytes: what TCP calls a segment
-constexpr Nanoseconds kLeastRtt = 10ms;  // reports come no faster
-constexpr double kStartGrowth = 1.25;    // in a round trip
-// At the start a queue grows for another round trip after it was seen, and fast: the first sign of one ends it.
+constexpr double kDatagram = 1200;       // bytes; TCP's segment size
+constexpr Nanoseconds kLeastRtt = 10ms;  // reports are not more frequent
+constexpr double kStartGrowth = 1.25;    // factor for each round trip
+// In the start phase a queue grows fast, and for another round trip after it is seen: the first sign of one ends it.
 constexpr Nanoseconds kFirstSign = RateController::kTarget / 4;
-constexpr double kMildFall = 0.85;  // of what the path delivers
-constexpr double kDeepFall = 0.3;
-constexpr double kHarder = 0.1;     // growth grows by this in each round trip without a queue
-constexpr uint32_t kVainFalls = 3;  // then somebody else fills the queue
+constexpr double kMildFall = 0.85;  // smallest cut: factor of what the path delivers
+constexpr double kDeepFall = 0.3;   // deepest cut: factor of what the path delivers
+constexpr double kHarder = 0.1;     // growth increases by this for each round trip without a queue
+constexpr uint32_t kVainFalls = 3;  // after as many without effect, another flow must be filling the queue
 constexpr Nanoseconds kCompeteFor = 5s;
-constexpr double kTcpFall = 0.7;           // CUBIC's
+constexpr double kTcpFall = 0.7;           // CUBIC's multiplicative decrease (RFC 9438, 4.6)
 constexpr double kLossAveragedOver = 100;  // datagrams
-constexpr double kHighLoss = 0.1;
-constexpr uint32_t kMostShed = 3;  // falls for losses, then they are taken for the path's own
+constexpr double kHighLoss = 0.1;          // share of datagrams
+constexpr uint32_t kMostShed = 3;          // falls for losses; then the losses count as the path's own
 constexpr Nanoseconds kIgnoreLosses = 5s;
 
 }  // namespace
@@ -60,7 +60,7 @@ void RateController::grow(const PathReport& report, Nanoseconds step) {
   set(rate_ + rtts * (1 + kHarder * clear_rtts_) * kDatagram / rtt);
 }
 
-// A long queue takes a deep fall, so that it is gone within a few round trips.
+// The rate falls the deeper the longer the queue is, so that the queue drains within about four round trips.
 void RateController::fall(const PathReport& report, TimePoint now) {
   const Nanoseconds rtt = std::max(report.rtt, kLeastRtt);
   if (!draining_) {
@@ -88,7 +88,8 @@ void RateController::fall(const PathReport& report, TimePoint now) {
   hold_until_ = now + rtt + kLeastRtt;
 }
 
-// True: slowed down. When that did not help, the path loses for reasons of its own.
+// Returns true if the rate fell. If several falls have not reduced the losses, they are not due to congestion: the rate
+// is restored and losses are ignored for a while.
 bool RateController::shed_load(TimePoint now, Nanoseconds rtt) {
   if (now < ignore_losses_until_) return false;
   starting_ = false;

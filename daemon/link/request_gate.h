@@ -1,6 +1,7 @@
-// Whether a session's next view may be requested from the renderer, or its answer would only wait for the link. Pure.
+// Decides whether a session's next view is requested from the renderer now, or held back because its frame would only
+// wait for the link. Pure.
 //
-// Where bytes are short, vbps falls first: the newest camera is held back until the link will be free when its frame
+// On a slow link the frame rate falls first: the newest camera is held back until the link will be free when its frame
 // is ready, so that frames are fewer, not older.
 #pragma once
 
@@ -13,7 +14,7 @@ namespace gnomon::daemon {
 
 class RequestGate {
  public:
-  // `backlog`: bytes that wait to be sent; `rate`: bytes a second.
+  // True if the next view may be requested. `backlog`: bytes that wait to be sent; `rate`: bytes a second.
   bool open(size_t backlog, double rate, TimePoint now) {
     while (!asked_.empty() && now - asked_.front().at > kForgotten) asked_.pop_front();
     return load(backlog) / rate <= to_seconds(ready_in_ + kSlack);
@@ -27,7 +28,7 @@ class RequestGate {
 
   void asked(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
 
-  // Earlier views will not be answered any more.
+  // The frame is ready, as `bytes` to send. Views that were asked for before it will not be answered any more.
   void answered(FrameId frame, size_t bytes, TimePoint now) {
     frame_bytes_ += (static_cast<double>(bytes) - frame_bytes_) / (frame_bytes_ == 0 ? 1 : 8);
     while (!asked_.empty() && static_cast<int32_t>(frame.value - asked_.front().frame.value) >= 0) {
@@ -40,7 +41,7 @@ class RequestGate {
   static constexpr Nanoseconds kSlack = std::chrono::milliseconds(5);
   static constexpr Nanoseconds kForgotten = std::chrono::milliseconds(500);
 
-  static constexpr double kLeastWait = 1e-3;  // seconds; what is waited for may be the renderer
+  static constexpr double kLeastWait = 1e-3;  // seconds; the wait may be for the renderer, whose time is unknown
 
   struct Asked {
     FrameId frame;
@@ -52,8 +53,8 @@ class RequestGate {
   }
 
   std::deque<Asked> asked_;
-  double frame_bytes_ = 0;
-  Nanoseconds ready_in_{};
+  double frame_bytes_ = 0;  // smoothed
+  Nanoseconds ready_in_{};  // from the request to the frame, smoothed
 };
 
 }  // namespace gnomon::daemon

@@ -8,7 +8,7 @@ namespace gnomon::daemon {
 namespace {
 
 constexpr Nanoseconds kClientPatience = std::chrono::milliseconds(200);
-constexpr size_t kMostPadding = 8;  // a part of so many of the payload
+constexpr size_t kMostPadding = 8;  // a slice is padded by at most 1/8 of the longest payload
 
 size_t longest_payload(const protocol::EncodedFrame& slices) {
   size_t longest = 0;

@@ -1,5 +1,5 @@
-// A frame that was handed over for sending, kept until it is of no more use: its slices' bodies, their parity, and
-// what became of each. Pure.
+// A frame that was handed over for sending, kept as long as the client can use it: the bodies of its slices, their
+// parity, and whether each has arrived or is lost. Pure.
 #pragma once
 
 #include <vector>
@@ -12,13 +12,13 @@ namespace gnomon::daemon {
 
 class StoredFrame {
  public:
-  // The slices' headers are complete. `pad`: slices that are nearly as long as the longest become as long, so that the
-  // kernel can cut them from one buffer.
+  // Precondition: the slices' headers are complete. `pad`: slices that are nearly as long as the longest are padded to
+  // its length, so that the kernel can cut them from one buffer (segmentation offload, data_socket.h).
   StoredFrame(const protocol::EncodedFrame& slices, uint64_t answer, TimePoint deadline, bool pad = false);
 
   FrameId frame() const { return frame_; }
-  uint64_t answer() const { return answer_; }  // the link's number for it
-  // The client's deadline; where it has said none, as long as it will wait for more after the last datagram.
+  uint64_t answer() const { return answer_; }  // LinkSender's number of the frame
+  // The client's deadline; if it has set none, the time for which it waits for more after the last datagram.
   TimePoint useful_until() const;
   void sent(TimePoint now) { last_sent_ = now; }
   size_t slice_count() const { return state_.size(); }
@@ -27,7 +27,7 @@ class StoredFrame {
     return std::span(bytes_).subspan(offsets_[slice], offsets_[slice + 1] - offsets_[slice]);
   }
 
-  // Makes parity against that share of losses.
+  // Makes parity for an expected share `loss` of lost datagrams.
   void protect(double loss);
   size_t parity_count() const { return parity_.size(); }
   std::span<const uint8_t> parity_body(uint16_t number) const { return parity_[number].body; }
@@ -38,7 +38,7 @@ class StoredFrame {
   }
   bool any_arrived() const { return any_arrived_; }
   void parity_lost(uint16_t number) { parity_[number].lost = true; }
-  // True: the client can no longer rebuild it and it should go again.
+  // True if the client can no longer rebuild the slice, so that it should be sent again.
   bool slice_lost(uint16_t slice);
 
  private:

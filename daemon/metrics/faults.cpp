@@ -11,7 +11,7 @@ constexpr FaultKind kFrame = FaultKind::frame_dropped;
 constexpr FaultKind kRefusal = FaultKind::refusal;
 constexpr FaultKind kAdmin = FaultKind::admin_closed;
 
-// What a stranger can cause with one datagram stays at debug: nobody fills our log from outside for nothing.
+// Faults that anybody can cause with one datagram are logged at debug, so that nobody can fill the log from outside.
 constexpr std::array kTable{
     FaultRow{Fault::datagram_too_long, kDatagram, "too_long", Level::debug, "datagram too long"},
     FaultRow{Fault::datagram_header, kDatagram, "header", Level::debug, "datagram of another protocol"},

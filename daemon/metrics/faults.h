@@ -1,4 +1,4 @@
-// Everything that may go wrong at run time, in one table: what it is called in metrics, how loud it is in the log.
+// Everything that may go wrong at run time, in one table: its label in the metrics and its level in the log.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// What the daemon as a whole is doing: written by main and the render thread, read by everybody.
+// The state of the daemon as a whole. Any thread reads and writes it.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace gnomon::daemon {
 
-// As long as a unit's WatchdogSec: what no watchdog guards, as a container, is guarded by whoever asks for our health.
+// As long as WatchdogSec in the systemd unit. Without a watchdog, as in a container, /healthz takes its place.
 constexpr std::chrono::seconds kHung{10};
 
 struct Health {
@@ -16,7 +16,8 @@ struct Health {
   std::atomic<bool> device_up{false};
   std::atomic<bool> draining{false};
 
-  std::atomic<TimePoint> alive_at{TimePoint::max()};  // every render thread gave a sign; max: nobody looks yet
+  // When every render thread was last found alive; max: not checked yet.
+  std::atomic<TimePoint> alive_at{TimePoint::max()};
 
   bool ready() const { return scenes_loaded && device_up && !draining; }
   bool hangs(TimePoint now) const { return now > alive_at.load() && now - alive_at.load() > kHung; }

@@ -1,5 +1,5 @@
-// What the sessions' links are like, for Prometheus: of all sessions together, since tenants have only so many series.
-// Part of Metrics.
+// The figures of the sessions' links for Prometheus, summed over all sessions to bound the number of series. Part of
+// Metrics.
 #pragma once
 
 #include <prometheus/counter.h>

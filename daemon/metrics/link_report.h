@@ -4,12 +4,12 @@
 
 namespace gnomon::daemon {
 
-// A session's link over the last second or so.
+// A session's link over about the last second.
 struct LinkReport {
   LinkCounters counted;  // since the last report
-  double rate = 0;       // bytes a second that it may send
-  Nanoseconds rtt{};     // 0: not known
-  Nanoseconds queue{};
+  double rate = 0;       // bytes a second that the link may send
+  Nanoseconds rtt{};     // smoothed; 0 if not measured
+  Nanoseconds queue{};   // queueing on the way to the client
 };
 
 }  // namespace gnomon::daemon

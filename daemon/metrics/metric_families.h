@@ -1,5 +1,5 @@
-// The series behind Metrics: every family with its name and help, and those that are made at the start. For metrics.cpp
-// alone.
+// The series behind Metrics: every family with its name and help, and the series that are made at the start. Included
+// by metrics.cpp only.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ using prometheus::Gauge;
 using prometheus::Histogram;
 using prometheus::Registry;
 
-// Few, since each tenant has them: frames of a fast GPU, of one that is shared, of one that is overrun.
+// Seconds. Few buckets, since each tenant has them: frames of a fast GPU, of a shared one, of an overloaded one.
 inline const Histogram::BucketBoundaries kFrameBuckets{0.01, 0.03, 0.1, 0.3};
 inline const Histogram::BucketBoundaries kStageBuckets{0.002, 0.01, 0.05};
 
@@ -90,7 +90,7 @@ struct Metrics::Families {
       counter_family(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
   Family<Counter>& late = counter_family(registry, "gnomon_frames_late_total",
                                          "Frames sent after the time until which they were of use.");
-  // Its series are made when there is something to count: most tenants never lose a frame.
+  // These series are made when there is something to count, as most tenants never lose a frame.
   Family<Counter>& tenant_dropped = counter_family(registry, "gnomon_tenant_frames_dropped_total",
                                                    "Views and frames of the tenant that were dropped, by reason.");
   Family<Counter>& degradations = counter_family(
@@ -135,14 +135,14 @@ struct Metrics::Families {
   Family<Counter>& limit_refusals = counter_family(registry, "gnomon_tenant_refusals_total",
                                                    "Sessions refused a tenant, by the limit that they met.");
 
-  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; null: not used yet
+  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; nullptr: not used yet
   LinkMetrics links{registry};
   SceneMetrics scenes;
   DeviceMetrics devices;
   // Reserved once: adding a tenant moves no series that other threads may be counting in.
   std::vector<std::string> names;  // of the tenants
   std::vector<std::unique_ptr<TenantSeries>> tenants;
-  std::vector<Counter*> faults;  // by Fault; null: made when there is something to count
+  std::vector<Counter*> faults;  // by Fault; nullptr: made when there is something to count
 
   Family<Counter>& family_of(FaultKind kind) {
     switch (kind) {
@@ -154,7 +154,7 @@ struct Metrics::Families {
     return dropped;
   }
 
-  // Made when a codec is used first, and kept: a frame never waits for a scrape that walks the family.
+  // The counter is made when the codec is first used, and kept, so that a frame never waits for a scrape of the family.
   Counter& bytes_of(protocol::CodecId codec) {
     std::atomic<Counter*>& kept = codecs[static_cast<size_t>(codec)];
     if (!kept) kept = &codec_bytes.Add({{"codec", std::string(protocol::to_string(codec))}});

@@ -1,4 +1,4 @@
-// What the system says about this process.
+// Figures of this process from /proc.
 #pragma once
 
 namespace gnomon::daemon {
@@ -9,7 +9,7 @@ struct ProcessFigures {
   double threads = 0;
 };
 
-// Any thread. 0 for what the system does not say.
+// Any thread. A figure that cannot be read is 0.
 ProcessFigures process_figures();
 
 }  // namespace gnomon::daemon

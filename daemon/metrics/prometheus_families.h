@@ -1,4 +1,4 @@
-// Families of Prometheus' client library with a name and a help.
+// Makes families of the Prometheus client library with a name and a help text.
 #pragma once
 
 #include <prometheus/counter.h>
@@ -9,7 +9,7 @@
 
 namespace gnomon::daemon {
 
-// Each is owned by the registry, and registers its name there once.
+// The registry owns each family; a name may be registered there once.
 inline prometheus::Family<prometheus::Counter>& counter_family(prometheus::Registry& registry, const char* name,
                                                                const char* help) {
   return prometheus::BuildCounter().Name(name).Help(help).Register(registry);

@@ -1,4 +1,5 @@
-// What an operator may ask about a running daemon, as plain data. Net threads publish theirs about once a second.
+// What an operator may ask about a running daemon, as plain data. Net and render threads publish theirs about once a
+// second.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +15,18 @@
 
 namespace gnomon::daemon {
 
-// What is known of the scenes' costs.
+// What was learned of the costs of each scene's frames.
 using CostModels = std::map<SceneId, scheduler::CostModel>;
 
-// A scene on a device: what it takes there, and how far what the tracer builds for its lights is.
+// A scene on a device: its memory there, and how far the build of its light buffers is.
 struct SceneReport {
   std::string name;
   gpu::SceneFootprint on_device;
   gpu::LightState lights;
-  gpu::BuildProgress progress;  // no lights: nothing is being built
-  bool failed = false;          // the last build; a hierarchy goes on to answer
+  gpu::BuildProgress progress;  // without lights if nothing is being built
+  bool failed = false;          // the last build; lights are still traced with a hierarchy
 
-  // Of all lights, 0 to 1. 1: they have what the tracer builds, or it builds nothing.
+  // The share of all lights that is built, 0 to 1; 1 also if the tracer builds nothing.
   double built_share() const {
     if (progress.lights.empty()) return lights.unbuilt > 0 ? 0 : 1;
     return std::accumulate(progress.lights.begin(), progress.lights.end(), 0.0) /
@@ -38,7 +39,7 @@ struct SessionStatus {
   SessionId id;
   TenantId tenant;
   std::string scene;
-  std::string address;  // of its data; empty: none has proved itself yet
+  std::string address;  // of its datagrams; empty until a valid one has arrived
   uint32_t width = 0;
   uint32_t height = 0;
   protocol::Stats stats;

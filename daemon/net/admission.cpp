@@ -80,7 +80,7 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
   co_return open(applicant);
 }
 
-// Who the client is, and what its Hello is granted.
+// Determines who the client is and what its Hello is granted.
 Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hello& hello) const {
   if (shared_.health.draining) return refused(RefusalCode::draining, "the server is going away");
   if (const auto message = check_version(hello)) return refused(*message);
@@ -94,7 +94,7 @@ Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hel
   return std::nullopt;
 }
 
-// A client that proves that a stored session is its own gets it, wherever the session is at the moment.
+// Hands a stored session to the client that proves it is its own, even if another connection still controls it.
 asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, const protocol::Resume& resume) {
   if (shared_.health.draining) co_return refused(RefusalCode::draining, "the server is going away");
   const auto secret = shared_.store.resumption_secret(resume.session);
@@ -144,7 +144,7 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
   co_return std::nullopt;
 }
 
-// Books what the session may ask of the devices' time.
+// Books the session's demand for the devices' time.
 Admission::Verdict Admission::book(Applicant& applicant) const {
   const SessionGrant& grant = applicant.grant;
   const CostModels costs = shared_.devices.costs();
@@ -157,7 +157,7 @@ Admission::Verdict Admission::book(Applicant& applicant) const {
   return Refusal{message, fault_of(message.code), misfit->limit};
 }
 
-// Asks for memory for its frames.
+// Asks the devices whether there is memory for the session's frames.
 asio::awaitable<Admission::Verdict> Admission::find_room(const Applicant& applicant) {
   const SessionGrant& grant = applicant.grant;
   const Ask<Result<void>> ask = [&](auto on_answer) {
@@ -202,8 +202,8 @@ Admission::Verdict Admission::open(Applicant& applicant) {
   return std::nullopt;
 }
 
-// The seal of a resumed session goes on from its record; that of a new one does so too if it may be resumed and there
-// is room for a record.
+// The seal of a resumed session continues from its record. The seal of a new session is kept in a record if the session
+// may be resumed and there is room for a record; otherwise kFeatureResume is withdrawn from the grant.
 Result<std::unique_ptr<protocol::Seal>> Admission::make_seal(Applicant& applicant, SessionId id) const {
   SessionGrant& grant = applicant.grant;
   StoredSession& stored = applicant.stored;
@@ -252,7 +252,7 @@ void Admission::send_welcome(ControlStream& stream, const Session& session,
 
 template <typename OnMessage>
 void Admission::listen(const StreamPtr& stream, OnMessage on_message) {
-  const std::weak_ptr<ControlStream> weak = stream;  // the stream owns what it calls
+  const std::weak_ptr<ControlStream> weak = stream;  // weak, as the stream owns the callbacks
   stream->listen(
       [weak, on_message](Result<protocol::Message> message) {
         if (const auto from = weak.lock()) on_message(from, std::move(message));
@@ -265,7 +265,8 @@ void Admission::listen(const StreamPtr& stream, OnMessage on_message) {
       });
 }
 
-// The connection waits for our answer, for as long as it takes.
+// Keeps the connection pending without a deadline while it waits for another thread. A further message before the first
+// one is answered is refused.
 void Admission::hold(const StreamPtr& stream) {
   pending_.remove(stream.get());
   pending_.add({stream, TimePoint::max()});

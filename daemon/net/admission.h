@@ -1,9 +1,10 @@
 // From an accepted connection to an open session: a new one, or one that lost its connection before.
 //
-//   identify or reclaim -> check -> take a permit -> fetch the scene -> book -> find room -> open
+//   identify or reclaim -> take a permit -> fetch the scene -> book -> find room -> open
 //
-// Each connection is one coroutine on the net thread's event loop. While it waits for another thread,
-// its connection stays among the pending ones; if the connection ends meanwhile, the coroutine ends when it is resumed.
+// The first message of each connection starts one coroutine on the net thread's event loop. While it waits for another
+// thread, its connection stays among the pending ones; if the connection ends meanwhile, the coroutine ends when it is
+// resumed.
 #pragma once
 
 #include <asio/awaitable.hpp>
@@ -20,7 +21,7 @@
 
 namespace gnomon::daemon {
 
-// The net thread's. Outlived by what it refers to.
+// Belongs to the net thread. Outlived by everything it refers to.
 class Admission {
  public:
   // `data_port`: where the clients of this net thread send their datagrams.
@@ -28,7 +29,7 @@ class Admission {
             PendingConnections& pending);
 
   void on_accept(asio::ip::tcp::socket socket);  // its executor is that of `io`
-  void close_overdue(TimePoint now);             // connections that did not become a session in time
+  void close_overdue(TimePoint now);             // connections that have not become a session in time
 
  private:
   using StreamPtr = std::shared_ptr<ControlStream>;
@@ -37,17 +38,17 @@ class Admission {
   struct Applicant {
     StreamPtr stream;
     SessionGrant grant = {};
-    StoredSession stored = {};  // the session that it resumes; empty if it opens a new one
+    StoredSession stored = {};  // the session that is resumed; empty if a new one is opened
     std::optional<SessionPermit> permit = {};
     SceneForUse scene = {};
   };
 
-  // Why a connection becomes no session.
+  // Why a connection does not become a session.
   struct Refusal {
     protocol::Refused message;
     Fault fault;
-    std::optional<scheduler::Limit> limit = {};  // of its tenant, if that was exceeded
-    bool departed = false;                       // the connection has ended: nobody is refused
+    std::optional<scheduler::Limit> limit = {};  // the exceeded limit; nullopt if none was exceeded
+    bool departed = false;                       // the connection has ended, so that no refusal is sent
   };
   using Verdict = std::optional<Refusal>;  // nullopt if the step was taken
 

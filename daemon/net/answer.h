@@ -1,4 +1,4 @@
-// A coroutine of an event loop waits for what another thread answers.
+// Lets a coroutine on an event loop wait for the answer of another thread.
 #pragma once
 
 #include <asio/awaitable.hpp>
@@ -17,23 +17,23 @@
 
 namespace gnomon::daemon {
 
-// Takes the answer. May be called once, on any thread, as long as the event loop lives.
+// Receives the answer. May be called once, on any thread, while the event loop exists.
 template <typename Answer>
 using OnAnswer = std::function<void(Answer)>;
 
-// Asks another thread, which answers at once or later.
+// Asks another thread, which calls the OnAnswer at once or later.
 template <typename Answer>
 using Ask = std::function<void(OnAnswer<Answer>)>;
 
-// Of a coroutine that waits.
+// The state of a waiting coroutine.
 template <typename Answer>
 struct Awaited {
-  asio::steady_timer timer;  // never expires; cancelled when the answer is there
+  asio::steady_timer timer;  // never expires; cancelled when the answer has arrived
   std::optional<Answer> answer;
 };
 
-// Calls `ask` and gives the answer. If none ever comes, the coroutine waits until `io` is destroyed, and is destroyed with
-// it. `io` runs on one thread, the caller's.
+// Calls `ask` and returns the answer. If there is never an answer, the coroutine waits until `io` is destroyed, and is
+// destroyed with it. Precondition: `io` runs on one thread, the caller's.
 template <typename Answer>
 asio::awaitable<Answer> answer_of(asio::io_context& io, const Ask<Answer>& ask) {
   const auto awaited =

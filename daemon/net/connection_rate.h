@@ -1,7 +1,7 @@
-// How many connections an address may make: some at once, then so many a second. A TLS handshake costs a server more
-// than a client, so that those who make nothing but handshakes are turned away before the first byte of one.
+// Limits the connections of each address: `at_once` in a burst, then `per_second`. A TLS handshake costs a server more
+// than a client, so that clients that make nothing but handshakes are turned away before the first byte of one.
 //
-// IPv6 addresses count by their /64, which is what one host or one home has. One thread.
+// IPv6 addresses count by their /64, which is what one host or one home has. One thread at a time.
 #pragma once
 
 #include <asio/ip/address.hpp>
@@ -18,17 +18,18 @@ class ConnectionRate {
  public:
   ConnectionRate(uint32_t at_once, uint32_t per_second) : at_once_(at_once), per_second_(per_second) {}
 
-  // False: too many from there lately.
+  // Returns false if the address has exceeded its rate.
   bool admit(const asio::ip::address& address, TimePoint now);
 
-  // Addresses remembered; beyond it those are forgotten that have made no connection for long, or else all.
+  // Most addresses that are remembered. Beyond it, addresses with a full allowance are forgotten; if there are none,
+  // all are.
   static constexpr size_t kMaxAddresses = 16'384;
   size_t size() const { return saved_.size(); }
 
  private:
   using Network = std::array<uint8_t, 8>;
   struct Account {
-    double left = 0;
+    double left = 0;  // connections
     TimePoint counted;
   };
   static Network network_of(const asio::ip::address& address);

@@ -1,4 +1,4 @@
-// What a session's link lets go, over its control connection: for clients that no datagrams reach.
+// Sends a session's frames over its control connection, for clients that UDP datagrams do not reach.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace gnomon::daemon {
 
-// Sends what may go now. A client that does not read loses frames: what its connection has no room for is dropped, as
-// by any link, and a fault. The net thread's.
+// Sends what the session's link releases now. What the connection has no room for is dropped, as on a lossy link, and
+// Fault::socket_full is returned; nullopt otherwise. The net thread.
 std::optional<Fault> send_over_control(Session& session, ControlStream& stream, TimePoint now);
 
 }  // namespace gnomon::daemon

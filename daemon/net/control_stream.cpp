@@ -16,13 +16,13 @@
 namespace gnomon::daemon {
 namespace {
 
-// A client should say close_notify, but its Bye is what counts: one that merely closes is as good.
+// A client should send close_notify, but its Bye is what counts: a plain close of the connection is accepted too.
 bool is_end(const asio::error_code& error) {
   return error == asio::error::eof || error == asio::ssl::error::stream_truncated;
 }
 
-constexpr size_t kMaxTogether = 16 * 1024;  // a record of TLS
-// What the kernel may hold that it has not sent: frames wait here, where they can still be dropped.
+constexpr size_t kMaxTogether = 16 * 1024;  // bytes; one TLS record
+// Bytes that the kernel may hold unsent. More would age there, while frames that wait in the link can be dropped.
 constexpr int kUnsentInKernel = 32 * 1024;
 
 Fault fault_of_handshake(const asio::error_code& error) {
@@ -93,7 +93,7 @@ void ControlStream::read() {
   stream_.async_read_some(
       asio::buffer(incoming_), [self = shared_from_this()](asio::error_code error, size_t bytes) {
         if (is_end(error) && self->finishing_ && !self->outgoing_.empty()) {
-          self->peer_ended_ = true;  // its sending side alone, perhaps: what we are writing may still be read
+          self->peer_ended_ = true;  // the client may have closed its sending side only, and still read
           return;
         }
         if (error) {
@@ -110,7 +110,7 @@ void ControlStream::read() {
 void ControlStream::deliver_messages() {
   while (!finishing_ && on_message_) {
     auto message = reader_.next();
-    const OnMessage on_message = on_message_;  // the callee may end the connection, and with it the member
+    const OnMessage on_message = on_message_;  // a copy, as the callee may end the connection and reset the member
     if (!message) {
       on_message_ = nullptr;
       return on_message(message.error());
@@ -123,7 +123,7 @@ void ControlStream::deliver_messages() {
 void ControlStream::send(const protocol::Message& message) {
   if (!is_open() || finishing_) return;
   queue(protocol::encode(message));
-  if (unsent_bytes_ > kMaxUnsentBytes) {  // later, not now: the caller may be going through its connections
+  if (unsent_bytes_ > kMaxUnsentBytes) {  // posted, as the caller may be iterating over its connections
     asio::post(stream_.get_executor(),
                [self = shared_from_this()] { self->end(Fault::handshake_abandoned, "the client does not read"); });
   }
@@ -135,7 +135,7 @@ bool ControlStream::send_data(const protocol::Data& data) {
   return true;
 }
 
-// Small messages that wait go out together: a record of TLS and a system call for each would cost more than they do.
+// Small messages that wait are joined: a TLS record and a system call for each would cost more than the copy.
 void ControlStream::queue(std::vector<uint8_t> bytes) {
   unsent_bytes_ += bytes.size();
   if (outgoing_.size() > 1 && outgoing_.back().size() + bytes.size() <= kMaxTogether) {
@@ -164,7 +164,8 @@ void ControlStream::finish() {
   if (outgoing_.empty()) all_written();
 }
 
-// Closing now, with bytes of the client unread, would reset the connection and could take our last words with it.
+// Closing the socket while bytes of the client are unread would reset the connection, and the client could lose our
+// last messages.
 void ControlStream::all_written() {
   if (peer_ended_) return close();
   stream_.async_shutdown([self = shared_from_this()](asio::error_code) {
@@ -188,7 +189,7 @@ void ControlStream::end(Fault fault, const std::string& why) {
 
 std::vector<std::string> ControlStream::certificate_names() const {
   std::vector<std::string> names;
-  // The library is not const-correct here; it only looks.
+  // OpenSSL's accessors take a non-const SSL, but do not modify it.
   SSL* const tls = const_cast<ControlStream*>(this)->stream_.native_handle();
   X509* const certificate = SSL_get0_peer_certificate(tls);
   if (!certificate || SSL_get_verify_result(tls) != X509_V_OK) return names;

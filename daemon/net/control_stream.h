@@ -1,4 +1,4 @@
-// A control connection as messages in and out, over TLS. The one place where the daemon touches its bytes.
+// A control connection: messages in and out, over TLS. The only place where the daemon handles its bytes.
 #pragma once
 
 #include <array>
@@ -16,43 +16,45 @@
 
 namespace gnomon::daemon {
 
-// One thread: the one that runs the socket's io_context. Kept alive by its own pending operations.
+// Used on one thread, that of the socket's io_context. Kept alive by its own pending operations.
 class ControlStream : public std::enable_shared_from_this<ControlStream> {
  public:
-  // `max_message_bytes`: a client that announces a longer message is cut off before any of it is stored.
-  // The context may be gone before the stream.
+  // `max_message_bytes`: a client that announces a longer message is cut off before the rest of it is read.
+  // The TLS context may be destroyed before the stream.
   ControlStream(asio::ip::tcp::socket socket, asio::ssl::context& tls, size_t max_message_bytes);
 
-  // A message, or why the bytes are none; after an error no further message comes.
+  // Receives a message, or an error if the bytes are not a valid message; after an error it is not called again.
   using OnMessage = std::function<void(Result<protocol::Message>)>;
-  // The connection has ended by itself; not called after finish() or close(). `why` is for the log; the fault says what
-  // a TLS handshake failed of, and is handshake_abandoned where it did not.
+  // Called once if the connection ends by itself, not after finish() or close(). `fault` says why the TLS handshake
+  // failed, and is handshake_abandoned if the connection ended otherwise; `why` is for the log.
   using OnEnd = std::function<void(Fault fault, const std::string& why)>;
-  void listen(OnMessage on_message, OnEnd on_end);  // to these from now on, in the place of earlier ones
+  void listen(OnMessage on_message, OnEnd on_end);  // replaces earlier callbacks
   void start();                                     // the TLS handshake, then messages
 
-  // A client that does not read what it is sent is cut off when kMaxUnsentBytes are waiting.
+  // A client that does not read what it is sent is cut off when more than kMaxUnsentBytes are waiting.
   void send(const protocol::Message& message);
 
-  // False, and nothing is sent: kMaxUnsentData bytes of these are waiting already.
+  // Returns false, and sends nothing, if kMaxUnsentData bytes of messages are waiting already or the stream is closed.
   bool send_data(const protocol::Data& data);
 
-  // Sends what is waiting, then waits for the client to close, so that it can read to the end. How long is up to
-  // the caller: close() cuts it short.
+  // Sends what is waiting, then waits for the client to close the connection, so that it can read everything. The
+  // caller decides for how long, and then calls close().
   void finish();
   void close();
   bool is_open() const { return stream_.lowest_layer().is_open(); }
 
-  // The common name and the DNS names of the client's certificate, which one of our authorities has signed; empty: it
-  // showed none. Once a message has come.
+  // The following are exported from the TLS session. Precondition: a message has been received.
+
+  // The common names and DNS names of the client's certificate, which one of our authorities has signed; empty if the
+  // client showed none.
   std::vector<std::string> certificate_names() const;
 
-  // Of the data channel, from this connection's TLS session; once a message has come.
+  // The first secrets of the session's data channel.
   Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher);
 
-  // What the session's client will prove, here on the connection that opened it, that it knows; and what it has to send
-  // to prove it on this one.
+  // On the connection that opens the session: the secret that its client has to know in order to resume it.
   Result<protocol::Secret> resumption_secret(SessionId session);
+  // On another connection: what a client that knows `secret` sends as the proof.
   Result<protocol::Secret> resumption_proof(SessionId session, const protocol::Secret& secret);
 
   const asio::ip::address& peer() const { return peer_; }
@@ -73,10 +75,10 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
   asio::ip::address peer_;
   protocol::MessageReader reader_;
   std::array<uint8_t, 4096> incoming_;
-  std::deque<std::vector<uint8_t>> outgoing_;  // the front one is being written
+  std::deque<std::vector<uint8_t>> outgoing_;  // the front element is being written
   size_t unsent_bytes_ = 0;
-  bool finishing_ = false;  // nothing more is delivered or queued
-  bool peer_ended_ = false;
+  bool finishing_ = false;   // nothing more is delivered or queued
+  bool peer_ended_ = false;  // the client has closed at least its sending side
   OnMessage on_message_;
   OnEnd on_end_;
 };

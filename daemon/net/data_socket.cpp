@@ -11,16 +11,18 @@
 namespace gnomon::daemon {
 namespace {
 
-// Room for a burst of every client's camera and for some large frames. The kernel may grant less: no error.
+// Room for a burst of camera updates from every client and for some large frames. It is no error if the kernel grants
+// less.
 constexpr int kSocketBufferBytes = 4 << 20;
-// Batches taken before other work of the thread gets its turn, so that a flood does not stop the sending.
+// Batches received before other work of the thread gets its turn, so that a flood does not stop the sending.
 constexpr int kBatchesInARow = 8;
 
-// What the kernel takes as one buffer to cut: 64 segments, and no more than an IP packet's length in all.
+// Limits of one buffer that the kernel cuts into datagrams: 64 segments, and an IP packet's length in all.
 constexpr size_t kMaxSegments = 64;
 constexpr size_t kMaxSegmentedBytes = 65000;
 
-// How many of the datagrams, from the first, can go as one: all of one length but the last, which may be shorter.
+// How many of the datagrams, from the first, can be sent as one buffer: all have one length, except that the last may
+// be shorter.
 size_t run_of_segments(std::span<const std::vector<uint8_t>> datagrams) {
   const size_t size = datagrams[0].size();
   size_t run = 1, bytes = size;
@@ -31,7 +33,7 @@ size_t run_of_segments(std::span<const std::vector<uint8_t>> datagrams) {
   return run;
 }
 
-// The control message that says how long the segments are.
+// The control message that carries the length of the segments (UDP_SEGMENT).
 struct SegmentSize {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(uint16_t))> bytes{};
 
@@ -59,7 +61,7 @@ Result<std::unique_ptr<DataSocket>> DataSocket::open(asio::io_context& io, const
     if (!error) made->socket_.bind(local, error);
   }
   if (!error && local.port() != 0 && made->socket_.local_endpoint(error) != local && !error) {
-    error = asio::error::address_in_use;  // given to us, but open at another address
+    error = asio::error::address_in_use;  // the service manager's socket is bound to another address
   }
   if (!error) made->socket_.non_blocking(true, error);
   if (error) {
@@ -69,14 +71,14 @@ Result<std::unique_ptr<DataSocket>> DataSocket::open(asio::io_context& io, const
   asio::error_code ignored;
   made->socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBufferBytes), ignored);
   made->socket_.set_option(asio::socket_base::send_buffer_size(kSocketBufferBytes), ignored);
-  // No datagram is cut into fragments: which lengths pass is for the sessions to find out (daemon/link/mtu_discovery.h).
+  // Datagrams are never fragmented: each session probes which lengths its path carries (daemon/link/mtu_discovery.h).
   const int probe = local.protocol() == asio::ip::udp::v6() ? IPV6_PMTUDISC_PROBE : IP_PMTUDISC_PROBE;
   if (local.protocol() == asio::ip::udp::v6()) {
     setsockopt(made->socket_.native_handle(), IPPROTO_IPV6, IPV6_MTU_DISCOVER, &probe, sizeof probe);
   } else {
     setsockopt(made->socket_.native_handle(), IPPROTO_IP, IP_MTU_DISCOVER, &probe, sizeof probe);
   }
-  const int whole = 0;  // not cut unless a message says so: asks whether the kernel knows the option
+  const int whole = 0;  // no segmentation by default; the call tests whether the kernel knows the option
   made->segments_ = setsockopt(made->socket_.native_handle(), SOL_UDP, UDP_SEGMENT, &whole, sizeof whole) == 0;
   made->port_ = made->socket_.local_endpoint().port();
   return made;
@@ -113,7 +115,7 @@ size_t DataSocket::receive_batch() {
     messages[i].msg_hdr.msg_namelen = static_cast<socklen_t>(from[i].capacity());
   }
   const int got = recvmmsg(socket_.native_handle(), messages.data(), kBatch, MSG_DONTWAIT, nullptr);
-  if (got <= 0) return 0;  // nothing waits; an error of one datagram has been taken from the socket by this
+  if (got <= 0) return 0;  // no datagram waits, or the call has cleared a pending error of the socket
   for (size_t i = 0; i < static_cast<size_t>(got); ++i) {
     from[i].resize(messages[i].msg_hdr.msg_namelen);
     on_datagram_(std::span(buffers_[i]).first(messages[i].msg_len), from[i]);
@@ -128,7 +130,7 @@ size_t DataSocket::send(std::span<const std::vector<uint8_t>> datagrams, const a
   while (sent < datagrams.size() && !error) {
     const auto batch = datagrams.subspan(sent, std::min(kBatch, datagrams.size() - sent));
     const size_t took = send_batch(batch, to, error);
-    if (error && segments_ && error != asio::error::message_size) {  // this path's device may not do it
+    if (error && segments_ && error != asio::error::message_size) {  // the network device may not support it
       segments_ = false;
       error.clear();
       continue;
@@ -141,11 +143,11 @@ size_t DataSocket::send(std::span<const std::vector<uint8_t>> datagrams, const a
 
 size_t DataSocket::send_batch(std::span<const std::vector<uint8_t>> datagrams, const asio::ip::udp::endpoint& to,
                               asio::error_code& error) {
-  asio::ip::udp::endpoint target = to;  // sendmmsg takes a pointer that is not const
+  asio::ip::udp::endpoint target = to;  // sendmmsg takes a non-const pointer
   std::array<mmsghdr, kBatch> messages{};
   std::array<iovec, kBatch> buffers;
   std::array<SegmentSize, kBatch> sizes;
-  std::array<size_t, kBatch> first{};  // datagram of each message
+  std::array<size_t, kBatch> first{};  // index of each message's first datagram
   unsigned count = 0;
   for (size_t i = 0; i < datagrams.size(); ++count) {
     const size_t run = segments_ ? run_of_segments(datagrams.subspan(i)) : 1;

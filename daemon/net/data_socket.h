@@ -1,5 +1,5 @@
-// A UDP socket that takes and gives datagrams by the batch: hundreds of clients at ninety frames a second are tens
-// of thousands of datagrams, and a system call for each would cost more than everything else that we do with them.
+// A UDP socket that receives and sends datagrams in batches: hundreds of clients at ninety frames a second make tens
+// of thousands of datagrams a second, and a system call for each would cost more than everything else done with them.
 #pragma once
 
 #include <sys/socket.h>
@@ -17,25 +17,28 @@
 
 namespace gnomon::daemon {
 
-// One thread: the one that runs the io_context.
+// Used on one thread, that of the io_context, which outlives the socket.
 class DataSocket {
  public:
+  // Takes the service manager's socket for this port if there is one, else opens one; port 0 stands for any free port.
   static Result<std::unique_ptr<DataSocket>> open(asio::io_context& io, const asio::ip::udp::endpoint& local);
 
   uint16_t port() const { return port_; }
 
-  // Datagrams come one by one, valid during the call. One longer than kMaxDatagramBytes comes cut to one byte more.
+  // Called for each datagram, which is valid during the call. A datagram longer than kMaxDatagramBytes is truncated to
+  // kMaxDatagramBytes + 1, so that the callee can recognise it.
   using OnDatagram = std::function<void(std::span<const uint8_t>, const asio::ip::udp::endpoint& from)>;
   void start(OnDatagram on_datagram);
   void close();
 
-  // How many of the datagrams the kernel took, from the first; fewer: its buffer is full, or `error` is set.
+  // Returns how many of the datagrams the kernel took, from the first. If fewer than all, its buffer is full or `error`
+  // is set.
   size_t send(std::span<const std::vector<uint8_t>> datagrams, const asio::ip::udp::endpoint& to,
               asio::error_code& error);
 
   static constexpr size_t kBatch = 64;
 
-  // Whether the kernel cuts long buffers into datagrams for us (UDP generic segmentation offload).
+  // Whether the kernel cuts long buffers into datagrams (UDP generic segmentation offload).
   bool segments() const { return segments_; }
   void do_not_segment() { segments_ = false; }
 

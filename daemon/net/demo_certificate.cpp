@@ -18,14 +18,14 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr auto kLasts = 10 * 365 * 24h;  // a demo is not to stop on a day that nobody remembers
+constexpr auto kLasts = 10 * 365 * 24h;  // long, so that a demo does not fail on a forgotten expiry date
 
 std::string environment(const char* name) {
   const char* const value = std::getenv(name);
   return value ? value : "";
 }
 
-// Appears under its name when it is complete, and only if no other came first.
+// The file appears under its name once it is complete, unless another process has made it first, which is no error.
 Result<void> write_once(const fs::path& file, const std::string& text, mode_t mode) {
   std::string name = file.string() + ".XXXXXX";
   const int made = mkstemp(name.data());  // 0600

@@ -1,7 +1,7 @@
-// Demo mode's certificate: self-signed, made at the first start, kept in the state folder and used again.
+// Demo mode's certificate: self-signed, made at the first start, kept in the state folder and reused.
 //
 //   demo.pem   0600  private key and certificate
-//   demo.pin         the certificate's fingerprint, what clients pin (gnomon-client --pin FILE)
+//   demo.pin         the certificate's fingerprint, which clients pin (gnomon-client --pin FILE)
 #pragma once
 
 #include "common/result.h"
@@ -9,7 +9,8 @@
 
 namespace gnomon::daemon {
 
-// Error: the folder and why it is of no use. Several daemons may start in the same folder at once: they share one.
+// Makes the certificate if there is none. The error names the folder or file and the reason. Several daemons may start
+// with the same folder at once: they share one certificate.
 Result<TlsConfig> demo_certificate(const ServerConfig& config);
 
 // The configured folder; else $STATE_DIRECTORY (which systemd sets), $XDG_STATE_HOME/gnomon or ~/.local/state/gnomon.

@@ -22,8 +22,8 @@ size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
   return session.link().add(frame.slices, frame.meta.times.deadline, now);
 }
 
-// Seals what may go into datagrams_; returns how many. A probe of the path comes last: what is after it in a batch
-// would suffer when the path's first hop refuses it.
+// Seals what the link releases into datagrams_; returns how many. A probe ends the batch: datagrams after it would not
+// be sent if the local interface refuses its length.
 size_t FrameSender::fill(Session& session, TimePoint now) {
   LinkSender& link = session.link();
   for (size_t count = 0; count < kBatch;) {

@@ -1,5 +1,5 @@
-// Encoded frames on their way out: slice headers filled in, handed to the session's link; and what the link lets go,
-// sealed and handed to the kernel, in batches.
+// Hands encoded frames, with their slice headers filled in, to the session's link, and sends what the link releases:
+// sealed, in batches, over UDP.
 #pragma once
 
 #include <optional>
@@ -11,17 +11,17 @@
 
 namespace gnomon::daemon {
 
-// Keeps its buffers from batch to batch. The net thread's.
+// Reuses its buffers from batch to batch. Belongs to the net thread.
 class FrameSender {
  public:
-  // The frame waits in the session's link then. Returns the bytes that it will take.
+  // Adds the frame to the session's link. Returns the bytes of its datagrams.
   size_t add(EncodedFrame& frame, Session& session, TimePoint now);
 
-  // Sends what may go now. Precondition: the session has an address. A fault: the kernel did not take everything; what
-  // it did not take is lost as on any link.
+  // Sends what the link releases now. Precondition: the session has an address. Returns a fault if the kernel did not
+  // take everything; the rest of the batch is lost, as on the network.
   std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
-  // One datagram, at once; lost if the kernel does not take it.
+  // Sends one datagram at once; it is lost if the kernel does not take it.
   void answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to);
 
  private:

@@ -9,9 +9,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kTick = 50ms;
-constexpr auto kFarewellTime = 100ms;        // for our last words to leave when the server stops
-constexpr auto kAnswerTime = 1s;             // for this thread to answer another; beyond it, it has ended
-constexpr uint32_t kMaxFramesWaiting = 256;  // encoded, but this thread has not come to send them
+constexpr auto kFarewellTime = 100ms;        // for the last messages to clients when the server stops
+constexpr auto kAnswerTime = 1s;             // for this thread to answer another; after it, it must have ended
+constexpr uint32_t kMaxFramesWaiting = 256;  // encoded frames that wait for this thread to send them
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void NetThread::stop_when_all_left(TimePoint deadline) {
   const TimePoint now = Clock::now();
   pending_.expire(now);
   if (pending_.size() == 0 || now >= deadline) return io_.stop();
-  timer_.expires_after(1ms);  // in the place of the tick
+  timer_.expires_after(1ms);  // this replaces the tick
   timer_.async_wait([this, deadline](asio::error_code) { stop_when_all_left(deadline); });
 }
 

@@ -26,22 +26,23 @@ namespace gnomon::daemon {
 
 class NetThread {
  public:
+  // Error if the data socket cannot be opened. `index`: among the net threads.
   static Result<std::unique_ptr<NetThread>> open(const NetShared& shared, uint32_t index);
-  ~NetThread();  // closes whatever is open
+  ~NetThread();  // stop()
 
   asio::io_context& io() { return io_; }
   uint16_t data_port() const { return links_.data_port(); }
   void run();  // starts the thread
 
-  // Any thread.
-  void adopt(asio::ip::tcp::socket socket);  // its executor is io()'s
-  void deliver(EncodedFrame frame);
+  // Any thread; the blocking calls any thread but this one.
+  void adopt(asio::ip::tcp::socket socket);  // the socket's executor is that of io()
+  void deliver(EncodedFrame frame);          // dropped and counted if too many frames wait
   void notify(const SessionDegraded& session);
-  bool kick(SessionId id, const std::string& why);  // false if it is not here. Blocks; not on this thread
+  bool kick(SessionId id, const std::string& why);  // false if the session is not here. Blocks
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
   void close_closed_tenants();                       // the sessions of tenants that are no longer served
-  // Ends the thread and returns when it has ended. `for_good`: every session is closed; otherwise those that can be
+  // Ends the thread; blocks until it has ended. `for_good`: every session is closed; otherwise those that can be
   // resumed are left for the next process.
   void stop(bool for_good = true);
   std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return statistics_.latest(); }
@@ -62,7 +63,7 @@ class NetThread {
   SessionLinks links_{shared_, sessions_, io_};
   SessionControl control_{shared_, index_, io_, sessions_, links_, pending_};
   SessionStatistics statistics_{shared_, sessions_};
-  std::optional<Admission> admission_;  // from open() on
+  std::optional<Admission> admission_;  // set by open()
   std::atomic<uint32_t> frames_waiting_{0};
   std::thread thread_;
 };

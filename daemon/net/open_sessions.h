@@ -1,4 +1,4 @@
-// The sessions of one net thread, and the control connection of each that has one at the moment. The net thread's.
+// The sessions of one net thread, and the control connection of each that has one. Belongs to the net thread.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ class OpenSessions {
   // nullptr if there is no such session.
   Session* find(SessionId id) const { return table_.find(id); }
 
-  // nullptr if the session has no control connection at the moment.
+  // nullptr if the session has no control connection.
   ControlStream* stream_of(SessionId id) const {
     const auto found = streams_.find(id);
     return found == streams_.end() ? nullptr : found->second.get();
@@ -35,10 +35,10 @@ class OpenSessions {
     return stream;
   }
 
-  // The session has no control connection any more.
+  // Precondition: take_stream() was called for the session.
   void remove(SessionId id) { table_.remove(id); }
 
-  // Whether the client has spoken from somewhere that can be answered now.
+  // Whether frames can be sent to the client now: over the control connection or to the UDP address that it last used.
   bool is_reachable(const Session& session) const {
     return session.by_control() ? stream_of(session.id()) != nullptr : session.address().has_value();
   }

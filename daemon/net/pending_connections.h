@@ -1,7 +1,7 @@
 // Connections without a session: those that have not been admitted yet, and those that are being closed gracefully.
 //
-// Their number and their time are bounded. When there are too many, the oldest is pushed out: a client that opens
-// connections and says nothing pushes out its own, while an honest client is admitted within a round trip.
+// Their number and their time are bounded. When there are too many, the oldest is pushed out: a client that opens many
+// idle connections pushes out its own, while an honest client is admitted within a round trip.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +14,19 @@
 
 namespace gnomon::daemon {
 
-// `leaving`: it is being closed gracefully.
+// `leaving`: the connection is being closed gracefully.
 struct PendingConnection {
   std::shared_ptr<ControlStream> stream;
   TimePoint deadline;
   bool leaving = false;
 };
 
-// The net thread's.
+// Belongs to the net thread.
 class PendingConnections {
  public:
   explicit PendingConnections(size_t max) : max_(max) {}
 
-  // Returns those that were pushed out for it, which the caller closes.
+  // Returns the connections that were pushed out for it; the caller closes them.
   std::vector<PendingConnection> add(PendingConnection connection) {
     connections_.push_back(std::move(connection));
     std::vector<PendingConnection> out;
@@ -37,24 +37,24 @@ class PendingConnections {
     return out;
   }
 
-  // Lets the client read our last words and close the connection, for a second at most.
+  // Lets the client read the last messages and close the connection, for at most a second.
   void close_gracefully(const std::shared_ptr<ControlStream>& stream, TimePoint now) {
     stream->finish();
     for (const PendingConnection& pushed_out : add({stream, now + kFarewell, true})) pushed_out.stream->close();
   }
 
-  // Returns false if it was not here.
+  // Returns false if the connection was not pending.
   bool remove(const ControlStream* stream) {
     return std::erase_if(connections_, [&](const PendingConnection& c) { return c.stream.get() == stream; }) > 0;
   }
 
-  // Whether it is here and not being closed.
+  // Whether the connection is pending and not being closed.
   bool is_waiting(const ControlStream* stream) const {
     return std::any_of(connections_.begin(), connections_.end(),
                        [&](const PendingConnection& c) { return c.stream.get() == stream && !c.leaving; });
   }
 
-  // Takes out those whose deadline has passed and those that are closed.
+  // Removes and returns the connections whose deadline has passed and those that are closed.
   std::vector<PendingConnection> expire(TimePoint now) {
     std::vector<PendingConnection> out;
     std::erase_if(connections_, [&](PendingConnection& c) {

@@ -25,7 +25,7 @@ Result<std::unique_ptr<tcp::acceptor>> listen(asio::io_context& io, const Server
     if (!error) acceptor->listen(tcp::acceptor::max_listen_connections, error);
   }
   if (!error && local.port() != 0 && acceptor->local_endpoint(error) != local && !error) {
-    error = asio::error::address_in_use;  // given to us, but open at another address
+    error = asio::error::address_in_use;  // the service manager's socket is bound to another address
   }
   if (error) {
     return Error{"server.control_port: TCP " + config.listen + " port " + std::to_string(config.control_port) +
@@ -76,7 +76,7 @@ void Server::accept() {
       }
       return accept();
     }
-    // Out of descriptors, most likely. Those who wait stay in the kernel's queue until some come free.
+    // Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
     log::warning("cannot accept a connection", {{"why", error.message()}});
     retry_->expires_after(kRetryAccept);
     retry_->async_wait([this](asio::error_code cancelled) {
@@ -125,7 +125,7 @@ void Server::leave() {
   stop(false);
 }
 
-// The last thread first: the acceptor lives on the first one and hands connections to all.
+// The first thread stops last, as the acceptor runs on it and hands connections to all.
 void Server::stop(bool for_good) {
   for (auto thread = threads_.rbegin(); thread != threads_.rend(); ++thread) (*thread)->stop(for_good);
 }

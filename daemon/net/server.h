@@ -1,4 +1,4 @@
-// The network side as a whole: one acceptor, and the net threads that it hands connections to in turn.
+// The network side of the daemon: one acceptor, and the net threads that it hands connections to in turn.
 #pragma once
 
 #include <asio/ip/tcp.hpp>
@@ -14,12 +14,13 @@ namespace gnomon::daemon {
 
 class Server {
  public:
+  // Opens the ports. The error names the port and the reason.
   static Result<std::unique_ptr<Server>> open(const NetShared& shared);
-  ~Server();
+  ~Server();  // stop()
 
   uint16_t control_port() const { return control_port_; }
-  std::vector<uint16_t> data_ports() const;
-  void run();
+  std::vector<uint16_t> data_ports() const;  // of each net thread
+  void run();                                // starts the net threads
 
   // Any thread.
   void deliver(EncodedFrame frame) {
@@ -27,15 +28,15 @@ class Server {
     thread.deliver(std::move(frame));
   }
   void notify(const SessionDegraded& session);
-  bool kick(SessionId id, const std::string& why);  // false: there is no such session. Blocking
+  bool kick(SessionId id, const std::string& why);  // false if there is no such session. Blocks; not a net thread
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);
   void close_closed_tenants();
   std::vector<SessionStatus> sessions() const;
 
-  void stop();  // everybody is told, everything is closed
-  // The same without a word: for whoever comes after us to resume the sessions.
-  void leave();
+  // Both block until the net threads have ended. They are called on one thread, not a net thread.
+  void stop();   // closes every session, with a Bye to its client
+  void leave();  // leaves sessions that can be resumed to the next process, without a Bye; closes the others
 
  private:
   explicit Server(const NetShared& shared);
@@ -43,12 +44,12 @@ class Server {
   void stop(bool for_good);
 
   Metrics& metrics_;
-  ConnectionRate rate_;  // the first net thread's, as what follows it
+  ConnectionRate rate_;  // used by the first net thread, as are the acceptor, the timer and next_
   std::vector<std::unique_ptr<NetThread>> threads_;
-  std::unique_ptr<asio::ip::tcp::acceptor> acceptor_;  // the first net thread's
+  std::unique_ptr<asio::ip::tcp::acceptor> acceptor_;
   std::unique_ptr<asio::steady_timer> retry_;
   uint16_t control_port_ = 0;
-  size_t next_ = 0;  // who gets the next connection
+  size_t next_ = 0;  // net thread that gets the next connection, modulo their number
 };
 
 }  // namespace gnomon::daemon

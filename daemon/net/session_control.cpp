@@ -44,7 +44,7 @@ void SessionControl::on_control_message(SessionId id, const Result<protocol::Mes
   close(id, "the client sent a message that only servers send");
 }
 
-// A client that may resume its session is served on, for as long as one that says nothing.
+// A session that can be resumed is served without its control connection for server.silence_timeout.
 void SessionControl::on_control_lost(SessionId id, const std::string& why) {
   Session& session = *sessions_.find(id);
   if (!session.resumable() || shared_.health.draining) return close(id, why);
@@ -65,13 +65,13 @@ void SessionControl::close(SessionId id, const std::string& why) {
   pending_.close_gracefully(stream, Clock::now());
 }
 
-// The session is to be resumed elsewhere.
+// Ends the session here so that it can be resumed elsewhere.
 void SessionControl::leave(SessionId id, const std::string& why) {
   if (!sessions_.find(id)) return;
   if (const auto stream = drop(id, why)) pending_.close_gracefully(stream, Clock::now());
 }
 
-// Gives the connection that controlled the session, nullptr if it had none.
+// Removes the session. Returns the connection that controlled it, nullptr if it had none.
 std::shared_ptr<ControlStream> SessionControl::drop(SessionId id, const std::string& why) {
   Session& session = *sessions_.find(id);
   const TenantId tenant = session.grant().tenant;

@@ -1,5 +1,4 @@
-// How the sessions of a net thread begin, what their control connections say, how they go on without one, and how they
-// end.
+// How the sessions of a net thread begin, are controlled, continue without a control connection, and end.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -13,26 +12,26 @@
 
 namespace gnomon::daemon {
 
-// The net thread's. Outlived by what it refers to.
+// Belongs to the net thread. Outlived by everything it refers to.
 class SessionControl {
  public:
   // `net_thread`: the index of this net thread.
   SessionControl(const NetShared& shared, uint32_t net_thread, asio::io_context& io, OpenSessions& sessions,
                  SessionLinks& links, PendingConnections& pending);
 
-  // The session is served from now on, and controlled by `stream`, which is no longer pending.
+  // Starts to serve the session, controlled by `stream`. Precondition: `stream` is no longer pending.
   const Session& open(SessionParts parts, const std::shared_ptr<ControlStream>& stream);
 
-  // The client is told why, and nobody resumes the session. No effect if there is no such session.
+  // Ends the session for good and sends its client a Bye with the reason. No effect if there is no such session.
   void close(SessionId id, const std::string& why);
-  // Those that have said nothing for too long, or whose client has not come back to resume them.
+  // Closes the sessions whose client has been silent for too long, or has not come back to resume them.
   void close_silent(TimePoint now);
   void close_closed_tenants();  // the sessions of tenants that are no longer served
 
-  // Every session ends: closed if `for_good` or if it cannot be resumed, else left to be resumed elsewhere.
+  // Ends every session: closes it if `for_good` or if it cannot be resumed, else leaves it to be resumed elsewhere.
   void end_all(bool for_good);
 
-  // Messages to clients, over their control connections. Notifications of an older generation are ignored.
+  // Messages to clients, over their control connections. Notifications that carry an older generation are ignored.
   void notify(const SessionDegraded& session);
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);  // to the sessions of its scene

@@ -59,7 +59,8 @@ void SessionLinks::send(EncodedFrame& frame) {
   serve(*session);
 }
 
-// After each change: sends what may go, requests the view that was kept back, and sets the time of the next call.
+// Called after each change: sends what the link releases, requests a view that was held back, and sets the time of the
+// next call.
 void SessionLinks::serve(Session& session) {
   const TimePoint now = Clock::now();
   ControlStream* const stream = session.by_control() ? sessions_.stream_of(session.id()) : nullptr;

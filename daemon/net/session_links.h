@@ -1,5 +1,5 @@
-// What goes through the links of a net thread's sessions: views in, as far as a link has room for their frames, and
-// frames out at its pace. Owns the UDP socket and the time at which each link has to be served again.
+// The traffic of a net thread's sessions: views in, as far as the session's link has room for their frames, and frames
+// out at the link's pace. Owns the UDP socket and the time at which each link has to be served again.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -15,7 +15,7 @@
 
 namespace gnomon::daemon {
 
-// The net thread's. Outlived by what it refers to.
+// Belongs to the net thread. Outlived by everything it refers to.
 class SessionLinks {
  public:
   SessionLinks(const NetShared& shared, OpenSessions& sessions, asio::io_context& io);
@@ -26,11 +26,12 @@ class SessionLinks {
   void start();  // datagrams are received from now on
   void close();  // no further datagram is received or sent
 
-  // What a client has sent over its control connection in the place of a datagram.
+  // Receives what a client has sent over its control connection in place of a datagram.
   void receive(Session& session, const protocol::Data& data);
-  // A frame of one of the sessions; dropped and counted if its session is gone or cannot be reached.
+  // Sends a frame of one of the sessions. Drops and counts it if the session has ended or cannot be reached, or if its
+  // client has not been notified of the frame's size and cannot be, as the control connection is lost.
   void send(EncodedFrame& frame);
-  // The session is not served until its client is heard again.
+  // The session is not served until its client can be reached again.
   void pause(SessionId id) { timers_.remove(id); }
 
  private:

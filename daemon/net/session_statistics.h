@@ -1,5 +1,5 @@
-// What the sessions of a net thread did lately: once a second each client is told of its own, operators may look at all
-// of them, the links' figures go to the metrics, and devices learn which links could not carry more.
+// The statistics of a net thread's sessions. Once a second each client is sent its own, all are published for
+// operators, the links' figures are added to the metrics, and the devices learn how many views each link had room for.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace gnomon::daemon {
 
-// The net thread's, but latest(). Outlived by what it refers to.
+// Belongs to the net thread, except latest(). Outlived by everything it refers to.
 class SessionStatistics {
  public:
   SessionStatistics(const NetShared& shared, const OpenSessions& sessions) : shared_(shared), sessions_(sessions) {}

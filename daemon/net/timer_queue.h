@@ -1,4 +1,4 @@
-// The time at which each session has to be served next. The net thread's.
+// The time at which each session has to be served next. Belongs to the net thread.
 #pragma once
 
 #include <set>
@@ -29,9 +29,10 @@ class TimerQueue {
     times_.erase(found);
   }
 
+  // The earliest time; TimePoint::max() if there is none.
   TimePoint next() const { return order_.empty() ? TimePoint::max() : order_.begin()->first; }
 
-  // Takes out a session whose time has come; returns false if there is none.
+  // Removes a session whose time has come and stores its id in `id`; returns false if there is none.
   bool take(TimePoint now, SessionId& id) {
     if (next() > now) return false;
     id = order_.begin()->second;

@@ -25,12 +25,12 @@ void harden(SSL_CTX* context) {
   SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION);
   SSL_CTX_set_ciphersuites(context, kCiphers);
   SSL_CTX_set1_groups_list(context, kGroups);
-  // A session is one connection: nothing is resumed, so nothing is kept that could be.
+  // TLS sessions are never resumed, so no tickets are issued and no session is cached.
   SSL_CTX_set_num_tickets(context, 0);
   SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
-  // Those that have no instructions for AES say so by preferring ChaCha20.
+  // A client without AES instructions prefers ChaCha20, which then takes precedence over our order.
   SSL_CTX_set_options(context, SSL_OP_CIPHER_SERVER_PREFERENCE | SSL_OP_PRIORITIZE_CHACHA | SSL_OP_NO_TICKET);
-  SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);  // connections are idle mostly
+  SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);  // connections are mostly idle
   SSL_CTX_set_alpn_select_cb(
       context,
       [](SSL*, const unsigned char** chosen, unsigned char* size, const unsigned char* offered,
@@ -59,7 +59,7 @@ Result<void> use_identity(SSL_CTX* context, const TlsConfig& tls) {
   return {};
 }
 
-// Clients may show a certificate, and one that they show must be good.
+// Clients may show a certificate; if they do, one of the authorities must have signed it.
 Result<void> ask_clients(SSL_CTX* context, const fs::path& authorities) {
   if (authorities.empty()) return {};
   STACK_OF(X509_NAME)* const names = SSL_load_client_CA_file(authorities.c_str());

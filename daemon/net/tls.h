@@ -1,4 +1,5 @@
-// What gnomond proves itself with and asks of clients, as the context of all its control connections. TLS 1.3 alone.
+// The TLS context of all control connections: the server's certificate, and which client certificates are accepted.
+// TLS 1.3 only.
 #pragma once
 
 #include <asio/ssl/context.hpp>
@@ -14,14 +15,14 @@ namespace gnomon::daemon {
 
 struct Tls {
   asio::ssl::context context{asio::ssl::context::tls_server};
-  protocol::Pin pin{};  // of our certificate
+  protocol::Pin pin{};  // of the server's certificate
 };
 
-// Reads the certificates that the configuration names, or, in demo mode, those that were made at the first start.
-// Error: the key, the file and what would help, as for a private key that others may read.
+// Reads the certificate and key that the configuration names; in demo mode without them, the demo certificate. The
+// error names the configuration key, the file and the remedy, for example if others may read the private key.
 Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config);
 
-// What new connections are met with. Connections that stand keep what they began with.
+// The context of new connections. Established connections keep the one that they began with.
 using PublishedTls = Published<std::shared_ptr<Tls>>;
 
 }  // namespace gnomon::daemon

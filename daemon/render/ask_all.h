@@ -1,4 +1,4 @@
-// One question to several devices, and one answer.
+// Asks several devices one question and joins their answers into one.
 #pragma once
 
 #include <functional>
@@ -13,13 +13,13 @@
 namespace gnomon::daemon {
 
 enum class AnswerAt {
-  first_success,  // or when all have failed
+  first_success,  // at the first success, or when all have failed
   last            // when all have answered
 };
 
-// Pushes `question(reply)` into each inbox, which has its device call `reply` once on any thread. `answer` is called
-// once: with a success if there is one by then, else with the newest error. An inbox that is closed counts as an error.
-// Precondition: there is at least one inbox.
+// Pushes `question(reply)` into each inbox; each device calls `reply` once, on any thread. `answer` is called once, on
+// the thread of the deciding reply: with a success if there is one by then, else with the newest error. A closed inbox
+// counts as an error. Precondition: there is at least one inbox.
 template <class Answer, class Question>
 void ask_all(const std::vector<RenderInbox*>& inboxes, AnswerAt at, std::function<void(Result<Answer>)> answer,
              const Question& question) {

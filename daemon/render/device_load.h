@@ -1,4 +1,4 @@
-// How much work is on a device: how many frames, and until when it is busy as far as predictions go. Pure.
+// How much work is on a device: the number of frames, and until when it is predicted to be busy. Pure.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace gnomon::daemon {
 
 class DeviceLoad {
  public:
-  // A frame begins with its first submit, is partial until its last one, and is out until its lease has come back.
+  // A frame begins with its first submit, is partial until its last submit, and is out until its lease is dropped.
   void frame_begun() {
     ++frames_;
     ++partial_;
@@ -33,10 +33,10 @@ class DeviceLoad {
     runs_dry_ = now + predicted_;
   }
 
-  // Of frames there are no more than the encoders can take. Of work on the device there is what keeps it busy: the next
-  // job follows when, as far as predictions go, the device is about to run dry. Submitted earlier it would only stand
-  // before a newcomer's; and where predictions fail, there are never more than two jobs of full length. `quantum` 0:
-  // jobs are never cut, and the number of frames alone counts.
+  // Whether another job may be submitted. Submitted frames are limited to `frames_in_flight`, which the encoders can
+  // take. Work on the device is limited to what keeps it busy: the next job is submitted shortly before the device is
+  // predicted to run dry. Submitted earlier, it would only delay the job of a newcomer; and if predictions fail, there
+  // are at most two jobs of full length on the device. `quantum` 0: jobs are never cut, and only frames are counted.
   bool has_room(uint32_t free_slots, uint32_t frames_in_flight, Nanoseconds quantum, TimePoint now) {
     room_at_ = TimePoint::max();
     if (free_slots == 0 || frames_ - partial_ >= frames_in_flight) return false;
@@ -46,21 +46,21 @@ class DeviceLoad {
     if (soon_dry > now) room_at_ = soon_dry;
     return soon_dry <= now;
   }
-  // When there is room if nothing happens before; max: something has to happen.
+  // When there will be room if nothing happens before; TimePoint::max() if room depends on an event.
   TimePoint room_at() const { return room_at_; }
 
   uint32_t frames_out() const { return frames_; }
   bool idle() const { return frames_ == 0 && jobs_ == 0; }
 
  private:
-  // Before the device runs dry: what waking up, recording and submitting take.
+  // How long before the device runs dry a job is submitted: the time to wake up, record and submit.
   static constexpr Nanoseconds kLead = std::chrono::milliseconds(1);
 
-  uint32_t frames_ = 0;   // whose lease has not come back, partial ones included
-  uint32_t partial_ = 0;  // of these, not all submitted
-  uint32_t jobs_ = 0;     // submitted and not done
-  Nanoseconds predicted_{};
-  TimePoint runs_dry_{};  // when the jobs are done, as far as predictions go
+  uint32_t frames_ = 0;      // frames whose lease is not dropped, partial ones included
+  uint32_t partial_ = 0;     // of these, frames that are not submitted completely
+  uint32_t jobs_ = 0;        // submitted and not finished
+  Nanoseconds predicted_{};  // cost of these jobs
+  TimePoint runs_dry_{};     // when the jobs are predicted to be finished
   TimePoint room_at_ = TimePoint::max();
 };
 

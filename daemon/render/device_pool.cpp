@@ -7,7 +7,7 @@
 namespace gnomon::daemon {
 namespace {
 
-// Devices' figures of one tenant beside each other.
+// Adds another device's figures of the same tenant.
 void add(TenantReport& sum, const TenantReport& more) {
   sum.service += more.service;
   sum.share += more.share;
@@ -74,7 +74,7 @@ ShareReport DevicePool::shares() const {
   return sum;
 }
 
-// Of a scene what the first device learned that rendered it.
+// For each scene, the model of the first device in order that has one.
 CostModels DevicePool::costs() const {
   CostModels all;
   for (const auto& device : devices_) {
@@ -147,7 +147,7 @@ void DevicePool::set_terms(const SharingPolicy& terms) {
   for (const auto& device : devices_) device->inbox().push(SharingPolicyChanged{terms});
 }
 
-// All hear of all changes in one order: what each counts is then the same.
+// Every device gets all changes in the same order, so that the versions they count are the same.
 void DevicePool::change_light(const LightChanged& change) {
   std::lock_guard lock(mutex_);
   for (const auto& device : devices_) device->inbox().push(change);
@@ -189,7 +189,7 @@ void DevicePool::device_failed(uint32_t device, const Error& why) {
   failed_(why);
 }
 
-// Once a second from each device: the figures of all of them together.
+// Called once a second by each device's thread: the combined figures of all devices go to the metrics.
 void DevicePool::device_reported() {
   metrics_.shares(shares());
   for (const auto& [id, scene] : scenes()) metrics_.scenes().built(scene);

@@ -1,5 +1,5 @@
-// All devices of the daemon. A session lives on one of them, and moves when that is lost, drained or comes back; scenes
-// are resident on each, so that a move needs nothing but the session itself.
+// All devices of the daemon. Each session is served by one of them, and moves when a device is lost, is drained or
+// comes back. Scenes are resident on every device, so that only the session itself has to move.
 #pragma once
 
 #include <functional>
@@ -24,26 +24,27 @@ class DevicePool final : private DeviceThread::Owner {
  public:
   DevicePool(size_t count, Metrics& metrics, Health& health);
 
-  // The main thread, before all others. `factories`: as many as there are devices. `sink` outlives the pool's threads.
-  // `failed` is called once, from a render thread: the last device is beyond repair. Error: one cannot be opened.
+  // Called on the main thread, before any other call. `factories`: one for each device. `sink` outlives the pool's
+  // threads. `failed` is called once, on a render thread, when the last device is beyond repair. Error if a device
+  // cannot be opened.
   Result<void> start(const std::vector<RendererFactory>& factories, const SharingPolicy& terms,
                      const SceneMotion::Settings& motion, FrameSink& sink,
                      std::function<void(const Error&)> failed);
-  void stop();  // all threads end when their last leases have come back
+  void stop();  // blocks until all threads have ended, which they do when their last leases are dropped
 
   size_t size() const { return devices_.size(); }
   std::vector<PooledDevice> report() const;
   ShareReport shares() const;
   CostModels costs() const;
-  // Of each scene, what the device says that is the least ready for it.
+  // For each scene, the report of the device on which the smallest share of its light buffers is built.
   SceneReports scenes() const;
-  // Every device's.
+  // One for each device; they live as long as the pool.
   std::vector<Heartbeat*> heartbeats();
 
-  // False: too many views wait, or the device takes none.
+  // Returns false if too many views wait or the device has failed; the view is dropped then.
   bool push_view(const ViewRequest& view);
-  // `asked.answer` is called once: there is room as soon as one device that takes sessions says so, or if none does at
-  // the moment; there is none when all have said so.
+  // Asks the devices that take sessions. `asked.answer` is called once: with a success as soon as one of them has room,
+  // or at once if none takes sessions at the moment; with an error when all of them have refused.
   void ask_room(const RoomAsked& asked);
   void open(const SessionOpened& session);
   void close(SessionId session);
@@ -53,12 +54,13 @@ class DevicePool final : private DeviceThread::Owner {
 
   void set_terms(const SharingPolicy& terms);
   void change_light(const LightChanged& change);
-  // To every device. `arrived.resident` is called once, when all have answered: with what it takes on one of them, or
-  // the error where none could take it.
+  // Brings the scene to every device. `arrived.resident` is called once, when all have answered: with the footprint on
+  // one of them, or with an error if none could take it.
   void bring(const SceneArrived& arrived);
   void take_away(SceneId scene);
 
-  // A drained device gets no sessions, and those that it has move to others, if there are any. False: no such device.
+  // A drained device gets no sessions, and its sessions move to other devices, if there are any. Returns false if there
+  // is no such device.
   bool set_drained(size_t device, bool drained);
 
  private:

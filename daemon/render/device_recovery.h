@@ -1,4 +1,4 @@
-// The losses of a device: what waits for it to be back, how it is made anew, and when it is given up.
+// Recovery from the loss of a device: the events that wait for it, its rebuild, and when it is given up.
 #pragma once
 
 #include <optional>
@@ -11,27 +11,28 @@
 
 namespace gnomon::daemon {
 
-// The render thread's; told the time.
+// Belongs to the render thread; the caller passes the time.
 class DeviceRecovery {
  public:
   DeviceRecovery(RenderDevice& device, SceneMotion& motion, Metrics& metrics)
       : device_(device), motion_(motion), metrics_(metrics) {}
 
   bool up() const { return !lost_ && !failure_; }
-  bool lost() const { return lost_; }                               // until it was made anew
+  bool lost() const { return lost_; }                               // until recover() has succeeded
   const std::optional<Error>& failure() const { return failure_; }  // the device is beyond repair
 
-  // Each further loss before the device is made anew is the same one.
+  // The device was lost. Further calls before it is rebuilt have no effect.
   void lose();
-  // Precondition: the device is lost. The event is handled when it is back.
+  // Keeps the event until the device is rebuilt. Precondition: the device is lost.
   void defer(RenderEvent event) { deferred_.push_back(std::move(event)); }
-  // Precondition: the device is lost, and no frame of it is out. Returns what was deferred, to be handled now; nothing if
-  // the device is beyond repair: then failure() says why, and whoever waited for a scene was told.
+  // Rebuilds the device; blocking. Returns the deferred events, to be handled now. If the device is beyond repair,
+  // returns nothing: failure() says why, and deferred scenes were answered with that error. Precondition: the device is
+  // lost, and no frame of it is out.
   std::vector<RenderEvent> recover(TimePoint now);
 
-  // The scene does not come to the device after all.
+  // Drops the deferred arrival of the scene, which is not brought to the device after all.
   void forget(SceneId scene);
-  // Tells those who wait for a scene that it does not come; forgets the rest.
+  // Answers everything that waits for a scene with the error; drops the other deferred events.
   void refuse_waiting(const Error& why);
 
  private:
@@ -40,7 +41,7 @@ class DeviceRecovery {
   Metrics& metrics_;
   bool lost_ = false;
   std::optional<Error> failure_;
-  std::vector<RenderEvent> deferred_;  // scenes and changed lights
+  std::vector<RenderEvent> deferred_;  // arriving scenes and changes of lights
 };
 
 }  // namespace gnomon::daemon

@@ -8,9 +8,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kReportInterval = 1s;
-constexpr auto kLongestBuild = 5min;  // of a device with all its scenes
+constexpr auto kLongestBuild = 5min;  // to rebuild a device with all its scenes
 
-// What the renderer has finished beside the frames was taken over since: a scene is there, or its light buffers.
+// Whether the batch may have changed which scenes are resident or how much of their light buffers is built.
 bool scenes_may_differ(const std::vector<RenderEvent>& batch) {
   return std::any_of(batch.begin(), batch.end(), [](const RenderEvent& event) {
     return std::holds_alternative<BackgroundDone>(event) || std::holds_alternative<SceneArrived>(event);
@@ -47,7 +47,7 @@ void DeviceThread::render() {
   std::vector<RenderEvent> batch;
   while (true) {
     show_life(batch);
-    if (tell_change()) {  // sessions may leave before the device is made anew, which takes its time
+    if (tell_change()) {  // sessions may move away before the device is rebuilt, which takes long
       inbox_.take(batch, TimePoint::min());
       handle(batch);
     }
@@ -95,7 +95,7 @@ void DeviceThread::publish(TimePoint now) {
   owner_.device_reported();
 }
 
-// Who waits for a scene to come here is told that it does not; nor is there room for anybody.
+// Closes the inbox and answers the scenes and questions for room in it with the error.
 void DeviceThread::refuse_the_rest(const Error& why) {
   inbox_.close();
   std::vector<RenderEvent> batch;

@@ -1,4 +1,4 @@
-// One device: its render thread, what it is asked (an inbox), and what it publishes.
+// One device: its render thread, its inbox, and the reports that it publishes.
 #pragma once
 
 #include <atomic>
@@ -15,26 +15,26 @@ namespace gnomon::daemon {
 
 class DeviceThread {
  public:
-  // Who keeps the devices. The render thread calls it.
+  // The owner of the devices. Its functions are called on the render thread.
   class Owner {
    public:
-    virtual void device_changed(uint32_t number, bool up) = 0;          // the device was lost, or is back
-    virtual void device_failed(uint32_t number, const Error& why) = 0;  // once, at the end: it is beyond repair
-    virtual void device_reported() = 0;                                 // shares(), costs() and scenes() are new
+    virtual void device_changed(uint32_t number, bool up) = 0;          // the device was lost or rebuilt
+    virtual void device_failed(uint32_t number, const Error& why) = 0;  // once, last: it is beyond repair
+    virtual void device_reported() = 0;                                 // shares(), costs(), scenes() are new
 
    protected:
     ~Owner() = default;
   };
 
-  // `number`: among the daemon's devices. All references outlive it.
+  // `number`: among the daemon's devices. All references outlive this object.
   DeviceThread(uint32_t number, Metrics& metrics, Owner& owner)
       : number_(number), metrics_(metrics), owner_(owner) {}
   ~DeviceThread() { stop(); }
 
-  // Opens the device and starts the thread. Error: it cannot be opened.
+  // Opens the device and starts the thread. Error if it cannot be opened.
   Result<void> start(RendererFactory factory, const SharingPolicy& terms, const SceneMotion::Settings& motion,
                      FrameSink& sink);
-  // Ends when the last lease has come back.
+  // Blocks until the thread has ended, which it does when the last lease is dropped.
   void stop();
 
   // Any thread.

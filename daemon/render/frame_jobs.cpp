@@ -36,7 +36,7 @@ bool FrameJobs::has_room(TimePoint now) {
 
 void FrameJobs::submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   if (session.partial) return resume(session, ticket, now);
-  if (queue_.account().open_at(session.grant().tenant) > now) {  // others of its tenant were faster
+  if (queue_.account().open_at(session.grant().tenant) > now) {  // other sessions have used up the tenant's rate
     queue_.refund(ticket, now);
     return queue_.enqueue_when_allowed(session, now);
   }
@@ -48,7 +48,7 @@ void FrameJobs::begin(RenderSession& session, const scheduler::Ticket& ticket, T
   const SceneId scene = session.grant().scene;
   const glm::vec3 eye = gpu::from_wire(view.camera).position;
   if (session.quality.adapt(motion_.lights_of(scene), eye, now)) queue_.cut_next_job(session);
-  // A frame that is cut holds a slot for long: the last one is for those that are done at once.
+  // A frame that is rendered in bands holds its slot for long, so the last free slot is left to uncut frames.
   const bool cut = session.next.rows.count < session.quality.grid().tiles_y();
   if (cut && device_.renderer().free_slots() < 2) queue_.cut_next_job(session, Nanoseconds{});
   PartialFrame frame{JobId{next_job_++}, meta_of(session, view, device_.number(), now), 0, motion_.unbuilt(scene)};
@@ -57,7 +57,7 @@ void FrameJobs::begin(RenderSession& session, const scheduler::Ticket& ticket, T
   if (!begun) {
     if (!session.quality.shrink(now, begun.error())) return not_submitted(session, ticket, begun.error(), now);
     queue_.refund(ticket, now);
-    session.newest = view;  // is tried again, smaller
+    session.newest = view;  // to be tried again at a smaller size
     return queue_.enqueue_when_allowed(session, now);
   }
   session.coalesced = 0;
@@ -115,7 +115,8 @@ void FrameJobs::give_up(RenderSession& session) {
   queue_.withdraw(session);
 }
 
-// The function runs on the completion thread: what the job cost comes back to the inbox, the mask goes on to be encoded.
+// The returned function runs on the completion thread: it reports the job's cost to the inbox and passes the mask on to
+// be encoded.
 std::function<void(gpu::FrameDone)> FrameJobs::completion(const RenderSession& session,
                                                           const scheduler::Ticket& ticket,
                                                           const PartialFrame& frame) const {

@@ -1,4 +1,4 @@
-// Frames on the device: begun for sessions that were picked, continued band by band, given up.
+// The frames on the device: begun for the picked sessions, continued band by band, or given up.
 #pragma once
 
 #include <functional>
@@ -10,24 +10,24 @@
 
 namespace gnomon::daemon {
 
-// The render thread's; told the time.
+// Belongs to the render thread; the caller passes the time.
 class FrameJobs {
  public:
-  // `sink` gets frames from the renderer's completion threads, `inbox` what each job cost. References outlive this and
-  // the leases.
+  // `sink` receives frames on the renderer's completion threads, `inbox` the cost of each job. All references outlive
+  // this object and the leases.
   FrameJobs(RenderDevice& device, RenderInbox& inbox, Metrics& metrics, FrameSink& sink, SceneMotion& motion,
             RenderQueue& queue)
       : device_(device), inbox_(inbox), metrics_(metrics), sink_(sink), motion_(motion), queue_(queue) {}
 
-  // Another job of full length may be submitted.
+  // Whether another job of full length may be submitted.
   bool has_room(TimePoint now);
 
-  // The next job of a session that was picked: the newest view there is at this moment, or the next band of its frame.
-  // What cannot be submitted is charged nothing.
+  // Submits the next job of a picked session: its newest view, or the next band of its partial frame. A job that cannot
+  // be submitted is not charged.
   void submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
 
-  // The bands of the session's partial frame that are on the device are done, but nobody will see them; the session
-  // leaves the queue.
+  // Abandons the session's partial frame and takes the session out of the queue. Bands that are on the device still
+  // finish, but are not sent. Precondition: the session has a partial frame.
   void give_up(RenderSession& session);
 
   DeviceLoad& load() { return load_; }

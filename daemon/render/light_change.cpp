@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr float kFarthest = 1e9f;  // as the loader of scenes has it
+constexpr float kFarthest = 1e9f;  // the scene loader's limit too
 
 std::optional<float> number(const json& value) {
   if (!value.is_number()) return std::nullopt;

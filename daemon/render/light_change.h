@@ -1,4 +1,4 @@
-// What an operator asks of a light.
+// A change of a light by an operator.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,17 +10,18 @@
 
 namespace gnomon::daemon {
 
-// What is left out stays as it is.
+// Members that are nullopt stay as they are.
 struct LightChange {
   std::optional<glm::vec3> position, direction, color;
   std::optional<float> intensity, range;
-  std::optional<bool> on;  // off: intensity 0; on: that of the scene file
+  std::optional<bool> on;  // false: intensity 0; true: the intensity of the scene file
 };
 
-// From an object such as {"position": [0, 2, 0], "intensity": 40, "on": true}. Error: which member is wrong, and how.
+// Parses an object such as {"position": [0, 2, 0], "intensity": 40, "on": true}. The error names the wrong member and
+// what is allowed.
 Result<LightChange> parse_light_change(const std::string& json);
 
-// Error: an animation moves the light, and the change would.
+// Applies the change to `now`. Error if an animation moves the light and the change would move it too.
 Result<scenes::Light> changed_light(const scenes::Light& now, const scenes::Light& in_file,
                                     const LightChange& change);
 

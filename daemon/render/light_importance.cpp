@@ -8,10 +8,10 @@ namespace gnomon::daemon {
 namespace {
 
 constexpr glm::vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};  // of linear RGB, ITU-R BT.709
-constexpr float kNear = 1;                                  // metres; nearer lights are not brighter for it
-constexpr float kStay = 1.5f;
+constexpr float kNear = 1;                                  // metres; nearer lights do not count as brighter
+constexpr float kStay = 1.5f;                               // advantage of lights that are traced already
 
-// Illuminance at the camera, were it unoccluded and in the cone: what the camera sees may be where it is not.
+// Illuminance at the camera without occlusion and cones, as what the camera sees may be lit where the camera is not.
 float importance(const scenes::Light& light, const glm::vec3& camera) {
   const float bright = light.intensity * glm::dot(light.color, kLuminance);
   if (light.type == scenes::LightType::directional) return bright;

@@ -1,4 +1,4 @@
-// Which lights a session can best do without.
+// Selects the lights that a session can best do without.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,9 +9,9 @@
 
 namespace gnomon::daemon {
 
-// All but `keep` lights: those that bring least to where the camera stands, by luminance, distance and range. Lights
-// that are left out already must become half as important again to come back, so that a camera between two does not
-// make them change places again and again.
+// Returns all but `keep` lights: those that contribute least at the camera, by luminance, distance and range. A light
+// in `left_out` must be 1.5 times as important as another to replace it, so that a camera between two lights does not
+// make them alternate.
 gpu::LightSet least_important(std::span<const scenes::Light> lights, const glm::vec3& camera, size_t keep,
                               const gpu::LightSet& left_out);
 

@@ -1,5 +1,5 @@
-// What a session gives up, beside frames, when its link cannot carry them: first the codec gets denser, then the
-// picture smaller, as far as its tenant allows. Frames have become fewer before (daemon/link/request_gate.h), down to the
+// How a session is degraded when its link cannot carry its frames: first the codec gets denser, then the frames
+// smaller, as far as the tenant allows. Before that the frame rate has fallen (daemon/link/request_gate.h), down to the
 // tenant's least rate. Pure.
 #pragma once
 
@@ -13,14 +13,14 @@ namespace gnomon::daemon {
 
 class LinkSteps {
  public:
-  // Other limits from the next step on.
+  // The limits hold from the next step on.
   void set_terms(const scheduler::DegradationTerms& tenant, bool has_denser_codec) {
     least_rate_ = tenant.least_rate;
-    // The ladder's first step, which elsewhere is one of the rate, is the codec's here.
+    // The ladder's first step, which degrades the rate elsewhere, stands for the denser codec here.
     ladder_.set_terms({.least_rate = has_denser_codec ? kOneStep : 1, .least_size = tenant.least_size});
   }
 
-  // True: a step was taken, up or down.
+  // Returns true if a step was taken, up or down.
   bool observe(const LinkWindow& window) {
     const auto wanted = static_cast<uint32_t>(std::floor(window.offered * least_rate_));
     return ladder_.observe({wanted, std::min(window.taken, wanted)});

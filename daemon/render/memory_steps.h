@@ -1,6 +1,6 @@
-// How much smaller a session's picture is than granted because the device has no memory for its frames: half the pixels
-// less at each refusal, and a try with twice as many after a while. Whatever its tenant's terms: the alternative is no
-// picture. Pure.
+// How much smaller a session's frames are than granted because the device has no memory for them: each refusal halves
+// the number of pixels, and after a while twice as many are tried again. The tenant's limits do not apply, as the
+// alternative is to render nothing. Pure.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace gnomon::daemon {
 
 class MemorySteps {
  public:
-  // A frame of this size was refused. False: there is nothing smaller to try.
+  // A frame of this size was refused. Returns false if there is no smaller size to try.
   bool refuse(TimePoint now) {
     next_try_ = now + kPatience;
     if (level_ == kDeepest) return false;
@@ -20,7 +20,7 @@ class MemorySteps {
     return true;
   }
 
-  // True: larger frames may be tried again, from now on.
+  // Returns true if larger frames are to be tried again from now on.
   bool recover(TimePoint now) {
     if (level_ == 0 || now < next_try_) return false;
     --level_;
@@ -32,7 +32,7 @@ class MemorySteps {
 
  private:
   static constexpr std::chrono::seconds kPatience{2};
-  static constexpr uint32_t kDeepest = 16;  // 1/256 of each side: a tile, of the largest frames
+  static constexpr uint32_t kDeepest = 16;  // 1/256 of each side: one tile of the largest frames
 
   uint32_t level_ = 0;
   TimePoint next_try_{};

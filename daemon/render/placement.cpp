@@ -23,7 +23,7 @@ void Placement::Sum::add(double more) {
   ++sessions;
 }
 
-// What sums of doubles leave when the last one goes may be no zero.
+// The sum is reset when it is empty, as rounding errors may leave a remainder.
 void Placement::Sum::remove(double less) { load = --sessions == 0 ? 0 : load - less; }
 
 void Placement::put(const Placed& placed) {

@@ -1,7 +1,7 @@
-// Which session lives on which device. Pure bookkeeping: no locks, one thread at a time.
+// Assigns sessions to devices. Pure bookkeeping: no locks, one thread at a time.
 //
-// A session goes where least is asked for, and stays until its device closes or another one opens again. A load is what
-// it asks of a device: pixels x lights x frames a second.
+// A session is placed on the device with the least load, and stays until that device closes or another one opens again.
+// Load is the demand of a session: pixels x lights x frames a second.
 #pragma once
 
 #include <cstdint>
@@ -22,22 +22,23 @@ class Placement {
 
   explicit Placement(uint32_t devices) : devices_(devices) {}
 
-  // On an open device; where all are closed, on one that is not gone for ever: it may come back. Empty: all are gone.
+  // Places the session on an open device; if all are closed, on one that may open again. Returns the device, nullopt if
+  // all are closed for ever.
   std::optional<uint32_t> add(SessionId session, TenantId tenant, double load);
   void remove(SessionId session);
-  // Empty: no such session.
+  // nullopt if there is no such session.
   std::optional<uint32_t> device_of(SessionId session) const;
 
-  // The device takes no sessions from now on. Gives those that move to others: none where no other is open.
+  // The device takes no sessions from now on. Returns the sessions that move to others; none if no other is open.
   std::vector<Move> close(uint32_t device);
-  // The same, and it never opens again.
+  // As close(), and the device never opens again.
   std::vector<Move> close_for_ever(uint32_t device);
-  // It takes sessions again. Gives those that move to it, so that all open ones have about the same to do.
+  // The device takes sessions again. Returns the sessions that move to it, so that open devices have a similar load.
   std::vector<Move> open(uint32_t device);
 
   bool is_open(uint32_t device) const { return devices_[device].open; }
   uint32_t sessions(uint32_t device) const { return devices_[device].all.sessions; }
-  // Of what the tenant asks for, what it asks of this device: 0 to 1.
+  // The share of the tenant's load that is on this device: 0 to 1; 0 if the tenant has no load.
   double part(uint32_t device, TenantId tenant) const;
 
  private:

@@ -58,7 +58,7 @@ Result<void> RenderDevice::rebuild(TimePoint now) {
     return Error{"the device was lost " + std::to_string(losses_.size()) + " times within " +
                  std::to_string(kLossWindow.count()) + " s"};
   }
-  renderer_.reset();  // first: two renderers may not fit on the device
+  renderer_.reset();  // before the next one is made, as two renderers may not fit on the device
   if (auto made = make_renderer(); !made) return made;
   for (const auto& [id, scene] : scenes_) {
     if (auto made = renderer_->make_resident(id, scene); !made) return made;

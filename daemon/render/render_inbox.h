@@ -1,4 +1,4 @@
-// Everything that the render thread reacts to, in one inbox.
+// The events that the render thread reacts to, and the inbox that collects them.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,8 @@ struct SessionOpened {
   uint32_t generation = 0;                    // how often it was resumed
 };
 
-// A session of such frames is about to be opened: is there memory for them, at the least size that its tenant allows?
+// Asks whether there is memory for the frames of a session that is about to be opened, at the least size that its
+// tenant allows.
 struct RoomAsked {
   SceneId scene;  // resident
   TenantId tenant;
@@ -36,7 +37,7 @@ struct RoomAsked {
   std::function<void(Result<void>)> answer;  // called on the render thread
 };
 
-// The session's frames are coded so from the next one on.
+// The session's frames use this codec from the next one on.
 struct CodecChosen {
   SessionId session;
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
@@ -48,13 +49,13 @@ struct SessionClosed {
 
 class RenderInbox;
 
-// The session lives on another device from now on; `to` has been told of it.
+// The session moves to another device, whose inbox already has its SessionOpened.
 struct SessionLeaves {
   SessionId session;
-  RenderInbox* to = nullptr;  // of that device: gets the view that waits
+  RenderInbox* to = nullptr;  // of the other device; receives the view that waits
 };
 
-// Of what a tenant may use on all devices together, what it may use of this one: 0 to 1.
+// The share of a tenant's limits, which hold for all devices together, that applies to this device: 0 to 1.
 struct TenantPart {
   TenantId tenant;
   double part = 1;
@@ -66,7 +67,7 @@ struct SceneArrived {
   std::string name = {};
 };
 
-// No session uses it, nor will before it is brought again.
+// The scene is removed from the device. No session uses it, nor will before it is brought again.
 struct SceneLeaves {
   SceneId scene;
 };
@@ -77,31 +78,31 @@ struct LightChanged {
   LightChange change;
 };
 
-struct BackgroundDone {};  // the renderer has finished something beside the frames
+struct BackgroundDone {};  // the renderer has finished something in the background
 
-// A submit is done: a frame or a band of one.
+// A submit is finished: a frame or a band of one.
 struct JobFinished {
   JobId job;
-  bool last = true;  // of its frame's bands
+  bool last = true;  // the last band of its frame
   scheduler::Ticket ticket;
-  uint64_t policy = 0;  // number of the policy that gave the ticket out
+  uint64_t policy = 0;  // number of the policy that issued the ticket
   SceneId scene;
   scheduler::Work work;
-  scheduler::Cost model_cost{};  // 0: a guess of a model that knew nothing
-  Nanoseconds gpu{};
-  Nanoseconds trace{};   // of it, the part that grows with the bits
-  bool unbuilt = false;  // a hierarchy answered for the lights of its scene
+  scheduler::Cost model_cost{};  // predicted; 0 if the model knew nothing yet
+  Nanoseconds gpu{};             // device time
+  Nanoseconds trace{};           // the part of `gpu` that grows with the traced bits
+  bool unbuilt = false;          // the scene's lights were traced with a hierarchy (gpu::LightState)
   bool device_lost = false;
-  bool out_of_memory = false;  // it was not started
+  bool out_of_memory = false;  // the job was not started
 };
 
-// How a session's link did lately.
+// The views of a session's link since the last review.
 struct LinkReviewed {
   SessionId session;
   LinkWindow window;
 };
 
-// A frame has left; its tenant may have a limit of bytes.
+// A frame was sent; its bytes count against the tenant's limit.
 struct BytesSent {
   TenantId tenant;
   SceneId scene;
@@ -111,32 +112,33 @@ struct BytesSent {
 
 struct LeaseDropped {};  // a frame slot may be free again
 
-// The device is shared on other terms from now on. Tenants are never fewer than before.
+// The device is shared on these terms from now on. There are at least as many tenants as before.
 struct SharingPolicyChanged {
   SharingPolicy terms;
 };
 
-struct StopRendering {};  // no further views; the loop ends when the last lease has come back
+struct StopRendering {};  // no further views are taken; the loop ends when the last lease is dropped
 
 using RenderEvent = std::variant<ViewRequest, RoomAsked, SessionOpened, CodecChosen, SessionClosed, SessionLeaves,
                                  SceneArrived, SceneLeaves, JobFinished, LeaseDropped, BytesSent, LightChanged,
                                  BackgroundDone, LinkReviewed, SharingPolicyChanged, TenantPart, StopRendering>;
 
-// Only views come as fast as strangers please: their number is bounded, everything else passes.
+// Any thread pushes, the render thread takes. The number of views is bounded, as clients decide how fast they come;
+// other events are not limited.
 class RenderInbox {
  public:
   explicit RenderInbox(size_t max_views = 16384) : max_views_(max_views) {}
 
   bool push(RenderEvent event) { return events_.push(std::move(event)); }
 
-  // False: too many are waiting (the render thread is busy with a scene), or closed. The view is dropped.
+  // Returns false, and drops the view, if too many views wait or the inbox is closed.
   bool push_view(const ViewRequest& view) {
     if (views_.fetch_add(1, std::memory_order_relaxed) < max_views_ && events_.push(view)) return true;
     views_.fetch_sub(1, std::memory_order_relaxed);
     return false;
   }
 
-  // The render thread.
+  // The render thread: replaces `batch` with all events, and waits for the first one until `deadline`.
   void take(std::vector<RenderEvent>& batch, TimePoint deadline) {
     events_.take(batch, deadline);
     size_t views = 0;

@@ -88,12 +88,13 @@ void RenderLoop::take_view(const ViewRequest& view, TimePoint now) {
     ++session->coalesced;
     metrics_.coalesced(session->grant().tenant);
   }
-  // A session that has moved may hear of an older view from the device where it was.
+  // After a move the previous device may pass on a view that is older than the newest one here.
   if (!session->newest || session->newest->frame.value <= view.frame.value) session->newest = view;
   if (!session->partial && !session->held) queue_.enqueue_when_allowed(*session, now);
 }
 
-// Later, frames that find no memory become smaller than that. An applicant that finds none yet may find another node.
+// Asks for the least size that the tenant allows: an applicant without room at that size may try another server, while
+// an open session that runs out of memory later gets even smaller frames (MemorySteps).
 void RenderLoop::answer_room(const RoomAsked& asked, TimePoint now) {
   if (recovery_.lost() || stopping_) return asked.answer({});
   const double least = queue_.sharing().tenants[asked.tenant.value].degradation.least_size;
@@ -112,7 +113,7 @@ void RenderLoop::close(SessionId id) {
   forget(*session);
 }
 
-// What is on the device of the session's frames is sent; one of which not all bands were submitted is lost.
+// Frames of the session that are completely submitted are still sent; a partial frame is lost.
 void RenderLoop::move_away(const SessionLeaves& leaves) {
   RenderSession* session = queue_.find(leaves.session);
   if (!session) return;
@@ -160,7 +161,7 @@ void RenderLoop::settle_job(const JobFinished& job, TimePoint now) {
   if (costs_.learn(job)) queue_.requeue_scene(job.scene, now);
 }
 
-// The frame is lost with the band that was not started. If it was given up before, it was counted then.
+// A band that was not started loses its frame. If the frame was given up before, it was counted then.
 void RenderLoop::settle_unstarted(const JobFinished& job, TimePoint now) {
   RenderSession* session = queue_.find(job.ticket.session);
   const bool partial = session && session->partial && session->partial->job == job.job;
@@ -171,7 +172,7 @@ void RenderLoop::settle_unstarted(const JobFinished& job, TimePoint now) {
   if (session->newest && !session->held) queue_.enqueue_when_allowed(*session, now);
 }
 
-// Partial frames are lost with the device; sessions with a newer view get into the queue again.
+// Partial frames are lost with the device; sessions with a newer view enter the queue again.
 void RenderLoop::lose_device() {
   recovery_.lose();
   for (auto& [id, session] : queue_.sessions()) {

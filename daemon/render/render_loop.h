@@ -1,9 +1,9 @@
 // The policy of one device: start what capacity allows, then wait for one event (as ninja's Builder::Build).
 //
-// The loop is the meeting point of parts that own what they decide about: RenderQueue the sessions and whose turn it is,
+// The loop connects parts that own what they decide about: RenderQueue the sessions and whose turn it is,
 // SessionQuality what each of them is served, FrameJobs the frames on the device, SceneCosts what frames cost,
 // SceneMotion the scenes' clock and lights, DeviceRecovery the device's losses. No locks, no clock: everything here
-// belongs to the render thread and is told the time.
+// belongs to the render thread, and the caller passes the time.
 #pragma once
 
 #include "daemon/render/device_recovery.h"

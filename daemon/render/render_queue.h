@@ -1,4 +1,4 @@
-// The sessions of a device and how they stand in line for it: in the scheduler's queue, or held back by a rate.
+// The sessions of a device and whether each is in the scheduler's queue or held back by a rate limit.
 #pragma once
 
 #include <map>
@@ -13,50 +13,52 @@
 
 namespace gnomon::daemon {
 
-// Owns the table of sessions, the scheduler and the accounts of tenants. The render thread's; told the time.
+// Owns the table of sessions, the scheduler and the accounts of tenants. Belongs to the render thread; the caller
+// passes the time.
 class RenderQueue {
  public:
-  // `usual_quantum`: of the device's kind, where the terms leave it open. References outlive the queue.
+  // `usual_quantum`: of this kind of device, used if the terms specify none. All references outlive the queue.
   RenderQueue(const SharingPolicy& terms, Nanoseconds usual_quantum, SceneCosts& costs, FrameSink& sink,
               Metrics& metrics);
 
-  // Another policy starts with everybody who waits; what was charged before is not held against anybody.
+  // If the policy changes, the new scheduler starts with all sessions that wait; earlier charges are forgotten.
   void set_terms(const SharingPolicy& terms, TimePoint now);
   const SharingPolicy& sharing() const { return sharing_; }
   Nanoseconds quantum() const { return sharing_.quantum.value_or(usual_quantum_); }  // 0: frames are never cut
 
   using Sessions = std::unordered_map<SessionId, RenderSession>;
   Sessions& sessions() { return sessions_; }
-  RenderSession* find(SessionId id);  // null: there is no such session
+  RenderSession* find(SessionId id);  // nullptr if there is no such session
   void open(const SessionOpened& opened);
   void close(SessionId id);  // precondition: the session is known, and its partial frame was given up
 
-  // The session's next job, cut to the quantum, stands in the queue; in the place of the one that it had there.
+  // Puts the session's next job, cut to the quantum, into the queue, in place of the job that it had there.
   // Precondition: the session has work.
   void enqueue(RenderSession& session, TimePoint now);
-  // The same as soon as the rates of its tenant and its own allow a frame.
+  // As enqueue(), as soon as the rates of the session and of its tenant allow a frame.
   void enqueue_when_allowed(RenderSession& session, TimePoint now);
   void release_held(TimePoint now);
-  // The session leaves the queue, if it stands there.
+  // Takes the session out of the queue; no effect if it is not there.
   void withdraw(RenderSession& session);
-  // Jobs of the scene stand in the queue with what was believed of their costs when they got there.
+  // Queues the waiting jobs of the scene again with their costs as they are predicted now.
   void requeue_scene(SceneId scene, TimePoint now);
-  // The same, and what was learned of the sessions' views is void.
+  // As requeue_scene(), and forgets what was learned of the costs of the sessions' views.
   void forget_costs(SceneId scene, TimePoint now);
 
-  // Views that cannot be ready by their deadline cost nothing more.
+  // Drops views that cannot be ready by their deadline before they are rendered.
   void drop_expired(TimePoint now);
 
-  // Whose job is next: it leaves the queue, and its predicted cost is charged. Nullopt: nobody waits.
+  // Takes the session whose job is next out of the queue and charges the predicted cost; nullopt if no session waits.
   struct Picked {
     RenderSession& session;
     scheduler::Ticket ticket;
   };
   std::optional<Picked> pick(TimePoint now);
-  // `policy`: the one that gave the ticket out; what an earlier one charged is forgotten.
+  // Replaces the predicted cost of the ticket by `cost`. `policy`: policy() when the ticket was issued; a ticket of an
+  // earlier policy is ignored.
   uint64_t policy() const { return policy_; }
   void charge(const scheduler::Ticket& ticket, uint64_t policy, Nanoseconds cost, TimePoint now);
-  // What was picked just now is not done, and costs nothing.
+  // The picked job is not executed: its charge is taken back.
   void refund(const scheduler::Ticket& ticket, TimePoint now) { charge(ticket, policy_, Nanoseconds{}, now); }
 
   void cut_next_job(RenderSession& session) { cut_next_job(session, quantum()); }
@@ -73,10 +75,10 @@ class RenderQueue {
   Metrics& metrics_;
   SharingPolicy sharing_;
   std::unique_ptr<scheduler::Scheduler> scheduler_;
-  uint64_t policy_ = 0;  // counts the schedulers that there were
+  uint64_t policy_ = 0;  // number of schedulers made so far
   ShareAccount account_;
   Sessions sessions_;
-  std::multimap<TimePoint, SessionId> held_;  // until then they may not enter the queue
+  std::multimap<TimePoint, SessionId> held_;  // by the time from which the session may enter the queue
 };
 
 }  // namespace gnomon::daemon

@@ -28,7 +28,7 @@ NextJob next_job(const RenderSession& session, const scheduler::CostModel& model
   const uint32_t remaining = grid.tiles_y() - first, fewest = session.partial ? 1 : 0;
   const NextJob all = piece(remaining);
   const Nanoseconds most = quantum / kJobsOfAQuantum;
-  // What is not much more than a piece is not cut: each cut may cost it a wait for others' pieces.
+  // A frame that costs little more than a piece is not cut: each cut may make it wait for others' pieces.
   if (quantum <= Nanoseconds{} || all.cost <= most + most / 2 || remaining == 1) return all;
   const Nanoseconds least = piece(fewest).cost;
   const double a_row = to_seconds(all.cost - least) / (remaining - fewest);

@@ -1,5 +1,4 @@
-// What the render loop knows of one session: its newest view, the frame that was begun, and what the next piece of
-// work is.
+// The render loop's state of one session: its newest view, its partial frame, and its next job.
 #pragma once
 
 #include <optional>
@@ -9,20 +8,20 @@
 
 namespace gnomon::daemon {
 
-// A frame of which not all rows were submitted.
+// A frame of which not all tile rows are submitted.
 struct PartialFrame {
   JobId job;
   FrameMeta meta;
   uint32_t next_row = 0;
-  bool unbuilt = false;  // a hierarchy answers for the lights of its scene
+  bool unbuilt = false;  // the scene's lights are traced with a hierarchy (gpu::LightState)
 };
 
-// The next job of a session: a whole frame, or some rows of tiles.
+// The next job of a session: a complete frame, or some rows of tiles.
 struct NextJob {
   TileRows rows;
   scheduler::Work work;
-  scheduler::Cost model_cost{};  // what the model says; 0: it knows nothing yet
-  Nanoseconds cost{};            // what it says for this session's view
+  scheduler::Cost model_cost{};  // prediction of the scene's model; 0 if it knows nothing yet
+  Nanoseconds cost{};            // prediction for this session's view
 };
 
 struct RenderSession {
@@ -33,12 +32,12 @@ struct RenderSession {
 
   const SessionOpened opened;
   SessionQuality quality;
-  protocol::CodecId codec;  // in force where the link is not short of bytes
+  protocol::CodecId codec;  // in force unless the link is too slow for it
   std::optional<ViewRequest> newest;
   uint32_t coalesced = 0;  // views replaced since its last frame
   std::optional<PartialFrame> partial;
-  bool queued = false;  // stands in the scheduler's queue with `next`
-  bool held = false;    // waits until its tenant's or its own rate lets it into the queue
+  bool queued = false;  // in the scheduler's queue, with `next`
+  bool held = false;    // waits until its own and its tenant's rate allow it to enter the queue
   NextJob next;
   scheduler::ViewFactor view;
 
@@ -46,12 +45,12 @@ struct RenderSession {
   bool has_work() const { return partial || newest; }
 };
 
-// Pieces cost at most this part of a quantum, uncut frames half of one: a newcomer waits for the rest of the job on the
-// device and for one that is before it by its virtual deadline, and together they are no more than a quantum.
+// A piece costs at most a third of a quantum, an uncut frame half of one: a newcomer waits for the rest of the job on
+// the device and for one job that precedes it by its virtual deadline, and both together cost at most a quantum.
 inline constexpr int kJobsOfAQuantum = 3;
 
-// Cuts what remains of a frame so that no piece costs more than that, as far as whole rows and the rasterising allow:
-// that is done in one go, alone if it must be. `quantum` 0: there are no cuts.
+// Cuts what remains of a frame so that no piece costs more than that, as far as complete rows and the rasterisation
+// allow; the latter is never cut, and makes up a piece alone if it has to. `quantum` 0: frames are never cut.
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds quantum);
 
 }  // namespace gnomon::daemon

@@ -1,4 +1,4 @@
-// What frames of each scene cost on one device, as far as it was learned.
+// Learned models of what frames of each scene cost on one device.
 #pragma once
 
 #include "daemon/metrics/status.h"
@@ -7,20 +7,21 @@
 
 namespace gnomon::daemon {
 
-// While a hierarchy answers for a scene, its frames cost many times what they will cost later. That is learned apart, and
-// what sessions are admitted by does not know it. The render thread's.
+// While a scene's lights are traced with a hierarchy, as its light buffers are not built yet, its frames cost many
+// times what they will cost later. These costs are learned in a separate model, which admission does not use. Belongs
+// to the render thread.
 class SceneCosts {
  public:
   explicit SceneCosts(const SceneMotion& motion) : motion_(motion) {}
 
-  // The model that frames of the scene follow now.
+  // The model that applies to frames of the scene now.
   scheduler::CostModel& model_of(SceneId scene) { return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene]; }
 
-  // Precondition: the job was done. True: its scene's model moved by so much at once that it has met something new.
+  // Precondition: the job was executed. Returns true if the scene's model changed by more than a quarter at once.
   bool learn(const JobFinished& job);
   void learn_bytes(const BytesSent& sent) { built_[sent.scene].learn_bytes(sent.bits, sent.bytes); }
 
-  // Of scenes for which everything is built.
+  // The models of frames whose scene has all its light buffers.
   const CostModels& built() const { return built_; }
 
  private:

@@ -34,13 +34,13 @@ SceneReports SceneMotion::report() const {
   return reports;
 }
 
-// The clock stands still between its steps, so that frames of one step show the same.
 std::span<const scenes::Light> SceneMotion::lights_of(SceneId scene) const {
   const auto found = scenes_.find(scene);
   if (found == scenes_.end()) return {};
   return found->second.wanted;
 }
 
+// The clock advances in steps of 1 / clock_hz, so that frames within one step show the same moment.
 scenes::SceneTime SceneMotion::time_of(SceneId scene, TimePoint now) const {
   const auto found = scenes_.find(scene);
   if (found == scenes_.end()) return {};

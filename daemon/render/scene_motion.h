@@ -1,7 +1,7 @@
-// What changes in the scenes of a device: the clock that their animations play on, and lights that operators change.
+// What changes in the scenes of a device: the clock that drives their animations, and the lights that operators change.
 //
-// A light that was changed is answered for at once, exactly; when the light has rested for a while, what the tracer
-// builds for lights is rebuilt beside the frames. All of it belongs to the render thread and is told the time.
+// A changed light is traced exactly at once, with a hierarchy; when the scene's lights have rested for a while, their
+// light buffers are rebuilt in the background. All of it belongs to the render thread; the caller passes the time.
 #pragma once
 
 #include <map>
@@ -25,34 +25,34 @@ class SceneMotion {
   struct Settings {
     uint32_t clock_hz = 60;
     Nanoseconds light_rest = std::chrono::seconds(2);
-    TimePoint clock_start{};  // of all scenes
+    TimePoint clock_start{};  // time 0 of all scenes
   };
 
-  // References outlive this. `sink` hears of other lights as soon as frames are of them.
+  // All references outlive this object. FrameSink::on_lights is called as soon as frames use changed lights.
   SceneMotion(RenderDevice& device, Metrics& metrics, FrameSink& sink)
       : device_(device), metrics_(metrics), sink_(sink) {}
   void configure(const Settings& settings) { settings_ = settings; }
 
-  // The scene was made resident. If the tracer has not built for its lights yet, it does so from now on. Idempotent.
+  // The scene was made resident. If its light buffers are not built yet, their build starts now. Idempotent.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);
 
   void remove(SceneId id) { scenes_.erase(id); }
 
   scenes::SceneTime time_of(SceneId scene, TimePoint now) const;
-  // The lights as the last change wants them, animated ones at time 0; empty if there is no such scene.
+  // The lights after the last requested change, animated ones at time 0; empty if there is no such scene.
   std::span<const scenes::Light> lights_of(SceneId scene) const;
-  // Nullopt if the scene never differs from its file.
+  // The moment that a frame of now shows; nullopt if the scene has no motion and its lights were never changed.
   std::optional<protocol::Moment> moment_of(SceneId scene, TimePoint now) const;
 
   // Changes to unknown scenes and lights are ignored.
   void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now);
-  // Takes over what was done beside the frames, and starts what is due. Returns the scenes that were unbuilt() until
-  // now: their frames cost something else from here on.
+  // Takes over what was finished in the background, and starts what is due. Returns the scenes that were unbuilt()
+  // until now, as the cost of their frames changes.
   std::vector<SceneId> step(TimePoint now);
-  // The device was made anew, with the scenes' own lights.
+  // The device was rebuilt, with the lights of the scene files: applies the changes again.
   void restore();
 
-  // A hierarchy answers for the scene's lights, as what the tracer builds for them is not there yet.
+  // The scene's lights are traced with a hierarchy, as their light buffers are not built yet.
   bool unbuilt(SceneId scene) const;
   SceneReports report() const;
 
@@ -61,11 +61,11 @@ class SceneMotion {
     std::string name;
     scenes::LoadedScene loaded;
     std::vector<scenes::Light> wanted;  // lights
-    uint32_t asked = 0, applied = 0;    // changes; counted
-    uint32_t version = 0;               // changes in the lights that frames are of: the same on every device
+    uint32_t asked = 0, applied = 0;    // number of changes
+    uint32_t version = 0;               // changes in the lights that frames use; the same on every device
     bool applying = false, settling = false;
     bool unbuilt = false, failed = false;
-    std::optional<TimePoint> changed_at;  // nothing was built for these lights yet
+    std::optional<TimePoint> changed_at;  // of the last change for which no light buffers are built yet
   };
 
   void apply(SceneId id, State& state);

@@ -5,7 +5,7 @@
 namespace gnomon::daemon {
 namespace {
 
-// Sessions that ask for no rate take what is left: like those of a fast screen.
+// The rate assumed for sessions that ask for none, and take all they get.
 constexpr double kRateOfTheGreedy = 60;
 
 double load_of(const SessionGrant& grant) {
@@ -93,7 +93,7 @@ void SessionPlaces::carry_out(const std::vector<Placement::Move>& moves) {
     log::info("sessions moved", {{"from", moves.front().from}, {"to", moves.front().to}, {"count", moves.size()}});
 }
 
-// A tenant's limits hold for all devices together: each allows the part that its sessions ask of it.
+// A tenant's limits hold for all devices together: each device allows its share of the tenant's load.
 void SessionPlaces::tell_parts(TenantId tenant) {
   if (devices_.size() == 1) return;
   for (uint32_t i = 0; i < devices_.size(); ++i)

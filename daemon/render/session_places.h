@@ -1,4 +1,4 @@
-// Which session lives on which device, and the moves when a device is lost, drained or back.
+// Which device serves which session, and the moves when a device is lost, drained or back.
 #pragma once
 
 #include <memory>
@@ -10,21 +10,21 @@
 
 namespace gnomon::daemon {
 
-// Tells the devices' inboxes; a session that moves is opened on the new device before it leaves the old one. Not for
-// several threads at a time: DevicePool guards it.
+// Pushes the changes into the devices' inboxes; a session that moves is opened on the new device before it leaves the
+// old one. One thread at a time: DevicePool guards it with its mutex.
 class SessionPlaces {
  public:
-  // `devices` outlive this; they are as many as they will be.
+  // `devices` outlive this object; their number does not change.
   using Devices = std::vector<std::unique_ptr<DeviceThread>>;
   explicit SessionPlaces(const Devices& devices);
 
   void open(const SessionOpened& session);
   void close(SessionId session);
   void choose_codec(const CodecChosen& chosen);
-  // Of the session's device; of the first one if the session is not known.
+  // The inbox of the session's device; of the first device if the session is not known.
   RenderInbox& inbox_of(SessionId session) const;
 
-  // The device's sessions move to others, if there are any, or come back to it.
+  // The device's sessions move to other devices, if there are any, or some move back to it.
   void set_drained(uint32_t device, bool drained);
   void set_down(uint32_t device, bool down);
   void set_gone(uint32_t device);  // for ever

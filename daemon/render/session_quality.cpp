@@ -9,7 +9,7 @@
 namespace gnomon::daemon {
 namespace {
 
-// A camera that comes a little early is no offence.
+// Cameras may be early by one and a half intervals, as clients and networks jitter.
 scheduler::RateLimit limit_to(double rate_hz) {
   const std::chrono::duration<double> early(rate_hz > 0 ? 1.5 / rate_hz : 0);
   return scheduler::RateLimit(rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
@@ -56,7 +56,7 @@ bool SessionQuality::adopt_size() {
   return true;
 }
 
-// The lights are chosen for each frame anew, and change seldom.
+// The lights are chosen for each frame, but rarely change.
 bool SessionQuality::choose_lights(std::span<const scenes::Light> lights, const glm::vec3& eye) {
   const size_t keep = wanted_lights();
   if (keep >= opened_.grant.lights && untraced_.none()) return false;
@@ -80,7 +80,7 @@ bool SessionQuality::shrink(TimePoint now, const Error& why) {
   return true;
 }
 
-// A session without a rate of its own sends a view when it is answered: it cannot be overrun.
+// A session without a rate is not degraded: its client sends the next view when the last one is answered.
 void SessionQuality::review(Nanoseconds since_last) {
   const uint32_t arrived = std::exchange(arrived_, 0), answered = std::exchange(answered_, 0);
   if (opened_.grant.rate_hz <= 0) return;

@@ -16,7 +16,7 @@
 namespace gnomon::daemon {
 
 // Three ladders lead down and up again: the device's (scheduler::Degradation), the link's and the memory's. The client
-// is told of each change of its rate, size and lights, through the sink. The render thread's.
+// is notified of each change of its rate, size and lights, through the sink. Belongs to the render thread.
 class SessionQuality {
  public:
   // At first all that was granted. References outlive this.
@@ -38,15 +38,15 @@ class SessionQuality {
   void frame_begun(TimePoint now);
 
   // Before each frame: takes over the size and the lights that the ladders want, as frames change between two and never
-  // within one. `lights` are the scene's, `eye` is where the camera stands. True: a frame costs something else now.
+  // within one. `lights` are the scene's, `eye` is where the camera stands. Returns true if a frame's cost has changed.
   bool adapt(std::span<const scenes::Light> lights, const glm::vec3& eye, TimePoint now);
 
-  // The device has no memory for a frame of this size. True: the next frame is smaller. False: it cannot be smaller.
+  // The device has no memory for a frame of this size. Returns true if the next frame is smaller, false if it can't be.
   bool shrink(TimePoint now, const Error& why);
 
   // Once in a while: the session gets less if the device did not keep up with it, or more again.
   void review(Nanoseconds since_last);
-  // The same for its link.
+  // Once in a while: the session gets less if its link did not keep up with it, or more again.
   void review_link(const LinkWindow& window);
 
  private:

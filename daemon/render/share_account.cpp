@@ -9,7 +9,7 @@ namespace {
 using namespace std::chrono_literals;
 using scheduler::RateLimit;
 
-constexpr Nanoseconds kBurst = 100ms;  // of a tenant's rates: its clients need not be in step
+constexpr Nanoseconds kBurst = 100ms;  // of a tenant's rates, as its clients are not synchronised
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void ShareAccount::set_terms(const SharingPolicy& terms) {
   }
 }
 
-// What was spent before stays spent. A part of 0 would be no limit: nobody is there to be limited.
+// What was spent before stays spent. A part of 0 is ignored: it would mean no limit, and no session needs one.
 void ShareAccount::set_part(TenantId id, double part) {
   if (part <= 0) return;
   tenants_.resize(std::max<size_t>(tenants_.size(), id.value + 1));

@@ -1,4 +1,4 @@
-// How the device was shared among tenants: what each got, and whether it always had work, over the last while.
+// How the device was shared among tenants since the last report: what each got, and whether it always had work.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace gnomon::daemon {
 class ShareAccount {
  public:
   void set_terms(const SharingPolicy& terms);
-  // This device allows `part` of the tenant's rates, 0 to 1; at first all of them.
+  // This device allows the share `part` of the tenant's rates, 0 to 1; initially 1.
   void set_part(TenantId tenant, double part);
 
   void queued(TenantId tenant) { ++tenants_[tenant.value].waiting; }

@@ -7,7 +7,7 @@
 namespace gnomon::daemon {
 namespace {
 
-// Each tenant may have one frame in bands beside those that are done at once; unused slots take no memory.
+// Each tenant may have one frame in bands beside the uncut frames; unused slots take no memory.
 uint32_t frame_slots(const Config& config) {
   constexpr size_t kMostInBands = 16;
   return config.render.frames_in_flight + static_cast<uint32_t>(std::min(config.tenants.size(), kMostInBands));

@@ -1,4 +1,4 @@
-// What makes the daemon's renderers, as the configuration says.
+// The factories of the daemon's renderers, by the configuration.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace gnomon::daemon {
 
-// One for each device that it names, in its order; the numbers of devices are places in this list.
+// One factory for each device that the configuration names, in its order; a device's number is its index in this list.
 std::vector<RendererFactory> vulkan_renderers(const Config& config);
 
 }  // namespace gnomon::daemon

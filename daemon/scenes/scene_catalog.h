@@ -1,4 +1,4 @@
-// Which scenes clients may ask for, and under which names.
+// The scenes that clients may ask for, and their names.
 #pragma once
 
 #include <map>
@@ -10,11 +10,11 @@
 
 namespace gnomon::daemon {
 
-// The folders of scenes.allow_files are read once, here: what a client asks for is looked up in a table and never
-// becomes a path, so that no name, however written, leads out of them.
+// The folders of scenes.allow_files are read once, at the start: what a client asks for is looked up in a table and is
+// never used as a path, so that no name, however written, leads out of the folders. Immutable afterwards; any thread.
 class SceneCatalog {
  public:
-  // Error: a folder cannot be read, or there are more files below it than kMaxFiles.
+  // Error if a folder cannot be read or there are more than kMaxFiles scenes.
   static Result<SceneCatalog> read(const ScenesConfig& config);
 
   static constexpr size_t kMaxFiles = 4096;
@@ -22,15 +22,16 @@ class SceneCatalog {
   // The configured scenes, then the files.
   const std::vector<scenes::SceneSource>& sources() const { return sources_; }
 
-  // That the configuration gives to nodes of a source.
+  // The motions that the configuration gives to nodes of the source.
   std::vector<scenes::NodeMotion> motions(const std::string& name) const;
 
-  // Of a scene's name, a file's path below its folder or a file's absolute path; empty: there is no such scene.
+  // Returns the source's name for a scene's name, a file's path below its folder or a file's absolute path; an empty
+  // string if there is no such scene.
   std::string find(const std::string& asked) const;
 
  private:
   std::vector<scenes::SceneSource> sources_;
-  std::map<std::string, std::string, std::less<>> names_;  // what clients may say -> the source's name
+  std::map<std::string, std::string, std::less<>> names_;  // what clients may ask for -> the source's name
 };
 
 }  // namespace gnomon::daemon

@@ -72,8 +72,8 @@ SceneForUse SceneHost::keep(const std::string& name, HostedScene scene) {
   return {kept.scene.loaded, SceneUse(kept.uses)};
 }
 
-// Whoever got the scene before is seen here as a user, and whoever asks after this has it brought again: the devices
-// hear of both in this order.
+// Under one lock, a caller that got the scene before counts as a user here, and a caller that asks later has it brought
+// again: the devices receive the removal before the new arrival.
 Result<void> SceneHost::unload(const std::string& name) {
   {
     std::lock_guard lock(mutex_);
@@ -102,7 +102,7 @@ std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
 void SceneHost::keep_lights(const LightsUpdate& update) {
   std::lock_guard lock(mutex_);
   const auto found = resident_.find(update.scene);
-  // Of several devices the slower ones announce older versions.
+  // The slower ones of several devices announce older versions.
   if (found == resident_.end()) return;
   LightsUpdate& known = found->second.scene.lights;
   if (update.version >= known.version) known = update;

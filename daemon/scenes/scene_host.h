@@ -19,7 +19,7 @@
 
 namespace gnomon::daemon {
 
-// A resident scene, for whoever uses it. It is not unloaded as long as `use` lives.
+// A resident scene for one user. It is not unloaded while `use` exists.
 struct SceneForUse : scenes::LoadedScene {
   SceneUse use;
 };
@@ -28,7 +28,7 @@ struct HostedScene {
   scenes::LoadedScene loaded;
   gpu::SceneFootprint on_device;
   LightsUpdate lights;
-  uint32_t users = 0;  // at the time of asking
+  uint32_t users = 0;  // when resident() was called
 };
 
 class SceneHost {
@@ -39,20 +39,22 @@ class SceneHost {
   SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics);
   ~SceneHost();  // requests that still wait are not answered
 
-  // Any thread. `ready` is called once, on the caller's, the loader's or a render thread.
+  // Any thread. Makes the scene resident if it is not. `ready` is called once, on the caller's, the loader's or a
+  // render thread.
   void fetch(const std::string& name, Ready ready);
 
-  // For who waits elsewhere: the scene is resident, or why not. Needs running render threads.
+  // As fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
+  // Precondition: the render threads run.
   using Fetches = std::vector<std::future<Result<void>>>;
   std::future<Result<void>> fetch_later(const std::string& name);
 
-  // Any thread: takes a scene that nobody uses off the devices and out of memory; whoever asks for it next has its
-  // file read anew. Error: not resident, or in use.
+  // Any thread. Takes a scene that nobody uses off the devices and out of memory; the next fetch() reads its file
+  // again. Error if it is not resident, is in use or is being loaded.
   Result<void> unload(const std::string& name);
 
   std::map<std::string, HostedScene> resident() const;
 
-  // Any thread. The lights of a resident scene from now on, for those who are still to come.
+  // Any thread. The current lights of a resident scene, for sessions that are opened later.
   void keep_lights(const LightsUpdate& update);
   LightsUpdate lights_of(const std::string& name) const;
 
@@ -72,10 +74,10 @@ class SceneHost {
   mutable std::mutex mutex_;
   struct Resident {
     HostedScene scene;
-    std::shared_ptr<SceneUses> uses = std::make_shared<SceneUses>(0);  // grows under the mutex only
+    std::shared_ptr<SceneUses> uses = std::make_shared<SceneUses>(0);  // incremented only under the mutex
   };
   std::map<std::string, Resident> resident_;  // guarded by mutex_
-  std::multiset<std::string> on_the_way_;     // to the devices; guarded by mutex_
+  std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
   Inbox<Request> requests_;
   std::thread loader_;
 };

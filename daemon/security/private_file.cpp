@@ -5,7 +5,7 @@
 
 namespace gnomon::daemon {
 
-// PostgreSQL's rule: nobody but its owner; or root's, readable by the group that the service runs in.
+// PostgreSQL's rule: only the owner may read the file, or it belongs to root and its group may read it.
 Result<void> check_private(const std::string& key, const std::filesystem::path& file) {
   struct stat info {};
   if (stat(file.c_str(), &info) != 0) return Error{key + ": " + file.string() + " cannot be read"};

@@ -1,4 +1,4 @@
-// Files that nobody else may read: keys and tokens.
+// A check for files that nobody else may read: keys and tokens.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace gnomon::daemon {
 
-// Error: `key` (of the configuration), the file, and what would help.
+// Error if others may read the file; it names `key` (of the configuration), the file and the remedy.
 Result<void> check_private(const std::string& key, const std::filesystem::path& file);
 
 }  // namespace gnomon::daemon

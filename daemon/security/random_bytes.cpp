@@ -11,11 +11,12 @@ namespace {
 template <class T>
 T random_value() {
   T value{};
-  // Up to 256 bytes come whole and uninterrupted once the kernel's pool is ready; early in boot a signal may come.
+  // Up to 256 bytes are returned completely and without interruption once the kernel's pool is ready (getrandom(2));
+  // early in boot a signal may interrupt the call.
   ssize_t got = 0;
   do got = getrandom(&value, sizeof value, 0);
   while (got < 0 && errno == EINTR);
-  if (got != sizeof value) std::abort();  // no kernel that we run on lacks it: going on would be guessable
+  if (got != sizeof value) std::abort();  // every supported kernel has it; without it ids would be guessable
   return value;
 }
 

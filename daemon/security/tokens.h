@@ -1,7 +1,7 @@
-// Tenants' tokens. The server keeps their SHA-256 alone: what is in the configuration lets nobody in.
+// The tenants' tokens. The server stores only their SHA-256: knowing the configuration is not enough to connect.
 //
 // A plain hash is enough, without the salt and the deliberate slowness that passwords need: a token is 256 random bits,
-// so that there is no list of likely ones to try, and whoever could invert SHA-256 on it could guess it as well.
+// so there is no list of likely tokens to try, and finding one from its hash is as hard as guessing it.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ TokenHash hash_of(std::string_view token);
 std::string to_hex(const TokenHash& hash);
 std::optional<TokenHash> parse_token_hash(std::string_view hex);  // 64 hexadecimal digits
 
-// Whether `shown` is among `allowed`. How long that takes says nothing of either.
+// Whether `shown` is among `allowed`, in a time that does not depend on the hashes' contents.
 bool is_among(const TokenHash& shown, std::span<const TokenHash> allowed);
 
 }  // namespace gnomon::daemon

@@ -20,7 +20,7 @@ struct Given {
   std::vector<int> sockets;
   std::vector<std::pair<std::string, int>> memories;
   Given() {
-    // The environment is left alone: sd_listen_fds only looks who is meant, and children are none of ours.
+    // The environment is not changed: sd_listen_fds checks by LISTEN_PID that the descriptors are for this process.
     char** names = nullptr;
     const int count = sd_listen_fds_with_names(0, &names);
     for (int i = 0; i < count; ++i) {
@@ -47,7 +47,7 @@ bool matches(int socket, SocketKind kind, uint16_t port) {
   return sd_is_socket_inet(socket, AF_UNSPEC, type, listening, port) > 0;
 }
 
-// A status never spans two lines: what follows would be read as another message.
+// A line break in a status would begin another assignment of the notification.
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
@@ -63,7 +63,7 @@ uint64_t monotonic_us() {
 
 void ready(const std::string& text) { sd_notify(0, ("READY=1\nSTATUS=" + one_line(text)).c_str()); }
 
-// The time is for managers that know Type=notify-reload.
+// MONOTONIC_USEC is for service managers that support Type=notify-reload.
 void reloading() {
   sd_notify(0, ("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(monotonic_us()) + "\nSTATUS=reloading").c_str());
 }

@@ -1,5 +1,5 @@
-// What a service manager (systemd) is told about us, and the sockets that it keeps for us. Without one, nothing
-// happens. Any thread.
+// Notifications to a service manager (systemd), and the sockets and memory that it keeps for this service. Without a
+// service manager the calls have no effect. Any thread.
 #pragma once
 
 #include <chrono>
@@ -16,22 +16,23 @@ void stopping();
 void status(const std::string& text);  // one line, for `systemctl status`
 void alive();
 
-// How long we may say nothing before we are killed; empty: for ever.
+// Watchdog interval; nullopt if the watchdog is disabled.
 std::optional<std::chrono::microseconds> patience();
 
 enum class SocketKind { stream, datagram };  // a listening TCP socket; a UDP socket
 
-// A socket of this kind and port that was opened for us and not taken yet; the caller owns it. It stays open between
-// two lives of ours: who connects meanwhile waits instead of being refused.
+// Returns a socket of this kind and port that the manager opened and that is not taken yet, nullopt if there is none;
+// the caller owns it. It stays open across restarts, so that clients that connect meanwhile wait instead of being
+// refused.
 std::optional<int> take_socket(SocketKind kind, uint16_t port);
 
-// Memory that an earlier life of ours gave into keeping under this name; the caller owns it.
+// Returns memory that a previous process stored under this name, nullopt if there is none; the caller owns it.
 std::optional<int> take_memory(const std::string& name);
-// Keeps a descriptor for our next life, if the manager does that (FileDescriptorStoreMax=); in the place of what it kept
-// under this name before.
+// Stores the descriptor for the next process, in place of what was stored under this name before. No effect if the
+// manager stores none (FileDescriptorStoreMax=).
 void keep_memory(const std::string& name, int descriptor);
 
-// Closes what nobody took; says how many.
+// Closes the sockets and memory that were not taken; returns their number.
 int close_untaken();
 
 }  // namespace gnomon::daemon::supervisor

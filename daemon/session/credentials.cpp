@@ -27,7 +27,8 @@ std::string wanted_tenant(const protocol::Hello& hello, const Names& certificate
   return own == certificate.end() ? kDefaultTenant : *own;
 }
 
-// Those who may know that there is no such tenant: who has a certificate, or where names are no secret.
+// Whether the client may learn that there is no such tenant: it has a certificate, or every tenant is open, so that
+// names are no secret.
 bool may_know(const Names& certificate, const TenantDirectory& directory, ServerMode mode) {
   if (!certificate.empty()) return true;
   const auto all = directory.configs();
@@ -46,7 +47,7 @@ std::variant<TenantId, Rejected> identify(const protocol::Hello& hello, const Na
                                           const TenantDirectory& directory, ServerMode mode) {
   const std::string name = wanted_tenant(hello, certificate_names, directory);
   const auto id = directory.find(name);
-  // One that does not exist has one token, which no text has.
+  // A tenant that does not exist is checked against a hash that no known token has, for the same amount of work.
   TenantConfig tenant;
   tenant.token_sha256 = {TokenHash{}};
   if (id) tenant = directory.config(*id);

@@ -1,7 +1,7 @@
-// Who a client is: the tenant that its Hello names, if its token or its certificate is good for it.
+// Determines who a client is: the tenant that its Hello names, if its token or its certificate is valid for it.
 //
-// A stranger does not learn which tenants there are: a wrong token and a name that does not exist get the same answer
-// after the same work. The operator's counters do tell them apart.
+// A stranger does not learn which tenants there are: a wrong token and an unknown name get the same answer after the
+// same work. The operator's counters distinguish the two.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@
 
 namespace gnomon::daemon {
 
-// What a client is told, and what is counted.
+// The refusal that the client is sent, and the fault that is counted.
 struct Rejected {
   protocol::Refused refused;
   Fault fault;
@@ -27,7 +27,7 @@ std::variant<TenantId, Rejected> identify(const protocol::Hello& hello,
                                           const std::vector<std::string>& certificate_names,
                                           const TenantDirectory& directory, ServerMode mode);
 
-// Error if nobody could connect as one of the tenants; its text tells what to do about it.
+// Error if nobody could connect as one of the tenants; its text names the remedies.
 Result<void> check_tenants(const Config& config);
 
 }  // namespace gnomon::daemon

@@ -9,7 +9,7 @@
 
 namespace gnomon::daemon {
 
-// The session's, and outlived by its link.
+// Belongs to its session; outlived by the session's link.
 class FramesUnderWay {
  public:
   explicit FramesUnderWay(LinkSender& link) : link_(link) {}

@@ -15,7 +15,7 @@ using protocol::Refused;
 constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
                                protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes;
 
-// What came from a stranger is shown, but not at any length.
+// Text from a client, quoted and cut to 80 bytes.
 std::string shown(const std::string& text) {
   std::string quoted(1, '\'');
   return quoted.append(text, 0, 80).append(1, '\'');
@@ -35,7 +35,7 @@ std::optional<Refused> check_size(const Hello& hello, const RenderConfig& render
   return refused;
 }
 
-// Which passes run is the server's choice; a client may insist on ones that are among them.
+// The server chooses which passes run; a client may require passes, which must be among them.
 std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& render) {
   for (const std::string& pass : hello.passes) {
     if (std::find(render.passes.begin(), render.passes.end(), pass) != render.passes.end()) continue;
@@ -46,22 +46,23 @@ std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& rend
   return std::nullopt;
 }
 
-// The client's first choice; of one that names none, what every client decodes or says that it does.
+// The client's first choice. If it names none, the configured codec, unless that is tiles_context and the client does
+// not support references: then tiles_lz4.
 protocol::CodecId choose_codec(const Hello& hello, const EncodeConfig& encode) {
   if (!hello.codecs.empty()) return hello.codecs.front();
   const bool context = (hello.features & protocol::kFeatureReferences) != 0;
   return encode.codec == protocol::CodecId::tiles_context && !context ? protocol::CodecId::tiles_lz4 : encode.codec;
 }
 
-// Of those that the client decodes. They are numbered by density.
+// The densest codec that the client decodes. Codecs are numbered by density.
 protocol::CodecId densest_codec(const Hello& hello, const EncodeConfig& encode) {
   if ((hello.features & protocol::kFeatureReferences) != 0) return protocol::CodecId::tiles_context;
   if (hello.codecs.empty()) return choose_codec(hello, encode);
   return *std::max_element(hello.codecs.begin(), hello.codecs.end());
 }
 
-// The client's wish: whoever has instructions for AES puts it first. ChaCha20 also where it is this machine that has
-// none, as a server seals for many. Every client must be able to use AES-128-GCM.
+// The client's first choice: a client with AES instructions puts AES first. ChaCha20 also if this machine has no AES
+// instructions and the client accepts it, as a server seals for many clients. Every client must support AES-128-GCM.
 protocol::CipherId choose_cipher(const std::vector<protocol::CipherId>& wanted) {
   using protocol::CipherId;
   static const bool aes_is_quick = protocol::has_aes_instructions();

@@ -1,4 +1,4 @@
-// What a Hello asks for, against what this server offers. No sockets, no state.
+// Compares what a Hello asks for with what this server offers. No sockets, no state.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace gnomon::daemon {
 
-// Every Hello fits into this; longer messages of a client are refused before they are read.
+// Every Hello fits into this; a longer message of a client is refused before it is read.
 inline constexpr size_t kMaxClientMessageBytes = 16 * 1024;
 
 // Returns the server's name of the scene that a client asks for, an empty string if there is none.

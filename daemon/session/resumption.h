@@ -1,4 +1,4 @@
-// A grant as a record of the session store, and back. No sockets, no state.
+// Converts a grant to a record of the session store and back. No sockets, no state.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace gnomon::daemon {
 
-// What of a session is in its record beside the grant.
+// What a session's record holds beside the grant.
 struct SessionKeys {
   protocol::Bytes16 scene_hash{};  // of the scene's content when the session was opened
-  protocol::Secret resumption{};   // the client will prove that it knows this
+  protocol::Secret resumption{};   // the client has to prove that it knows this secret
   protocol::SealState seal;
 };
 

@@ -8,7 +8,7 @@ namespace {
 // Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
 bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
 
-// A datagram with an old view tells where the client is as well as a new one.
+// Whether the datagram shows where the client is; one with an old view does so as well as one with a new view.
 bool is_sound(const Received& received) {
   return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
 }
@@ -37,7 +37,7 @@ Session::Session(SessionParts parts, TimePoint now)
       last_heard_(now),
       link_(grant_.features, generation() > 0) {
   if (grant_.has(protocol::kFeatureReferences)) references_ = std::make_shared<SessionReferences>();
-  // What was asked for before is not answered again: slices of two answers to one camera must not be mixed.
+  // Cameras from before the resumption are not answered again: slices of two answers to one camera must not be mixed.
   if (stored_ && stored_.record().newest_frame != 0) newest_ = FrameId{stored_.record().newest_frame};
 }
 
@@ -49,7 +49,7 @@ void Session::forget() {
 Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
   const auto opened = seal_->open(datagram);
   if (!opened) return {std::nullopt, fault_of(seal_->rejection())};
-  // Answered wherever it comes from, and moves nothing: the client is trying out another way.
+  // A ping is answered wherever it comes from, and does not change the session's address: the client is trying a path.
   if (opened->header.kind == protocol::DatagramKind::ping) {
     last_heard_ = now;
     return {std::nullopt, std::nullopt, true};

@@ -1,4 +1,5 @@
-// One client's use of one scene: what its datagrams mean, where its frames go, what it has cost lately.
+// One client's use of one scene: it interprets the client's datagrams, knows where its frames go, and sums what they
+// took.
 #pragma once
 
 #include <asio/ip/udp.hpp>
@@ -24,8 +25,8 @@
 
 namespace gnomon::daemon {
 
-// What a datagram amounts to: a view, or what is wrong with it, or neither (a repeated frame id is ignored, unless all
-// of its answer was lost; a view that the link has no room for is kept until it has).
+// The result of a datagram: a view, or a fault, or neither (a repeated frame id is ignored, unless all of its answer
+// was lost; a view that the link has no room for is kept until it has).
 struct Received {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
@@ -38,11 +39,11 @@ struct SessionParts {
   SessionGrant grant = {};
   std::unique_ptr<protocol::Seal> seal;
   SessionPermit permit;
-  StoredSession stored = {};  // the seal goes on from what lies in there; empty if it cannot be resumed
+  StoredSession stored = {};  // record from which the seal continues; empty if the session cannot be resumed
   SceneUse scene_use = {};    // keeps the scene from being unloaded
 };
 
-// The net thread's that owns it.
+// Belongs to the net thread that owns it.
 class Session {
  public:
   Session(SessionParts parts, TimePoint now);
@@ -53,13 +54,13 @@ class Session {
   protocol::Seal& seal() { return *seal_; }
   LinkSender& link() { return link_; }
 
-  // Whether the client last spoke over its control connection; frames are sent to it there then.
+  // Whether the client's last view or feedback came over its control connection; frames are sent over it then.
   bool by_control() const { return by_control_; }
 
-  // Where the last valid datagram came from; nothing is sent anywhere else.
+  // Where the last valid datagram came from, which is where frames are sent; nullopt if none has arrived.
   const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
 
-  // A message that takes the place of a datagram.
+  // Receives a message that replaces a datagram.
   Received receive(const protocol::Data& data, TimePoint now);
 
   Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
@@ -73,14 +74,14 @@ class Session {
 
   TimePoint last_heard() const { return last_heard_; }
 
-  // A session that can be resumed goes on without its control connection until `until`.
+  // A session that can be resumed continues without its control connection until `until`.
   bool resumable() const { return static_cast<bool>(stored_); }
   void control_lost(TimePoint until) { resumed_until_ = until; }
   TimePoint resumed_until() const { return resumed_until_; }
   // Counts how often the session was resumed. Notifications carrying an older generation are ignored.
   uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 
-  // The size of frames that the client has been told to expect.
+  // The size of frames that the client has been notified of.
   void told_of(uint16_t width, uint16_t height) { told_width_ = width, told_height_ = height; }
   bool expects(const TileGrid& grid) const { return grid.width == told_width_ && grid.height == told_height_; }
   void forget();  // the session cannot be resumed any more, and nothing is sealed any more

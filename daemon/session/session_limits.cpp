@@ -12,7 +12,7 @@ protocol::Refused full(const std::string& whose, uint32_t limit) {
   return refused;
 }
 
-// The number of a tenant's sessions is counted where limits are taken, before its scene is brought.
+// `sessions` is 0, no limit: sessions are counted when a permit is taken, before the scene is brought.
 scheduler::TenantLimits limits_of(const TenantConfig& tenant) {
   return {.sessions = 0,
           .width = tenant.max_width,

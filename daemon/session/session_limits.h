@@ -1,5 +1,5 @@
-// How many sessions there may be in all, of a tenant and from an address, and what a tenant's sessions may ask for
-// together. A permit counts as a session for as long as it exists.
+// Limits the number of sessions in all, of a tenant and from an address, and what a tenant's sessions may ask for
+// together. A permit counts as a session while it exists.
 #pragma once
 
 #include <asio/ip/address.hpp>
@@ -48,7 +48,7 @@ class SessionLimits {
   // `devices`: the number of devices whose time can be booked.
   explicit SessionLimits(const Config& config, size_t devices = 1);
 
-  // Returns a permit, or the refusal that tells which limit is reached.
+  // Returns a permit, or the refusal that names the limit that is reached.
   std::variant<SessionPermit, protocol::Refused> take(TenantId tenant, const asio::ip::address& address);
 
   // Books what the session asks for on its permit. Returns nullopt, or the exceeded limit and what would fit.

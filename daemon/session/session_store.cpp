@@ -34,7 +34,8 @@ Head head_of(size_t records) {
 
 Error system_error(const char* what) { return Error{std::string(what) + ": " + std::strerror(errno)}; }
 
-// The compiler keeps the order of stores around it, and the machine keeps it for whoever looks after our end.
+// Keeps the compiler from reordering stores across it. A process that reads the memory after this one has ended sees
+// every store that was executed, so that no hardware fence is needed.
 void in_this_order() { std::atomic_signal_fence(std::memory_order_seq_cst); }
 
 }  // namespace
@@ -66,7 +67,7 @@ SessionStore::~SessionStore() {
 
 size_t SessionStore::bytes() const { return sizeof(Head) + places_.size() * sizeof(SessionRecord); }
 
-// Its size cannot change any more: no look at it is ever a bus error.
+// Accepts only memory of the expected size that is sealed against shrinking, so that no access is a bus error.
 bool SessionStore::is_ours(int memory) const {
   struct stat status {};
   if (fstat(memory, &status) != 0 || static_cast<size_t>(status.st_size) != bytes()) return false;
@@ -93,7 +94,7 @@ Result<void> SessionStore::map(std::optional<int> left) {
   void* const mapped = mmap(nullptr, bytes(), PROT_READ | PROT_WRITE, MAP_SHARED, memory_, 0);
   if (mapped == MAP_FAILED) return system_error("memory for sessions");
   mapped_ = mapped;
-  madvise(mapped_, bytes(), MADV_DONTDUMP);  // keys
+  madvise(mapped_, bytes(), MADV_DONTDUMP);  // keeps the keys out of core dumps
   records_ = {reinterpret_cast<SessionRecord*>(static_cast<char*>(mapped_) + sizeof(Head)), places_.size()};
   return {};
 }
@@ -106,7 +107,7 @@ void SessionStore::find_left() {
       places_[place].used = false;
       continue;
     }
-    protocol::wipe(&record, sizeof record);  // it may have been on its way in or out
+    protocol::wipe(&record, sizeof record);  // it may have been half written or half wiped
     free_.push_back(place);
   }
 }
@@ -214,7 +215,7 @@ void SessionStore::expire(TimePoint now) {
 }
 
 void SessionStore::close() {
-  std::vector<Claimed> dropped;  // outside of the lock: they may hold records of ours
+  std::vector<Claimed> dropped;  // destroyed after the lock is released, as they may hold records of this store
   std::lock_guard lock(mutex_);
   closed_ = true;
   for (Place& place : places_) {

@@ -1,11 +1,11 @@
-// What of a session outlives its control connection and this process: enough to go on with the same keys. It lies in
-// shared memory that a service manager may keep for the next process (systemd's file descriptor store), so that it is
-// there after a crash at any instruction.
+// The part of a session that outlives its control connection and this process: enough to continue with the same keys.
+// It is in shared memory that a service manager may keep for the next process (systemd's file descriptor store), so
+// that it survives a crash at any instruction.
 //
 //   session opened: add()   its client is back on another connection: claim()   session closed: StoredSession::forget()
 //
-// A record whose StoredSession is dropped without forget() rests: for as long as a session may be silent it can be
-// claimed.
+// A record whose StoredSession is dropped without forget() rests: it can be claimed for as long as a session may be
+// silent.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@
 
 namespace gnomon::daemon {
 
-// Plain memory, read by another process that runs the same program. Texts end with a zero.
+// Plain memory, read by another process of the same program. Texts are terminated by a zero byte.
 struct SessionRecord {
   uint64_t id = 0;  // 0: free
   uint64_t features = 0;
@@ -43,7 +43,8 @@ struct SessionRecord {
 
 class SessionStore;
 
-// The use of a record, by one thread at a time. Dropped, the record rests. Move-only; outlived by its store.
+// The exclusive use of a record. When it is dropped, the record rests. One thread at a time. Move-only; outlived by its
+// store.
 class StoredSession {
  public:
   StoredSession() = default;
@@ -59,10 +60,11 @@ class StoredSession {
   explicit operator bool() const { return store_ != nullptr; }
   SessionRecord& record() const;
 
-  // Called when the client has come back on another connection: this is to be dropped soon. Any thread; does not block.
+  // `wanted` is called when the client has come back on another connection: the holder should drop this object soon. It
+  // is called on any thread and must not block.
   void when_wanted(std::function<void()> wanted);
 
-  void forget();  // wipes the record; nobody claims it any more
+  void forget();  // wipes the record, which can no longer be claimed
 
  private:
   friend class SessionStore;
@@ -75,8 +77,9 @@ class StoredSession {
 // Any thread.
 class SessionStore {
  public:
-  // `left`: memory of a previous process, nullopt if there is none. Its ownership is taken; it is used if it has this
-  // shape. Error if no memory can be had.
+  // `most`: number of records. `patience`: how long a record rests. `left`: memory of a previous process, nullopt if
+  // there is none; the store owns it from now on, and uses it if it has the right shape. Error if memory cannot be
+  // allocated.
   static Result<std::unique_ptr<SessionStore>> open(size_t most, Nanoseconds patience, std::optional<int> left);
   ~SessionStore();
 
@@ -87,19 +90,20 @@ class SessionStore {
   // Returns an empty StoredSession if there is no room for the record.
   StoredSession add(const SessionRecord& record);
 
-  // The secret that the client of that session proves to know; nullopt if there is no such session.
+  // The secret that the client of that session has to prove that it knows; nullopt if there is no such session.
   std::optional<protocol::Secret> resumption_secret(SessionId id) const;
 
-  // `done` is called once, on any thread, as soon as nobody else uses the record; with nothing if there is none (any
-  // more), or if it is claimed again meanwhile.
+  // `done` is called once, on any thread, as soon as nobody else uses the record. Its argument is empty if there is no
+  // such record or if the record is claimed again meanwhile. close() drops claims that wait without a call.
   using Claimed = std::function<void(StoredSession)>;
   void claim(SessionId id, Claimed done);
 
-  // Wipes what has rested for too long, counted from the first call for what a previous process left.
+  // Wipes records that have rested for longer than `patience`, counted from the first call for those of a previous
+  // process.
   void expire(TimePoint now);
-  void forget_resting();
+  void forget_resting();  // wipes all records that rest
 
-  void close();  // nobody is called any more
+  void close();  // drops the callbacks; later claims get an empty answer at once
 
  private:
   friend class StoredSession;
@@ -108,7 +112,7 @@ class SessionStore {
     bool used = false;
     std::optional<TimePoint> rests_until;
     std::function<void()> wanted;
-    Claimed claimed;  // somebody waits for it
+    Claimed claimed;  // of the claim that waits for the record
   };
 
   SessionStore(size_t most, Nanoseconds patience) : patience_(patience), places_(most) {}

@@ -22,7 +22,7 @@ class SessionTable {
     return found == sessions_.end() ? nullptr : found->second.get();
   }
 
-  // Those that have said nothing since `limit`.
+  // Sessions whose client has sent nothing since `limit`.
   std::vector<SessionId> silent_since(TimePoint limit) const {
     std::vector<SessionId> silent;
     for (const auto& [id, session] : sessions_) {
@@ -31,7 +31,7 @@ class SessionTable {
     return silent;
   }
 
-  // Those that lost their control connection and have waited for another until now.
+  // Sessions without a control connection whose time to be resumed has passed.
   std::vector<SessionId> not_resumed(TimePoint now) const {
     std::vector<SessionId> waited;
     for (const auto& [id, session] : sessions_) {

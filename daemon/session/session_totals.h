@@ -6,10 +6,10 @@
 
 namespace gnomon::daemon {
 
-// The net thread's.
+// Belongs to the net thread.
 class SessionTotals {
  public:
-  void add(const FrameMeta& meta, TimePoint sent);  // a frame that was sent as a whole
+  void add(const FrameMeta& meta, TimePoint sent);  // adds a frame that was sent completely
 
   // Totals of the session, and means since the last call (0 for an interval without frames).
   protocol::Stats take_stats();

@@ -10,7 +10,7 @@
 
 namespace gnomon::daemon {
 
-// The session's, and outlived by its link.
+// Belongs to its session; outlived by the session's link.
 class ViewBuffer {
  public:
   explicit ViewBuffer(LinkSender& link) : link_(link) {}

@@ -1,4 +1,4 @@
-// Counts every use of operator new in the program. In a file of its own, out of the optimiser's sight.
+// Counts every use of operator new in the program. Defined in a file of its own, so that the optimiser cannot elide it.
 #pragma once
 
 #include <cstdint>

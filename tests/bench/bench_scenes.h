@@ -1,4 +1,4 @@
-// Scenes by name or file, and the cameras that benchmarks look through.
+// Scenes by name or file, and the cameras of benchmarks.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace gnomon::bench {
 
-// The built-in scenes and those beside the repository that are there.
+// The built-in scenes, and those beside the repository that exist.
 std::vector<std::string> default_scenes();
 
 // `scene`: a built-in's name, one beside the repository, or a file.
@@ -24,12 +24,12 @@ struct PictureSize {
 // "1920x1080".
 Result<PictureSize> parse_size(const std::string& text);
 
-// How long the scene's first camera path takes; without one, a turn of the circle through it (orbit_pose).
+// The duration of the scene's first camera path; without a path, of a turn of the circle in the scene (orbit_pose).
 double path_seconds(const scenes::Scene& scene);
-// Where a client is on that path, before its beginning at the beginning.
+// The pose on that path at a time; before its beginning, the first pose.
 gpu::CameraView camera_on_path(const scenes::Scene& scene, double seconds, PictureSize size);
 
-// `count` cameras evenly along it.
+// `count` cameras, evenly spaced along the path.
 std::vector<gpu::CameraView> cameras_along_path(const scenes::Scene& scene, uint32_t count, PictureSize size);
 
 }  // namespace gnomon::bench

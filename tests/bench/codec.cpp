@@ -1,4 +1,4 @@
-// Suite "codec": bytes and milliseconds of every codec on the masks along scenes' camera paths, beside general
+// Suite "codec": bytes and milliseconds of every codec on the masks along scenes' camera paths, compared with general
 // compression and JBIG1, on one core.
 #include <algorithm>
 #include <map>
@@ -16,9 +16,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int kRepeats = 4;  // of each frame, of which the fastest counts
+constexpr int kRepeats = 4;  // of each frame; the fastest one counts
 
-// Beside a slice's payload: the datagram's header, the slice's and the seal.
+// Bytes beside a slice's payload: the datagram's header, the slice's header and the seal's tag.
 constexpr size_t kDatagramOverhead = protocol::kMaxDatagramBytes - protocol::kMaxSlicePayloadBytes;
 
 class OwnCodec : public FrameCodec {

@@ -1,4 +1,4 @@
-// What codecs are measured beside: general compression of the same tile words, and the standard for bilevel images.
+// Codecs of others for comparison: general compression of the same tile words, and the standard for bilevel images.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 namespace gnomon::bench {
 
-// zstd at level 3 over the whole frame's tile words.
+// zstd at level 3 over all tile words of a frame.
 std::unique_ptr<FrameCodec> make_zstd_words();
 
 // JBIG1 (ITU-T T.82, by JBIG-KIT) of each light's picture, in its densest sequential mode: one stripe, typical

@@ -1,4 +1,4 @@
-// The plot of the suite "codec": for each scene, what a frame takes in bytes against what it takes in time.
+// The plot of the suite "codec": for each scene, the bytes of a frame against the time to code it.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,8 @@ struct CodecPoint {
   double bytes = 0, encode_ms = 0, decode_ms = 0;
 };
 
-// `file`: PNG or SVG by its ending. Drawn by gnuplot. Error: no gnuplot, another ending, or the file cannot be written.
+// Draws with gnuplot to `file`, PNG or SVG by its ending. Error if there is no gnuplot, for another ending, or if the
+// file cannot be written.
 Result<void> plot_codecs(const std::vector<CodecPoint>& points, const std::string& caption,
                          const std::filesystem::path& file);
 

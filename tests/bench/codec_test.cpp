@@ -1,4 +1,4 @@
-// The suite leaves its rows and its plot, on small pictures.
+// The suite writes its rows and its plot, here for small frames.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,4 +1,4 @@
-// Something that codes whole frames of masks, seen from the stopwatch.
+// The interface of a codec of complete frames, for measurements.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace gnomon::bench {
 
-// What a frame became.
+// The size of an encoded frame.
 struct CodedSize {
   size_t bytes = 0;
   size_t slices = 0;  // 0: not cut into datagrams
@@ -20,12 +20,12 @@ class FrameCodec {
   virtual ~FrameCodec() = default;
 
   virtual std::string name() const = 0;
-  // Takes over what it codes, in whatever form it likes best; not measured. The spot lives until the next call.
+  // Converts the frame to the form that the codec needs; not measured. `spot` remains valid until the next call.
   virtual void prepare(const TileGrid& grid, const PathSpot& spot) = 0;
   // Both measured. `decode` undoes the last `encode`.
   virtual CodedSize encode() = 0;
   virtual bool decode() = 0;
-  // What was decoded, as common/tile_mask.h; not measured.
+  // The decoded words, laid out as in common/tile_mask.h; not measured.
   virtual std::span<const uint64_t> words() = 0;
 };
 

@@ -1,4 +1,4 @@
-// Suite "growth": what a frame takes as a scene grows, over triangles with few lights and over lights with few
+// Suite "growth": the time of a frame as a scene grows, over triangles with few lights and over lights with few
 // triangles, and a plot of both.
 #include <cmath>
 
@@ -11,7 +11,7 @@
 namespace gnomon::bench {
 namespace {
 
-// What is varied, and what the other one is meanwhile.
+// The quantity that is varied, and the value of the other one meanwhile.
 struct Sweep {
   std::vector<uint64_t> triangles;
   std::vector<uint32_t> lights;
@@ -78,7 +78,7 @@ class GrowthSuite : public Suite {
     return {};
   }
 
-  // Medians over the cameras; of each, the second frame counts: the first one warms up.
+  // Medians over the cameras. The second frame of each counts, as the first one warms up.
   Result<GrowthPoint> measure_scene(const std::string& axis, const scenes::ScenePtr& scene) {
     gpu::RendererOptions options;
     options.device = device_;

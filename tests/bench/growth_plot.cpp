@@ -8,7 +8,7 @@
 namespace gnomon::bench {
 namespace {
 
-// Blocks of data inline: name, then one line for each point.
+// Inline blocks of data: the name, then one line for each point.
 std::string block(const std::string& name, const std::vector<GrowthPoint>& points) {
   std::string text = "$" + name + " << END\n";
   for (const GrowthPoint& p : points) {

@@ -18,7 +18,8 @@ struct GrowthCurves {
   std::string caption;
 };
 
-// `file`: PNG or SVG by its ending. Drawn by gnuplot. Error: no gnuplot, another ending, or the file cannot be written.
+// Draws with gnuplot to `file`, PNG or SVG by its ending. Error if there is no gnuplot, for another ending, or if the
+// file cannot be written.
 Result<void> plot_growth(const GrowthCurves& curves, const std::filesystem::path& file);
 
 }  // namespace gnomon::bench

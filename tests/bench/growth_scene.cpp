@@ -54,7 +54,7 @@ glm::mat4 placement(uint32_t index, uint32_t side) {
   return assets::at(middle(index % side), 0, middle(index / side)) * assets::scaled(std::min(1.0f, cell));
 }
 
-// The i-th number of the van der Corput sequence: evenly spread, however many are taken.
+// The i-th number of the van der Corput sequence, whose first n numbers are evenly spread for every n.
 float spread(uint32_t i, uint32_t base) {
   float value = 0, digit = 1;
   for (; i > 0; i /= base) value += static_cast<float>(i % base) * (digit /= static_cast<float>(base));

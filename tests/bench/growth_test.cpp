@@ -1,4 +1,4 @@
-// The scene grows as it says, and the suite leaves its rows and its plot.
+// The scene has the requested size, and the suite writes its rows and its plot.
 #include <gtest/gtest.h>
 
 #include <fstream>

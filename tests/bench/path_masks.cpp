@@ -11,7 +11,7 @@
 namespace gnomon::bench {
 namespace {
 
-// Everything that decides what a kept file holds.
+// The name of a cached file: the scene, the size, the number of spots and their ages.
 std::string key_of(const std::string& scene, const PathPlan& plan) {
   std::string key = std::filesystem::path(scene).stem().string() + "-" + std::to_string(plan.size.width) + "x" +
                     std::to_string(plan.size.height) + "-" + std::to_string(plan.spots);
@@ -37,7 +37,7 @@ std::span<char> bytes_of(std::vector<uint64_t>& words) {
   return {reinterpret_cast<char*>(words.data()), words.size() * sizeof(uint64_t)};
 }
 
-// The cameras are made again, as only what is rendered is worth keeping.
+// The cameras are computed again: only what is rendered is cached.
 void place_cameras(const scenes::Scene& scene, const PathPlan& plan, PathMasks& masks) {
   for (uint32_t i = 0; i < plan.spots; ++i) {
     PathSpot& spot = masks.spots[i];

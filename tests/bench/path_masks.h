@@ -1,4 +1,4 @@
-// Masks of the frames that a client sees on its way along a scene's camera path: what codecs are measured on.
+// Masks of the frames that a client sees along a scene's camera path, on which codecs are measured.
 #pragma once
 
 #include <filesystem>
@@ -13,13 +13,13 @@
 namespace gnomon::bench {
 
 struct PathFrame {
-  std::vector<uint64_t> words;       // as common/tile_mask.h
-  std::vector<uint64_t> valid_bits;  // of the same layout: which bits matter
-  PackedMask packed;                 // the same as the daemon gets it
-  protocol::CameraView camera;       // that it was seen through
+  std::vector<uint64_t> words;       // laid out as in common/tile_mask.h
+  std::vector<uint64_t> valid_bits;  // same layout; bits that are not set here do not matter
+  PackedMask packed;                 // the mask as the daemon gets it
+  protocol::CameraView camera;       // of the frame
 };
 
-// One place of the path, and how it looked so long before.
+// The frame at one place of the path, and the frames that the client saw some time before.
 struct PathSpot {
   PathFrame now;
   std::vector<PathFrame> before;  // one for each of PathPlan::ages_ms
@@ -30,14 +30,14 @@ struct PathPlan {
   PictureSize size;
   std::vector<uint32_t> ages_ms;
   std::string device;            // as render.device of the configuration
-  std::filesystem::path folder;  // where masks are kept for the next run; empty: nowhere
+  std::filesystem::path folder;  // cache of masks for the next run; empty: no cache
 };
 
 struct PathMasks {
   std::string scene;
   TileGrid grid;
   std::vector<PathSpot> spots;
-  std::string device, driver;  // what rendered them
+  std::string device, driver;  // that rendered the masks
 };
 
 Result<PathMasks> masks_along_path(const std::string& scene, const PathPlan& plan);

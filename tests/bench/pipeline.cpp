@@ -1,5 +1,5 @@
-// Suite "pipeline": the whole daemon in this process, asked over loopback by clients that keep it busy; and beside it,
-// in the same run and along the same camera paths, the bare kernels: frames submitted back to back and thrown away.
+// Suite "pipeline": the complete daemon in this process, kept busy by clients over loopback; for comparison, in the
+// same run and along the same camera paths, the bare kernels: frames submitted back to back and discarded.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int kSubmitted = 3;  // frames of the bare kernels on the device: what the daemon has at most
+constexpr int kSubmitted = 3;  // frames of the bare kernels on the device: as many as the daemon has at most
 constexpr SceneId kScene{0};
 
 double cpu_seconds(int who) {
@@ -46,7 +46,7 @@ double device_busy_seconds(const daemon::Metrics& metrics) {
   return 0;
 }
 
-// What the clients of one measurement saw, on as many threads as they need so that they hold nobody up.
+// The clients of one measurement and what they saw, on enough threads that the clients do not limit the daemon.
 struct Flight {
   double vbps = 0, seconds = 0, clients_cpu_seconds = 0;
   uint64_t frames = 0, bytes = 0;
@@ -88,13 +88,13 @@ Result<Flight> fly(const client::LoadOptions& options, size_t clients, size_t th
   return flight;
 }
 
-// Frames of `clients` cameras in turn, each somewhere else on the path, as the load's clients are.
+// Frames of `clients` cameras in turn, each at another place of the path, as the load's clients are.
 class BareKernels {
  public:
   BareKernels(std::unique_ptr<gpu::Renderer> renderer, scenes::ScenePtr scene)
       : renderer_(std::move(renderer)), scene_(std::move(scene)) {}
 
-  // Means since the last call: a frame's time on the device, and of each of its passes.
+  // Means since the last call: the time of a frame and of each of its passes on the device.
   void take_times(nlohmann::ordered_json& row) {
     const double frames = 1e6 * static_cast<double>(std::max<uint64_t>(done_, 1));
     row["bare_gpu_ms"] = static_cast<double>(gpu_ns_) / frames;
@@ -148,7 +148,7 @@ class BareKernels {
   std::unique_ptr<gpu::Renderer> renderer_;
   scenes::ScenePtr scene_;
   uint64_t jobs_ = 0;
-  std::map<std::string_view, uint64_t> stage_ns_;  // sums, as what follows; guarded by mutex_ once frames are out
+  std::map<std::string_view, uint64_t> stage_ns_;  // sums, as below; guarded by mutex_ while frames are out
   uint64_t gpu_ns_ = 0, done_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -245,12 +245,12 @@ class PipelineSuite : public Suite {
     options.scene_folder = file.parent_path();
     options.size = {static_cast<uint16_t>(size.width), static_cast<uint16_t>(size.height)};
     options.rate_hz = rate_hz_;
-    options.in_flight = 2;  // the next camera is there when a frame is done
+    options.in_flight = 2;  // so that the next camera waits when a frame is finished
     options.duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
     return options;
   }
 
-  // Half of the bare kernels' time before, half after: the machine may change meanwhile.
+  // The bare kernels are measured half before and half after, as the machine's speed may change meanwhile.
   Result<void> measure(const std::string& name, const std::filesystem::path& file, size_t lights, BareKernels& bare,
                        daemon::Daemon& daemon, const std::string& size_text, size_t clients) {
     const auto size = parse_size(size_text);

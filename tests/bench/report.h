@@ -1,4 +1,4 @@
-// What a suite measured, as a table for people and as JSON for scripts:
+// The report of a suite, as a table for people and as JSON for scripts:
 //   {"suite", "host", "device", "driver", "date", "rows": [...]}
 // Every row is flat: names of what was run, and figures with the unit in the key.
 #pragma once
@@ -14,7 +14,7 @@ namespace gnomon::bench {
 
 struct Report {
   std::string suite;
-  std::string device;  // empty where no device took part
+  std::string device;  // empty if no device was used
   std::string driver;
   std::vector<nlohmann::ordered_json> rows;
 };

@@ -1,8 +1,8 @@
-// gnomon-bench scheduler: what a pick costs as sessions grow, that it allocates nothing, and how close shares come to
-// the promise of fair (scheduler/PROMISE.md).
+// gnomon-bench scheduler: the time of a pick as the number of sessions grows, a check that it allocates nothing, and
+// how close shares come to the bound of `fair` (scheduler/PROMISE.md).
 //
-// Every session always has a job: the worst case. A step is what the render loop does for one job: pick, charge, and
-// the session asks again.
+// Every session always has a job, which is the worst case. A step is what the render loop does for one job: pick,
+// charge and make the session ready again.
 #include <array>
 #include <random>
 
@@ -57,7 +57,7 @@ class Bench {
     scheduler_->make_ready(id, {cost, now_ + Nanoseconds(random_() % 1'000'000'000)}, now_);
   }
 
-  // Means of a pick and of a step. All picks of a round are timed together: one alone is as short as the clock's step.
+  // Means of a pick and of a step. All picks of a round are timed together, as one is as short as the clock's tick.
   std::pair<double, double> round() {
     Nanoseconds picking{};
     const TimePoint begin = Clock::now();
@@ -108,7 +108,7 @@ class SchedulerSuite final : public Suite {
  private:
   static nlohmann::ordered_json row(std::string_view policy, uint32_t sessions, const Figures& figures,
                                     double growth) {
-    // Shares over random traffic in virtual time: as a part of what `fair` promises, which others do not.
+    // Shares over random traffic in virtual time, relative to the bound of `fair`, which other policies do not promise.
     const auto fresh = make_scheduler(policy, 0.1);
     const Findings found = scheduler::run(
         *fresh, {.picks = 50'000, .tenants = kTenants, .max_sessions = std::max(1u, sessions / kTenants / 10)});

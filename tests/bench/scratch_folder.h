@@ -1,4 +1,4 @@
-// A folder for one run, which goes with it.
+// A temporary folder for one run, which is removed at its end.
 #pragma once
 
 #include <cstdlib>
@@ -22,7 +22,7 @@ class ScratchFolder {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path path_;  // empty: the system gave none, nothing is kept
+  std::filesystem::path path_;  // empty if the system could not create one
 };
 
 }  // namespace gnomon::bench

@@ -1,4 +1,4 @@
-// The suites of gnomon-bench. Each adds its subcommand, whose options it owns, and leaves its report when run.
+// The suites of gnomon-bench. Each adds its subcommand, whose options it owns, and stores its report when it is run.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
-// Suite "tracers": the shadow stage of every tracer by the device's timestamps, and beside it, in the same run and over
-// the same surface points, Embree's occluded16 with coherent packets on two threads.
+// Suite "tracers": the shadow stage of every tracer by the device's timestamps, compared in the same run and over the
+// same surface points with Embree's occluded16 with coherent packets on two threads.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -19,12 +19,12 @@ using test::EmbreeOracle;
 using test::EmbreeQuery;
 
 constexpr unsigned kEmbreeThreads = 2;
-constexpr int kRasterRepeats = 3;  // of which the fastest counts
+constexpr int kRasterRepeats = 3;  // the fastest one counts
 
-// What Embree made of one camera's surface points: the truth of the robust single rays, the pace of the packets.
+// Embree's results for one camera's surface points: the reference by robust single rays, and the time of the packets.
 struct PeerFrame {
   std::vector<uint64_t> oracle;
-  std::vector<uint64_t> valid_bits;  // the bits that were traced; the frame's others are free
+  std::vector<uint64_t> valid_bits;  // the bits that were traced; the other bits of the frame do not matter
   std::vector<uint64_t> packets;
   double ms = 0;
   uint64_t bits = 0;  // pixels with a surface times lights
@@ -90,7 +90,7 @@ class TracersSuite : public Suite {
     return out;
   }
 
-  // What a second start would take; nothing for tracers that keep nothing.
+  // The build time of a second start; nothing for tracers without a cache.
   Result<ordered_json> cached_build_ms(const scenes::ScenePtr& scene, const std::string& tracer) const {
     const auto again = gpu::SurfaceProbe::create(options(tracer), scene);
     if (!again) return again.error();
@@ -111,7 +111,7 @@ class TracersSuite : public Suite {
   Result<void> measure_embree(const scenes::ScenePtr& scene, const std::vector<gpu::CameraView>& cameras,
                               std::vector<PeerFrame>& peers) {
     say("  embree16");
-    auto probe = gpu::SurfaceProbe::create(options("bvh"), scene);  // its masks are not looked at
+    auto probe = gpu::SurfaceProbe::create(options("bvh"), scene);  // its masks are not used
     if (!probe) return probe.error();
     report_.device = probe->device().info().name;
     report_.driver = probe->device().info().driver;
@@ -146,7 +146,7 @@ class TracersSuite : public Suite {
       return {};
     }
     Series series;
-    // The first frame pays for compiling shaders and is not counted.
+    // The first frame compiles shaders and is not counted.
     if (auto warm = probe->render(cameras[0], size_.width, size_.height); !warm) return warm.error();
     for (size_t i = 0; i < cameras.size(); ++i) {
       say("  " + tracer + ": camera " + std::to_string(i + 1) + " of " + std::to_string(cameras.size()));
@@ -165,7 +165,7 @@ class TracersSuite : public Suite {
     return {};
   }
 
-  // The G-buffer with culling, and drawing everything; in turns, so that both meet the same machine.
+  // The G-buffer with culling and without; measured alternately, so that both run under the same conditions.
   Result<void> measure_raster(const scenes::ScenePtr& scene, const std::vector<gpu::CameraView>& cameras) {
     const std::array<std::string, 2> rows{"raster_all", "raster_culled"}, passes{"gbuffer_all", "gbuffer"};
     std::array<std::unique_ptr<gpu::BlockingFrame>, 2> frames;
@@ -198,7 +198,7 @@ class TracersSuite : public Suite {
     return {};
   }
 
-  // The whole frame as the daemon renders it: default passes, the default tracer.
+  // The complete frame as the daemon renders it: default passes, default tracer.
   Result<void> measure_frame(const scenes::ScenePtr& scene, const std::vector<gpu::CameraView>& cameras,
                              const std::vector<PeerFrame>& peers) {
     say("  frame");
@@ -247,7 +247,7 @@ class TracersSuite : public Suite {
   std::vector<std::string> scenes_;
   std::string size_text_ = "1920x1080";
   std::string device_;
-  ScratchFolder cache_;  // the first build of a scene is a build, the next reads the disk
+  ScratchFolder cache_;  // a scene's first build computes its light buffers, the next one reads them from disk
   uint32_t frames_ = 5;
   std::vector<std::string> tracers_{"light_buffer", "bvh", "ray_query"};
   PictureSize size_;

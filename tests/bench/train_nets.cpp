@@ -2,7 +2,7 @@
 //
 //   gnomon-train-nets --scene living_room temple oa_minia country_kitchen --out protocol/context/net_weights.inc
 //
-// Walks the masks as the encoder does, records what the nets would be asked and what the answer was, and fits them by
+// Walks the masks as the encoder does, records each question to the nets with its right answer, and fits the nets by
 // stochastic gradient descent. The same masks give the same weights.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -22,14 +22,14 @@ namespace {
 
 using namespace protocol::context;
 
-// One question to a net: its inputs, and the answer of each output; -1: not asked.
+// One question to a net: its inputs, and the right answer for each output, -1 if that was not asked.
 template <class Net>
 struct Question {
   typename Net::Inputs inputs;
   std::array<int8_t, Net::kOutputs> answers;
 };
 
-// The same number of questions of each scene, drawn from all of them.
+// Draws the same number of questions from each scene.
 template <class Net>
 class Questions {
  public:
@@ -62,7 +62,7 @@ struct Copier {
   static constexpr bool kDecodes = false;
 };
 
-// Stands in for SliceModel.
+// Replaces SliceModel in the encoder.
 template <bool Referenced>
 class Recorder {
  public:
@@ -78,7 +78,7 @@ class Recorder {
     return bit;
   }
   bool run_pixel(Copier&, bool bit, bool around, uint8_t place) {
-    if (++runs_ % 4 != 0 && bit == around) return bit;  // slices begin with what the net says of them
+    if (++runs_ % 4 != 0 && bit == around) return bit;  // slices start with the net's estimates for runs
     typename Pixels::Inputs inputs;
     inputs.fill(around ? 0xff : 0);
     inputs[0] = place;
@@ -172,7 +172,7 @@ class Trainee {
       for (size_t unit = 0; unit < kUnits; ++unit) weights_[active_[i] + unit] += back[unit];
   }
 
-  // In the order that Net reads them.
+  // The weights in the order in which Net reads them.
   std::vector<int> numbers() const {
     std::vector<int> all;
     const auto add = [&](float value, int bits) {

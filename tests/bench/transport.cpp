@@ -1,4 +1,4 @@
-// gnomon-bench transport: what sealing, pacing and the link cost and bring. The cases are in transport_*.cpp.
+// gnomon-bench transport: the costs and benefits of sealing, pacing and the link. The cases are in transport_*.cpp.
 #include "tests/bench/transport.h"
 
 #include <algorithm>

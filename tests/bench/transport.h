@@ -1,4 +1,4 @@
-// The cases of gnomon-bench transport, one file for each subject: a case measures one thing and gives its rows.
+// The cases of gnomon-bench transport, one file for each subject: a case measures one thing and returns its rows.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ namespace gnomon::bench {
 
 struct TransportOptions {
   std::chrono::duration<double> seconds{4};  // of each measurement
-  bool quick = false;                        // every path taken once, figures of no worth
+  bool quick = false;                        // runs every code path once; the figures are meaningless
 };
 
 struct TransportCase {

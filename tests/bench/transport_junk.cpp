@@ -1,5 +1,5 @@
-// Case of gnomon-bench transport: what honest sessions notice of a flood of junk on their data port. The daemon with a
-// renderer that takes a set time, so that the flood meets the network's side alone.
+// Case of gnomon-bench transport: the effect of a flood of junk on honest sessions at the same data port. The daemon
+// has a renderer that takes a fixed time, so that the flood loads only the network side.
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
 #include "daemon/daemon.h"
@@ -45,11 +45,11 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   served.config.server.state_folder = scratch.path();
   served.config.server.control_port = served.config.server.data_port = served.config.admin.port = 0;
   served.config.server.drain_timeout = 0ms;
-  served.config.server.silence_timeout = 1h;  // of who is listened to
+  served.config.server.silence_timeout = 1h;  // keeps the session whose datagrams are copied
   served.config.scenes.list = {{"living_room", *file, ""}};
   served.config.render.passes = {"gbuffer", "trace", "pack", "readback"};
   served.config.scheduler.admit_percent = 0;
-  served.config.scheduler.quantum = 0us;  // each piece of a frame would take the set time
+  served.config.scheduler.quantum = 0us;  // no bands, as the renderer's fixed time applies to each band
   served.version = "bench";
   const auto lights = static_cast<uint32_t>((*scene)->lights.size());
   served.make_renderers = {[lights]() -> Result<std::unique_ptr<gpu::Renderer>> {
@@ -71,7 +71,7 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   for (auto& datagram : tests::listeners_junk(listened)) junk.push_back(std::move(datagram));
   const auto came_in = [&] { return (*daemon)->metrics().datagrams(); };
 
-  // In turns, so that both meet the same machine.
+  // Measured alternately, so that both run under the same conditions.
   constexpr int kTurns = 3;
   std::vector<double> alone, beside, ratios, p99_alone, p99_beside, p99_ratios;
   uint64_t sent = 0, replies = 0, read = 0;

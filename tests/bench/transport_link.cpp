@@ -1,5 +1,5 @@
-// Cases of gnomon-bench transport: how sessions do over bad links. In virtual time (tests/unit/link/scenarios.h): figures
-// depend on the seed alone, not on the machine.
+// Cases of gnomon-bench transport: sessions over bad links in virtual time (tests/unit/link/scenarios.h). The figures
+// depend only on the seed, not on the machine.
 #include "tests/bench/transport.h"
 #include "tests/unit/link/scenarios.h"
 

@@ -1,4 +1,4 @@
-// What the seal costs by itself: sealing, opening, and turning forged datagrams away.
+// Cases of gnomon-bench transport: the cost of the seal alone: sealing, opening, and rejecting forged datagrams.
 #include "tests/bench/transport_traffic.h"
 
 namespace gnomon::bench {
@@ -10,7 +10,7 @@ using protocol::Seal;
 using protocol::Side;
 using Bytes = std::vector<uint8_t>;
 
-// The slices of a frame, as their bodies.
+// The bodies of a frame's slices.
 Result<std::vector<Bytes>> frame_bodies() {
   const auto frame = busy_frame(protocol::kMaxSliceBodyBytes);
   if (!frame) return frame.error();
@@ -36,7 +36,7 @@ size_t bytes_of(const std::vector<Bytes>& datagrams) {
   return sum;
 }
 
-// Frames sent over and over for some time. What a frame costs this thread, of processor time.
+// Calls `send_frame` repeatedly for `time`. Returns this thread's processor seconds for each call.
 template <class SendFrame>
 double seconds_per_frame(std::chrono::duration<double> time, SendFrame send_frame) {
   const auto end = std::chrono::steady_clock::now() + time;
@@ -77,7 +77,7 @@ Result<std::vector<ordered_json>> seal_alone(const TransportOptions& options) {
   return rows;
 }
 
-// Damaged in every place in turn: how fast they are turned away, and that none is taken.
+// A datagram damaged at every byte in turn: how fast the forgeries are rejected, and that none is accepted.
 Result<std::vector<ordered_json>> forgeries(const TransportOptions& options) {
   const auto made = frame_bodies();
   if (!made) return made.error();
@@ -88,7 +88,7 @@ Result<std::vector<ordered_json>> forgeries(const TransportOptions& options) {
     Bytes datagram;
     server.seal(protocol::DatagramKind::frame_slice, bodies.front(), datagram);
     size_t accepted = 0;
-    // Beyond the header's first 12 bytes, which are looked at before anything is deciphered.
+    // From byte 12 on, as the bytes before are checked before anything is decrypted.
     const double cpu_s = seconds_per_frame(options.seconds, [&] {
       for (size_t at = 12; at < datagram.size(); ++at) {
         datagram[at] ^= 0x01;

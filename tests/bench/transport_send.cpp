@@ -1,10 +1,10 @@
-// Case of gnomon-bench transport: what it costs to send frames as the daemon does, beside the same bytes in plain
+// Case of gnomon-bench transport: the cost of sending frames as the daemon does, compared with the same bytes in plain
 // sendmmsg calls.
 //
 // The daemon's side is its own code from an encoded frame on: FrameSender, the session's LinkSender with its pacing and
-// its ear for feedback, the seal, and the data socket, with segmentation offload and without. Only the clock is made
-// up, so that nothing waits. The plain side hands over whole frames at once. Both sides' datagrams are read by the
-// sending thread itself, outside of what is measured: nobody else's wake-ups mix in.
+// its handling of feedback, the seal, and the data socket, with segmentation offload and without. Only the clock is
+// simulated, so that nothing waits. The plain side sends complete frames at once. Both sides' datagrams are read by the
+// sending thread itself, outside of the measured time, so that no other thread's wake-ups are included.
 #include <sys/socket.h>
 
 #include <asio/io_context.hpp>
@@ -27,11 +27,11 @@ using namespace std::chrono_literals;
 using Bytes = std::vector<uint8_t>;
 
 constexpr Nanoseconds kFrameInterval = 16667us;
-constexpr size_t kPathBytes = 1472;  // of Ethernet: loopback would let the search for the path's MTU go beyond
-constexpr int kWarmUpFrames = 180;   // the rate has grown by then, and the path's MTU is known
+constexpr size_t kPathBytes = 1472;  // Ethernet's; on loopback the MTU search would find longer datagrams
+constexpr int kWarmUpFrames = 180;   // enough for the rate to grow and the path's MTU to be found
 const udp::endpoint kLoopback(asio::ip::address_v4::loopback(), 0);
 
-// Processor time of what it is given, without its own.
+// The processor time of a function, without that of the measurement.
 class Stopwatch {
  public:
   Stopwatch() {
@@ -56,7 +56,7 @@ class Stopwatch {
   double own_ = 0, seconds_ = 0;
 };
 
-// Where the datagrams go: on loopback they are there when the call that sent them returns.
+// The receiver of the datagrams: on loopback they have arrived when the call that sent them returns.
 class Sink {
  public:
   Sink() : socket_(io_, kLoopback) {
@@ -70,7 +70,7 @@ class Sink {
 
   udp::endpoint address() const { return socket_.local_endpoint(); }
 
-  // `each(datagram)`, which may be cut.
+  // Calls `each(datagram)` for each datagram that has arrived; long ones may be truncated.
   template <class Each>
   void drain(Each each) {
     int got = 0;
@@ -96,7 +96,7 @@ Result<std::unique_ptr<daemon::DataSocket>> open_socket(asio::io_context& io, bo
   return socket;
 }
 
-// A session at 60 Hz whose client is near and takes everything that the path takes.
+// A session at 60 Hz whose client is near and acknowledges everything that the path carries.
 class SealedFlow {
  public:
   SealedFlow(CipherId cipher, daemon::DataSocket& socket)
@@ -109,7 +109,7 @@ class SealedFlow {
         daemon::SessionParts{
             .id = kBenchSession, .grant = std::move(grant), .seal = std::move(seal), .permit = std::move(permit)},
         now_);
-    report();  // and so the session knows where its client is
+    report();  // the session learns its client's address from it
   }
 
   Result<void> warm_up() {
@@ -144,7 +144,7 @@ class SealedFlow {
   uint64_t lost() { return session_->link().counters().lost; }
 
  private:
-  // As long as the path takes.
+  // Encodes the frame again if the longest slice that the path carries has changed.
   Result<void> encode() {
     const size_t body_bytes = session_->link().slice_body_bytes();
     if (body_bytes == std::exchange(body_bytes_, body_bytes)) return {};
@@ -186,7 +186,7 @@ class SealedFlow {
   std::vector<size_t> sizes_;
 };
 
-// Datagrams of those sizes, as a whole frame at once.
+// Sends datagrams of those sizes, a complete frame at once.
 class PlainFlow {
  public:
   PlainFlow(daemon::DataSocket& socket, const std::vector<size_t>& sizes) : socket_(socket) {
@@ -208,7 +208,7 @@ class PlainFlow {
   Stopwatch watch_;
 };
 
-// What a frame costs this thread, of processor time.
+// This thread's processor seconds for a frame.
 template <class Flow>
 double seconds_per_frame(std::chrono::duration<double> time, Flow& flow) {
   const auto end = std::chrono::steady_clock::now() + time;
@@ -234,7 +234,7 @@ Result<std::vector<ordered_json>> sealed_against_plain(const TransportOptions& o
     }
     sealed_gso.send_frame();
     PlainFlow plain(**whole, sealed_gso.sizes()), plain_gso(**segmenting, sealed_gso.sizes());
-    // In turns, so that all meet the same machine.
+    // Measured alternately, so that all run under the same conditions.
     constexpr int kTurns = 20;
     const auto time = options.seconds / kTurns / 4;
     std::vector<double> plain_s, plain_gso_s, sealed_s, gso_s, ratio, gso_ratio, gso_gain;
@@ -254,7 +254,7 @@ Result<std::vector<ordered_json>> sealed_against_plain(const TransportOptions& o
     row("plain_sendmmsg", "none", sealed_gso, plain_s);
     row("sealed_paced_without_gso", name_of(cipher), sealed, sealed_s);
     rows.back()["cpu_ratio_to_plain"] = median(ratio);
-    if (!(*segmenting)->segments()) continue;  // this kernel cannot
+    if (!(*segmenting)->segments()) continue;  // this kernel has no segmentation offload
     row("plain_gso", "none", sealed_gso, plain_gso_s);
     row("sealed_paced", name_of(cipher), sealed_gso, gso_s);
     rows.back()["cpu_ratio_to_plain"] = median(gso_ratio);

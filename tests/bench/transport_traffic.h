@@ -1,4 +1,4 @@
-// What the transport cases that use sockets and seals have in common.
+// Common code of the transport cases that use sockets and seals.
 #pragma once
 
 #include <string>
@@ -16,13 +16,13 @@ inline constexpr protocol::CipherId kCiphers[] = {protocol::CipherId::aes_128_gc
 
 const char* name_of(protocol::CipherId cipher);
 
-// Of the calling thread.
+// Processor time of the calling thread.
 double cpu_seconds();
 
-// A frame of 1920x1080 with 3 lights and much in it; its slices have the longest bodies that `body_bytes` allows.
+// A frame of 1920x1080 with 3 lights and much detail; its slices have the longest bodies that `body_bytes` allows.
 Result<protocol::EncodedFrame> busy_frame(size_t body_bytes);
 
-// Figures of one core that took `cpu_s` for so many datagrams of so many bytes together.
+// A row of a report: the throughput of one core that took `cpu_s` for `datagrams` of `bytes` together.
 nlohmann::ordered_json traffic_row(const std::string& name, const char* cipher, size_t datagrams, size_t bytes,
                                    double cpu_s);
 

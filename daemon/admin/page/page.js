@@ -34,7 +34,7 @@ function element(name, attributes = {}, text = '') {
   return made;
 }
 
-// What a tenant did between two looks. Means of its sessions weigh by their frames.
+// A tenant's figures between two requests. total_ms is the plain mean of its sessions' means.
 function figures(tenant, status, before, seconds) {
   const earlier = before && before.tenants.find((other) => other.name === tenant.name);
   const since = (key) => earlier && seconds > 0 ? Math.max(0, tenant[key] - earlier[key]) / seconds : 0;
@@ -61,7 +61,7 @@ function remember(status) {
   last = {at: now, status};
 }
 
-// 1, 2 or 5 times a power of ten, not below `value`.
+// The smallest value of 1, 2 or 5 times a power of ten that is not below `value`.
 function round(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
@@ -150,7 +150,7 @@ const percent = (ratio) => ((ratio || 0) * 100).toFixed(1) + '%';
 const mebibytes = (bytes) => (bytes / 1048576).toFixed(1);
 const ms = (us) => (us / 1000).toFixed(1);
 
-// Until they are ready, frames are as exact and cost more.
+// The state of a scene's light buffers. Until they are built, frames are as exact but cost more.
 function lightBuffers(built) {
   if (built.state !== 'building') return built.state;
   const done = built.lights_percent.filter((share) => share >= 100).length;
@@ -204,7 +204,7 @@ function show(status) {
   showTables(status);
 }
 
-// A daemon that has gone is shown as that; asking goes on, for the next one.
+// Asks for /status. If the daemon does not answer, the page shows that and keeps asking, as another may start.
 async function look() {
   try {
     const answer = await fetch('/status', {cache: 'no-store', signal: AbortSignal.timeout(5000)});

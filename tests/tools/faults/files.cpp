@@ -1,5 +1,5 @@
-// Loaded before the C library (LD_PRELOAD): the disk is full below one folder, as long as GNOMON_FAULTS/disk_full is
-// there. GNOMON_FULL_FOLDER says which; no program knows of it.
+// Loaded before the C library (LD_PRELOAD), it makes the disk full below the folder GNOMON_FULL_FOLDER while the file
+// GNOMON_FAULTS/disk_full exists. Programs need no change.
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdarg.h>

@@ -1,13 +1,13 @@
-// A Vulkan layer that breaks the device on purpose, for programs that know nothing of it.
+// A Vulkan layer that injects faults of the device into unchanged programs.
 //
 //   VK_ADD_LAYER_PATH=<folder of the manifest> VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=<folder>
 //
-// A file that appears in the folder of GNOMON_FAULTS is an order:
-//   lose_device     the next submit goes through, then everything on that device answers that it is lost (once)
+// A file in the folder GNOMON_FAULTS requests a fault:
+//   lose_device     the next submit is executed, then every call on that device returns that it is lost (once)
 //   lose_every      holds a number n: the same at each n-th submit
-//   hang            this submit and all further ones on that device are swallowed: their semaphores are never signalled
-//   out_of_memory   allocations are refused as long as the file is there, and
-//   refuse_submits  submits, for the same reason
+//   hang            this submit and all further ones on that device are dropped: their semaphores are never signalled
+//   out_of_memory   allocations fail for lack of memory while the file exists
+//   refuse_submits  submits fail for lack of memory while the file exists
 #include <unistd.h>
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
@@ -37,7 +37,7 @@ uint64_t ordered_number(const char* order) {
   return number;
 }
 
-// Handles that can be dispatched begin with a pointer that all of one device, or of one instance, share.
+// Dispatchable handles begin with a pointer that all handles of one device, or of one instance, share.
 void* key_of(const void* handle) { return *static_cast<void* const*>(handle); }
 
 struct Instance {
@@ -60,7 +60,7 @@ struct Device {
 std::mutex mutex;
 std::map<void*, Instance> instances;               // guarded by mutex
 std::map<void*, std::shared_ptr<Device>> devices;  // guarded by mutex
-std::atomic<uint64_t> submits{0};                  // of all devices there were
+std::atomic<uint64_t> submits{0};                  // of all devices since the start
 
 std::shared_ptr<Device> device_of(const void* handle) {
   std::lock_guard lock(mutex);
@@ -155,7 +155,7 @@ VkResult VKAPI_CALL queue_submit(VkQueue queue, uint32_t count, const VkSubmitIn
   return result;
 }
 
-// What was submitted really ends, so that nobody writes into freed memory; that it did is not admitted.
+// Waits until the submitted work has really ended, so that nothing writes into freed memory, and then reports the loss.
 VkResult VKAPI_CALL wait_semaphores(VkDevice handle, const VkSemaphoreWaitInfo* info, uint64_t timeout) {
   const auto device = device_of(handle);
   const VkResult result = device->wait(handle, info, timeout);

@@ -19,10 +19,10 @@ using asio::ip::udp;
 using namespace std::chrono_literals;
 
 constexpr size_t kKinds = 4;      // of a stranger's junk
-constexpr size_t kOfEach = 64;    // different ones
-constexpr size_t kCopies = 16;    // of one datagram that go to the kernel as one buffer for it to cut
-constexpr size_t kMessages = 32;  // of these at a time
-constexpr uint8_t kSources = 8;   // addresses: 127.0.0.2 and the next ones
+constexpr size_t kOfEach = 64;    // different datagrams of each kind
+constexpr size_t kCopies = 16;    // of one datagram in a buffer that the kernel cuts
+constexpr size_t kMessages = 32;  // buffers in a system call
+constexpr uint8_t kSources = 8;   // source addresses: 127.0.0.2 and the next ones
 constexpr size_t kMaxSegmented = 65000;
 
 std::vector<uint8_t> noise(std::mt19937_64& random, size_t bytes) {
@@ -93,7 +93,7 @@ Datagrams listeners_junk(daemon::TestClient& client) {
     made.push_back(client.sealed_view(frame, static_cast<float>(frame)));
     client.send_datagram(made.back());
   }
-  // Far beyond what the client has sent, so that the seal alone can tell.
+  // Sequence numbers far beyond the client's, so that only the seal can reject the datagrams.
   auto header = *protocol::decode_header(made.back());
   for (size_t i = 0; i < kOfEach; ++i) {
     std::vector<uint8_t> forged = made[i];
@@ -138,7 +138,7 @@ void Flood::run(uint16_t port, const Datagrams& junk, double per_second) {
     const auto due = std::chrono::duration<double>(static_cast<double>(sent_) / per_second);
     std::this_thread::sleep_until(start + std::chrono::duration_cast<Nanoseconds>(due));
   }
-  std::this_thread::sleep_for(50ms);  // what is under way
+  std::this_thread::sleep_for(50ms);  // for datagrams that are under way
   for (udp::socket& source : sources) replies_ += take_replies(source.native_handle());
 }
 

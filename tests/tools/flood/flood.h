@@ -1,4 +1,4 @@
-// A flood of datagrams that nobody should answer, from several addresses, at a rate, from a thread of its own.
+// A flood of datagrams that should not be answered, from several addresses, at a given rate, on a thread of its own.
 #pragma once
 
 #include <atomic>
@@ -12,22 +12,22 @@ namespace gnomon::tests {
 
 using Datagrams = std::vector<std::vector<uint8_t>>;
 
-// Junk of all kinds: noise, right headers of sessions that do not exist, pieces, what is too long.
+// Junk of all kinds: noise, valid headers of sessions that do not exist, truncated and too long datagrams.
 Datagrams strangers_junk();
 
-// What somebody sends who has listened to a session of another: its datagrams once more, and ones that pretend to be
-// its next, damaged in different places. `client` has sent the first ones when this returns.
+// The junk of an attacker that has listened to another's session: replays of its datagrams, and forgeries of its next
+// ones, damaged in different places. `client` has sent the original datagrams when this returns.
 Datagrams listeners_junk(daemon::TestClient& client);
 
-// Sends to that port of this machine until it is dropped.
+// Sends to a port of this machine until it is destroyed.
 class Flood {
  public:
-  // `per_second`: 0: as many as it can.
+  // `per_second`: datagrams; 0: as many as possible.
   Flood(uint16_t port, Datagrams junk, double per_second);
   ~Flood() { stop(); }
   void stop();
 
-  // Until now. What came back counts as a reply, whatever it is.
+  // Datagrams so far. Every datagram that comes back counts as a reply.
   uint64_t sent() const { return sent_; }
   uint64_t replies() const { return replies_; }
 

@@ -1,5 +1,5 @@
-// gnomon-flood: junk for a daemon's data port, some of it made from a session that it opens and listens to. Says how
-// much went out, what came back to strangers, and whether the session was served meanwhile.
+// gnomon-flood: sends junk to a daemon's data port, some of it made from a session that it opens and listens to.
+// Reports how much was sent, how many replies came back, and whether the session was served meanwhile.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@ namespace {
 using namespace gnomon;
 using namespace std::chrono_literals;
 
-constexpr auto kViewInterval = 250ms;  // of the session that is listened to
+constexpr auto kViewInterval = 250ms;  // of the session whose datagrams are copied
 
 struct Arguments {
   uint16_t control_port = 0;

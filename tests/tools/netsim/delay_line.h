@@ -1,4 +1,4 @@
-// Calls back at given times, in their order; calls of the same time come in the order in which they were asked for.
+// Calls functions at given times, in the order of the times; calls for the same time are made in the order of requests.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -10,7 +10,7 @@
 
 namespace gnomon::netsim {
 
-// The io_context's thread.
+// Used on the io_context's thread.
 class DelayLine {
  public:
   explicit DelayLine(asio::io_context& io) : timer_(io) {}
@@ -21,7 +21,7 @@ class DelayLine {
     if (first) wait();
   }
 
-  // What waits is never called.
+  // Drops the functions that wait, without calling them.
   void clear() {
     timer_.cancel();
     calls_.clear();

@@ -14,7 +14,8 @@ Link::Link(Schedule schedule, uint64_t seed, TimePoint start)
 Fate Link::send(size_t bytes, TimePoint now) {
   const Profile& is = profile(now);
   Fate fate;
-  // Every packet takes the same draws, so that a change of one property leaves the others' luck as it was.
+  // Every packet that the queue takes draws equally many random numbers, lost or not, so that a change of one property
+  // does not shift those of the others.
   const bool lost = loses(is);
   const bool twice = chance(is.duplicate);
   fate.queued = backlog(now);
@@ -29,7 +30,7 @@ Fate Link::send(size_t bytes, TimePoint now) {
     busy_until_ = left;
   }
   const TimePoint there = arrival(is, left);
-  if (lost) {  // on the way: it has taken its place at the transmitter
+  if (lost) {  // on the way, after the transmitter, whose time it has taken
     fate.kind = Fate::Kind::lost;
     return fate;
   }
@@ -52,7 +53,7 @@ const Profile& Link::profile(TimePoint now) const {
   return next == schedule_.begin() ? next->profile : std::prev(next)->profile;
 }
 
-// SplitMix64 (Steele, Lea, Flood 2014): the same on every machine, which std's distributions are not.
+// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): the same on every machine, which std's distributions are not.
 double Link::uniform() {
   random_ += 0x9e3779b97f4a7c15;
   uint64_t z = random_;

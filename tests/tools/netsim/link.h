@@ -1,5 +1,6 @@
-// The core of the simulator: what becomes of each packet of one direction of a link. A pure function of the seed, the
-// packets' sizes and the times at which they are sent; no sockets, no clock. Tests run it in virtual time.
+// The core of the simulator: it decides for each packet of one direction of a link when it arrives, if at all. A pure
+// function of the seed, the packets' sizes and the times at which they are sent; no sockets, no clock. Tests run it in
+// virtual time.
 //
 // The link is one transmitter of limited rate with a first-in, first-out queue before it, then a delay line. All
 // flows that are sent through one Link share its bottleneck.
@@ -16,8 +17,8 @@ struct Fate {
   enum class Kind { arrives, lost, queue_full, blocked };
   Kind kind = Kind::arrives;
   std::array<TimePoint, 2> at{};  // of the packet, and of its duplicate
-  uint32_t copies = 0;            // that arrive
-  Nanoseconds queued{};           // waited for the transmitter
+  uint32_t copies = 0;            // number that arrive
+  Nanoseconds queued{};           // time in the queue before the transmitter
   std::span<const TimePoint> arrivals() const { return std::span(at).first(copies); }
 };
 
@@ -26,13 +27,13 @@ class Link {
   // `start`: time 0 of the schedule.
   Link(Schedule schedule, uint64_t seed, TimePoint start);
 
-  // Times of successive calls do not decrease.
+  // Precondition: times of successive calls do not decrease.
   Fate send(size_t bytes, TimePoint now);
 
-  // The same for a datagram, which is blocked where the link takes none, or none so long.
+  // As send(), for a datagram, which is blocked if the link takes none or none of that length.
   Fate send_datagram(size_t bytes, TimePoint now);
 
-  // What a packet sent now would wait.
+  // How long a packet that is sent now would wait in the queue.
   Nanoseconds backlog(TimePoint now) const { return std::max(Nanoseconds{}, busy_until_ - now); }
 
  private:

@@ -65,7 +65,7 @@ TEST(Link, LosesTheShareThatItShould) {
   EXPECT_NEAR(share_of(send_many(link), Fate::Kind::lost), 0.05, 0.01);
 }
 
-// Gilbert: in the long run enter / (enter + leave) of the packets are lost, in runs of 1 / leave.
+// Gilbert's model: in the long run enter / (enter + leave) of the packets are lost, in runs of 1 / leave on average.
 TEST(Link, BurstsHaveTheirShareAndLength) {
   Link link = link_of("burst=1%:25%");
   const auto fates = send_many(link, 10 * kMany);

@@ -1,4 +1,4 @@
-// netsim: a bad link between a client and a server, on loopback.
+// netsim: simulates a bad link between a client and a server, on loopback.
 //
 //   netsim --tcp 7600 --udp 7600 --delay 50ms --jitter 5ms --loss 2% --rate 20mbit
 //   gnomon-client --server 127.0.0.2:7600 ...
@@ -21,7 +21,7 @@ struct Options {
   std::vector<std::string> phases;  // TIME:KEY=VALUE,...
 };
 
-// Each phase changes what the one before it had.
+// Each phase starts from the profile of the one before it.
 Result<Schedule> schedule_of(const Options& options, const std::string& direction) {
   Profile profile;
   for (const auto& [key, value] : options.both) {

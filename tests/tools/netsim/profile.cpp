@@ -12,7 +12,7 @@ struct Unit {
   double factor;
 };
 
-// A number and one of the units; without a unit the first counts.
+// A number and one of the units; without a unit, the first one applies.
 std::optional<double> number(std::string_view text, std::initializer_list<Unit> units) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

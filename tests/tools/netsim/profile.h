@@ -1,4 +1,4 @@
-// What a simulated link does to packets, and how people write it: "delay=50ms,loss=2%,rate=20mbit".
+// What a simulated link does to packets, and its notation: "delay=50ms,loss=2%,rate=20mbit".
 #pragma once
 
 #include <cstdint>
@@ -14,25 +14,25 @@ namespace gnomon::netsim {
 // One direction. Shares are of packets, 0 to 1.
 struct Profile {
   Nanoseconds delay{};
-  Nanoseconds jitter{};  // evenly within delay - jitter and delay + jitter; packets keep their order
-  double loss = 0;       // each packet by itself
-  // Bursts, after Gilbert (1960): a link that is well goes bad with `burst_enter`, recovers with `burst_leave`, and
-  // loses everything in between. Both are chances for each packet.
+  Nanoseconds jitter{};  // uniform between delay - jitter and delay + jitter; packets keep their order
+  double loss = 0;       // of each packet independently
+  // Bursts, after Gilbert (1960): a good link turns bad with probability `burst_enter` at each packet, turns good again
+  // with probability `burst_leave`, and loses every packet in between.
   double burst_enter = 0;
   double burst_leave = 1;
   double reorder = 0;  // delayed by `reorder_by` more, so that later packets overtake
   Nanoseconds reorder_by = std::chrono::milliseconds(10);
   double duplicate = 0;
   double rate_bit_per_s = 0;  // 0: no limit
-  // Waiting room of a limited link: what would wait longer, or find more bytes before it, is dropped.
+  // Queue of a limited link: a packet that would wait longer, or that does not fit into `queue_bytes`, is dropped.
   Nanoseconds queue = std::chrono::milliseconds(100);
-  size_t queue_bytes = 0;  // 0: `queue` alone counts
+  size_t queue_bytes = 0;  // 0: only `queue` limits
   size_t mtu = 0;          // datagrams with a longer payload are dropped; 0: none are
   bool udp = true;         // false: datagrams are dropped, as a firewall does; connections pass
   friend bool operator==(const Profile&, const Profile&) = default;
 };
 
-// A link whose profile changes: each holds from its time on. Without a phase at 0 the plain profile holds until then.
+// A link whose profile changes: each profile applies from its time on, the first one also before its time.
 struct Phase {
   Nanoseconds from{};
   Profile profile;

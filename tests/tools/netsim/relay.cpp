@@ -11,7 +11,7 @@ namespace {
 using asio::ip::tcp;
 using asio::ip::udp;
 
-constexpr size_t kMaxFlows = 4096;  // clients' addresses at one port; what comes from further ones is dropped
+constexpr size_t kMaxFlows = 4096;  // clients' addresses at one port; datagrams from further ones are dropped
 constexpr int kSocketBufferBytes = 4 << 20;
 
 void enlarge(udp::socket& socket) {
@@ -23,7 +23,7 @@ void enlarge(udp::socket& socket) {
 }  // namespace
 
 struct Relay::State {
-  // One client's way through a UDP port: the server sees a socket of its own for each.
+  // One client's flow through a UDP port: the server sees a separate socket for each client.
   struct Flow {
     udp::socket upstream;
     udp::endpoint client;
@@ -52,7 +52,7 @@ struct Relay::State {
   std::vector<std::shared_ptr<tcp::acceptor>> acceptors;
   bool closed = false;
 
-  // Hands the datagram to `deliver` when and as often as the link lets it through.
+  // Calls `deliver` when the datagram arrives, once for each copy.
   template <class Deliver>
   void pass(Link& link, std::span<const uint8_t> datagram, Deliver deliver) {
     const Fate fate = link.send_datagram(datagram.size(), Clock::now());
@@ -186,7 +186,7 @@ Relay::~Relay() {
     port->flows.clear();
   }
   for (const auto& acceptor : state_->acceptors) acceptor->close(ignored);
-  state_->line.clear();  // its calls hold the state
+  state_->line.clear();  // its functions own the state
 }
 
 const RelayCounters& Relay::counters() const { return state_->counters; }

@@ -28,13 +28,13 @@ struct RelayCounters {
   uint64_t lost = 0;
   uint64_t queue_full = 0;
   uint64_t blocked = 0;
-  uint64_t longest = 0;  // payload of one that passed
+  uint64_t longest = 0;  // longest payload that passed, in bytes
 };
 
 // Belongs to the thread that runs the io_context.
 class Relay {
  public:
-  // The error names the address and port that cannot be had.
+  // The error names the address and port that cannot be opened.
   static Result<std::unique_ptr<Relay>> open(asio::io_context& io, const RelayOptions& options);
   ~Relay();
 

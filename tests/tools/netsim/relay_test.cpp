@@ -1,5 +1,5 @@
-// The relay with real sockets. What it does to packets is the core's business (link_test.cpp); here it is whether
-// they go the right way.
+// The relay with real sockets. link_test.cpp tests what happens to packets; these tests check that packets reach the
+// right socket.
 #include "tests/tools/netsim/relay.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class RelayTest : public testing::Test {
     echo();
   }
 
-  // Bounded by patience, not a claim about time.
+  // Waits for the condition; the limit only bounds a failing test.
   bool until(const std::function<bool()>& done) {
     const TimePoint end = Clock::now() + 20s;
     while (!done()) {
@@ -84,7 +84,7 @@ TEST_F(RelayTest, EachDirectionHasItsOwnLuck) {
   EXPECT_EQ(peers_.size(), 1u) << "it came to the server, the answer was lost";
 }
 
-// Through losses and a narrow link: TCP stays TCP.
+// Through losses and a slow link TCP's bytes arrive completely and in order.
 TEST_F(RelayTest, AStreamArrivesWholeAndInOrder) {
   Profile bad;
   ASSERT_TRUE(apply("loss=20%,rate=50mbit,queue=2ms,delay=100us", bad));

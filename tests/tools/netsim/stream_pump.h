@@ -1,5 +1,5 @@
-// One direction of a TCP connection through a Link. TCP repairs its losses: what the link drops is sent again after
-// a round trip, and until then nothing more is read, so that the sender feels it.
+// One direction of a TCP connection through a Link. TCP repairs its losses: bytes that the link drops are sent again
+// after kRepair, and until then nothing more is read, so that the sender is slowed down.
 #pragma once
 
 #include <array>
@@ -67,7 +67,7 @@ class StreamPump : public std::enable_shared_from_this<StreamPump> {
                       });
   }
 
-  // What is on its way still arrives, then the end does.
+  // Bytes that are under way still arrive, and then the end of the stream.
   void end() {
     line_.at(std::max(last_, Clock::now()), [self = shared_from_this()] {
       self->ended_ = true;

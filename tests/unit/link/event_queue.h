@@ -1,4 +1,4 @@
-// Virtual time: things happen when it is their turn, at once, and always in the same order.
+// Virtual time: events run in the order of their times, without waiting, and always in the same order.
 #pragma once
 
 #include <functional>
@@ -24,7 +24,7 @@ class EventQueue {
   }
 
  private:
-  TimePoint now_{std::chrono::seconds(1)};  // not TimePoint{}, which some take for "never"
+  TimePoint now_{std::chrono::seconds(1)};  // not TimePoint{}, which some code uses for "never"
   std::multimap<TimePoint, std::function<void()>> events_;
 };
 

@@ -1,4 +1,4 @@
-// What a session's link sends when, and what it sends again.
+// What a session's link sends, when, and what it retransmits.
 #include <gtest/gtest.h>
 
 #include "daemon/link/link_sender.h"
@@ -25,7 +25,7 @@ struct Probed {
   TimePoint now;
 };
 
-// Frames of one small slice, and the probes between them, all of which arrive up to that size.
+// Sends frames of one small slice and the probes between them, which all arrive, until datagrams may be that long.
 Probed probe_up_to(LinkSender& link, size_t bytes) {
   Probed path{0, kStart};
   for (uint32_t frame = 1000; link.datagram_bytes() < bytes && frame < 1100; ++frame) {
@@ -109,7 +109,7 @@ TEST(LinkSender, PacesAFrame) {
   }
 }
 
-// The path takes long datagrams no more, and the client asks for nothing new before it has its answer.
+// The path no longer carries long datagrams, and the client asks for nothing new before it has its answer.
 TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
   LinkSender link(protocol::kFeatureFeedback);
   const Probed path = probe_up_to(link, 1472);
@@ -128,7 +128,7 @@ TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
   EXPECT_TRUE(link.takes_view(now));
   EXPECT_EQ(link.datagram_bytes(), protocol::kMaxDatagramBytes);
 
-  // What was known of the first answer's slices says nothing of the second's.
+  // Acknowledgements of the first answer's slices do not apply to the second's.
   link.add(frame_of(1, 1), TimePoint::max(), now);
   link.hear(all_arrived(path.sent + 1, sent, 1000), now + 1ms);
   EXPECT_FALSE(link.take_lost(FrameId{2}, now + 1ms));
@@ -139,7 +139,7 @@ TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
   EXPECT_EQ(slice->header.slice_count, 1u);
 }
 
-// 90 ms away, a tenth lost: frames have parity.
+// With a round trip of 90 ms and a tenth of the datagrams lost, frames have parity.
 TEST(LinkSender, AnAnswerWithParityIsNotMadeAnew) {
   LinkSender link(protocol::kFeatureFeedback | protocol::kFeatureParity);
   uint64_t sent = 0;
@@ -185,7 +185,7 @@ TEST(LinkSender, NothingGoesAfterItsDeadline) {
   EXPECT_EQ(link.counters().too_late, 50 - sent);
 }
 
-// Sends all of a frame, loses slice 2, and tells so at `heard`.
+// Sends a complete frame, loses slice 2, and delivers the Feedback on it at `heard`. Returns the retransmissions.
 uint64_t sent_again(TimePoint deadline, TimePoint heard) {
   LinkSender link(protocol::kFeatureFeedback);
   link.add(frame_of(1, 12), deadline, kStart);

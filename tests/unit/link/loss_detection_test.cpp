@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr TimePoint kStart{10s};
 constexpr Nanoseconds kOneWay = 20ms;
-constexpr Nanoseconds kOtherClock = 5h;  // the client's is ahead by that
+constexpr Nanoseconds kOtherClock = 5h;  // the client's clock is ahead by this
 
 // Sends `count` datagrams of 1,000 bytes, one each millisecond.
 LossDetection log_of(uint64_t count) {
@@ -20,7 +20,7 @@ LossDetection log_of(uint64_t count) {
   return log;
 }
 
-// What the client says at `now` when those that `lost` does not name arrived kOneWay after they were sent.
+// The client's Feedback at `now` if every datagram that is not in `lost` arrived kOneWay after it was sent.
 protocol::Feedback feedback(uint64_t first, uint64_t last, TimePoint now, std::vector<uint64_t> lost = {}) {
   protocol::Feedback said;
   const Nanoseconds clock = now.time_since_epoch() + kOtherClock;
@@ -84,7 +84,7 @@ TEST(LossDetection, ATailIsTriedAgainOneByOne) {
   EXPECT_GT(log.tail_due(), kStart + 60ms) << "and then patience again";
 }
 
-// RFC 6298: after the first measurement the variation is half of it, and four of them are waited for.
+// RFC 6298, 2.2: after the first measurement R the variation is R / 2, and the timeout includes four variations.
 TEST(LossDetection, TheFirstTailWaitsThreeRoundTripsAndAReport) {
   LossDetection log = log_of(10);
   const PathUpdate news = log.take(feedback(1, 5, kStart + 26ms), kStart + 46ms);

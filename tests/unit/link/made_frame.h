@@ -1,4 +1,4 @@
-// A frame made up of small slices.
+// Makes a frame of small slices.
 #pragma once
 
 #include "protocol/codec.h"

@@ -1,4 +1,4 @@
-// The small parts of a session's link, one by one.
+// The small parts of a session's link, each tested alone.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -61,7 +61,7 @@ TEST(ParityPlan, MoreLossTakesMoreParityAndFewerSlicesRelativelyMore) {
   EXPECT_EQ(parity_groups(33), 2u);
 }
 
-// Of many groups with that much parity: the share that cannot be rebuilt.
+// The share of many simulated groups with that much parity that cannot be rebuilt.
 double failures(size_t slices, size_t parity, double loss) {
   std::mt19937_64 random(1);
   std::bernoulli_distribution lost(loss);

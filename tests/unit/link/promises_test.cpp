@@ -1,4 +1,4 @@
-// What the protocol promises of bad links, with the sender, the client's parts and simulated links in virtual time.
+// The protocol's promises for bad links, with the sender, the client's parts and simulated links in virtual time.
 #include <gtest/gtest.h>
 
 #include "tests/unit/link/scenarios.h"

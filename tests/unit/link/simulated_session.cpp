@@ -105,7 +105,7 @@ void SimulatedSession::carry(const Outgoing& out) {
   }
   if (out.kind == DatagramKind::frame_slice) {
     const auto slice = protocol::decode_frame_slice(out.body);
-    // The first transmission of a frame's last slice: when it is through, the frame before is looked at.
+    // When the first transmission of a frame's last slice has arrived, the frame before is examined.
     if (slice && slice->header.slice + 1u == slice->header.slice_count && through_.contains(slice->header.frame)) {
       const FrameId frame = slice->header.frame;
       const auto found = through_.find(frame);

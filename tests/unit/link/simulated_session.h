@@ -1,5 +1,5 @@
-// A session in virtual time: the client asks for cameras at a steady rate, a renderer answers after a while, and the
-// real LinkSender, ArrivalReport, SliceRecovery and FrameAssembler talk through simulated links.
+// A session in virtual time: the client sends cameras at a steady rate, a renderer answers after a while, and the real
+// LinkSender, ArrivalReport, SliceRecovery and FrameAssembler communicate over simulated links.
 #pragma once
 
 #include <optional>
@@ -18,14 +18,14 @@ struct SessionPlan {
   TileGrid grid{256, 128, 2};
   double busy = 0.2;  // share of words that do not compress; the frame's size grows with it
   Nanoseconds render = std::chrono::milliseconds(5);
-  Nanoseconds deadline{};  // of a frame, from its camera's arrival; 0: not said
+  Nanoseconds deadline{};  // of a frame, from its camera's arrival; 0: none
   uint64_t features = protocol::kFeatureFeedback | protocol::kFeatureParity;
   TimePoint start{std::chrono::seconds(1)};
-  bool longer_slices = false;  // where the path takes them
-  Nanoseconds path_delay{};    // of the link without queue; jitter included
+  bool longer_slices = false;  // slices get longer as far as the path carries them
+  Nanoseconds path_delay{};    // of the link without queueing, jitter included
 };
 
-// How a frame stood when all of the next frame had had its time to arrive: "within one further frame".
+// The state of a frame when the next frame should have arrived completely ("within one further frame").
 struct Look {
   TimePoint at{};
   FrameId frame;
@@ -44,7 +44,7 @@ class SimulatedSession {
   uint64_t recovered() const { return recovered_; }
   size_t frame_bytes() const { return slices_.bytes.size(); }
 
-  // Waits of this session's datagrams at the bottleneck.
+  // Times that this session's datagrams waited in the bottleneck's queue.
   const std::vector<Nanoseconds>& waits() const { return waits_; }
 
   double fresh_share(TimePoint from, TimePoint to) const;
@@ -74,7 +74,7 @@ class SimulatedSession {
   daemon::LinkSender link_;
   size_t body_bytes_;  // of the longest slice
   uint64_t sequence_ = 0;
-  std::optional<FrameId> waiting_;  // newest camera that was not rendered
+  std::optional<FrameId> waiting_;  // newest camera that is not rendered yet
   TimePoint waiting_deadline_{};
   TimePoint next_wake_ = TimePoint::max();
 
@@ -84,7 +84,7 @@ class SimulatedSession {
   client::FrameAssembler assembler_;
   TimePoint next_report_ = TimePoint::max();
   std::vector<FrameId> newest_;           // of each word
-  std::map<FrameId, TimePoint> through_;  // when the frame's datagrams would all have come
+  std::map<FrameId, TimePoint> through_;  // when all of the frame's datagrams should have arrived
   std::vector<Look> looks_;
   std::vector<Nanoseconds> waits_;
   uint64_t delivered_ = 0, complete_ = 0, recovered_ = 0;

@@ -1,5 +1,5 @@
-// A greedy TCP sender as far as its neighbours on a link notice it: slow start, additive increase, CUBIC's factor on
-// loss (RFC 5681 with RFC 9438's 0.7), at most one cut in a round trip. Virtual time.
+// A model of a greedy TCP sender that affects other flows on a link as a real one does: slow start, additive increase,
+// CUBIC's factor on loss (RFC 5681 with RFC 9438's 0.7), at most one cut in a round trip. Virtual time.
 #pragma once
 
 #include <cmath>
@@ -61,7 +61,7 @@ class TcpFlow {
   }
 
   void cut(uint64_t number, double factor) {
-    if (number < recover_) return;  // the same round trip
+    if (number < recover_) return;  // the rate was cut in this round trip already
     window_ = std::max(2.0, window_ * factor);
     threshold_ = window_;
     recover_ = next_;

@@ -1,4 +1,4 @@
-// What operators tell a running daemon, through the library behind gnomonctl.
+// Operators' actions on a running daemon, through the library behind gnomonctl.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -65,7 +65,7 @@ TEST_F(AdminActions, ASceneIsUnloadedWhenNobodyUsesItAndComesBackFromItsFile) {
   EXPECT_TRUE(metrics_say("gnomon_scene_resident{scene=\"triangle\"} 1"));
 }
 
-// A client brings an unloaded scene back by asking for it, and its frames are of that scene.
+// A client that asks for an unloaded scene has it loaded again, and its frames are of that scene.
 TEST_F(AdminActions, ClientsBringAnUnloadedSceneBack) {
   start();
   for (int round = 0; round < 20; ++round) {
@@ -146,7 +146,7 @@ TEST_F(AdminActions, AReloadReadsTheTokenAgainAndAMistakeChangesNothing) {
   EXPECT_TRUE(works(""));
 }
 
-// What the file says of another address needs a restart; until then the running one's rules stand.
+// Another address in the file needs a restart; until then the rules of the running address apply.
 TEST_F(AdminActions, WhereStrangersReachItTheTokenStays) {
   write_token("0123456789abcdef");
   config_.admin.listen = "0.0.0.0";

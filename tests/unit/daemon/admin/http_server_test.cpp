@@ -1,4 +1,5 @@
-// The operators' HTTP server by its bytes: what it takes, and what those cost who say too much, too little or nothing.
+// The operators' HTTP server at the level of bytes: what it accepts, and clients that send too much, too little or
+// nothing.
 #include "daemon/admin/http_server.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +47,7 @@ class HttpServerTest : public testing::Test {
       asio::error_code closed;
       asio::write(socket_, asio::buffer(bytes), closed);
     }
-    // All that comes until the server closes.
+    // Everything that arrives until the server closes.
     std::string hear() {
       std::string heard;
       asio::error_code end;
@@ -55,7 +56,7 @@ class HttpServerTest : public testing::Test {
     }
 
    private:
-    // One for all: each takes three descriptors beside the socket's, and a login shell allows 1,024.
+    // One for all clients: each io_context takes three descriptors beside the socket's, and a login shell allows 1,024.
     static inline asio::io_context io_;
     asio::ip::tcp::socket socket_;
   };
@@ -129,7 +130,7 @@ TEST_F(HttpServerTest, TooManyConnectionsPushOutTheirOldest) {
   EXPECT_TRUE(answer_to("GET /late HTTP/1.1\r\n\r\n").ends_with("for /late"));
   EXPECT_EQ(silent.front()->hear(), "");
   EXPECT_EQ(silent.back()->hear(), "");
-  // All came within the time of one, or some of them had gone before.
+  // The connections that were not replaced may have timed out before the last ones arrived.
   const uint64_t replaced = metrics_.count_of(Fault::admin_replaced),
                  late = metrics_.count_of(Fault::admin_timeout);
   EXPECT_LE(replaced, 45u);

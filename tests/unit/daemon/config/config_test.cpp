@@ -21,7 +21,7 @@ std::string shipped_text() {
 struct Wrong {
   const char* name;
   std::string yaml;
-  std::vector<std::string> says;  // every one stands in the error
+  std::vector<std::string> says;  // texts that the error must contain
 };
 
 void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.name; }
@@ -166,14 +166,14 @@ TEST(Config, DamagedTextNeverCrashes) {
   }
 }
 
-// A line of the shipped file, read without yaml-cpp: "  - name: lab  # who" is name at indentation 2.
+// A line of the shipped file, read without yaml-cpp: "  - name: lab  # who" has the key `name` at indentation 2.
 struct Line {
   size_t indent = 0;
-  std::string key;    // empty: the line has none
-  std::string value;  // what follows it, comment included
+  std::string key;    // empty if the line has none
+  std::string value;  // the rest of the line, comment included
 };
 
-// An example that is commented out documents its keys too.
+// A commented-out example documents its keys too.
 Line line_of(std::string text) {
   const size_t sign = text.find_first_not_of(' ');
   if (sign != std::string::npos && sign > 0 && text[sign] == '#') text[sign] = ' ';

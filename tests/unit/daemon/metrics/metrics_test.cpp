@@ -8,7 +8,7 @@
 
 #include "tests/unit/daemon/net/served.h"
 
-// After served.h: this header and Asio's both bring in the system's socket names.
+// Included after served.h, as this header and Asio's both declare the system's socket names.
 #include <httplib.h>
 
 namespace gnomon::daemon {
@@ -78,7 +78,7 @@ TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   metrics.frame_sent(TenantId{1}, "room", meta, meta.times.arrival + 10ms, 1234);
   metrics.frame_sent(TenantId{1}, "some/file.glb", meta, meta.times.arrival + 10ms, 1);
   const std::string text = metrics.text();
-  // Of the series with this name and, in whatever order, these labels.
+  // The value of the series with this name and these labels, in any order.
   const auto value_of = [&](const std::string& name, const std::vector<std::string>& labels) {
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
@@ -113,7 +113,7 @@ TEST(Metrics, LinksAreSummedUp) {
   report.rtt = 30ms;
   report.queue = 3ms;
   metrics.link(report);
-  metrics.link({.counted = {.sent = 1}});  // nothing known of the path: no histogram is touched
+  metrics.link({.counted = {.sent = 1}});  // without a round-trip time no histogram is updated
   const std::string text = metrics.text();
   for (const char* line : {"gnomon_datagrams_sent_total 101", "gnomon_datagrams_lost_total 10",
                            "gnomon_datagrams_retransmitted_total 8", "gnomon_datagrams_parity_total 5",

@@ -10,7 +10,7 @@
 namespace gnomon::daemon {
 namespace {
 
-using Number = std::unique_ptr<int>;  // as a record's use, it can only be moved
+using Number = std::unique_ptr<int>;  // move-only, as StoredSession is
 
 asio::awaitable<void> wait(asio::io_context& io, Ask<Number> ask, std::shared_ptr<int> got) {
   const Number number = co_await answer_of(io, ask);

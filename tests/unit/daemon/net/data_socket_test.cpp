@@ -1,4 +1,4 @@
-// The data socket's sending: whatever way the kernel takes a batch, the same datagrams arrive.
+// The data socket's sending: with and without segmentation offload the same datagrams arrive.
 #include "daemon/net/data_socket.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ class DataSocketTest : public testing::TestWithParam<asio::ip::address> {
     sender_ = std::move(*DataSocket::open(io_, {GetParam(), 0}));
   }
 
-  // What arrives when these are sent.
+  // The datagrams that arrive when these are sent.
   Datagrams through(const Datagrams& sent) {
     asio::error_code error;
     EXPECT_EQ(sender_->send(sent, receiver_.local_endpoint(), error), sent.size()) << error.message();

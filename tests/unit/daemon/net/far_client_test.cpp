@@ -1,5 +1,5 @@
-// A client far away that asks at a steady pace: whatever comes late or is answered twice on such a path, what it gets
-// is right, and nothing of it is taken for a broken server's.
+// A client far away that asks at a steady rate. Whatever arrives late or is answered twice on such a path, the client's
+// frames are right, and it does not take any of them for those of a broken server.
 #include "client/stream/visibility_stream.h"
 #include "client/view/own_view.h"
 #include "gpu/wire/translate.h"
@@ -13,10 +13,10 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr uint16_t kWidth = 640, kHeight = 480;
-constexpr uint32_t kFrames = 60;  // that arrive whole
-constexpr auto kEvery = 16667us;  // a camera
+constexpr uint32_t kFrames = 60;  // complete frames to wait for
+constexpr auto kEvery = 16667us;  // between cameras
 
-// The link between both, on a thread of its own.
+// The simulated link between client and server, on a thread of its own.
 class Link {
  public:
   Link(const Daemon& daemon, const netsim::Profile& each_way) {
@@ -50,7 +50,7 @@ class FarClient : public Served, public testing::WithParamInterface<std::pair<co
 
 TEST_P(FarClient, GetsWhatItAskedForAndNothingWrong) {
   frame_time_ = 3ms;
-  config_.scheduler.quantum = 0us;  // each piece of a frame would take that time
+  config_.scheduler.quantum = 0us;  // no bands, as the fake renderer's delay applies to each band
   start();
   netsim::Profile profile;
   std::stringstream settings(GetParam().first);

@@ -1,4 +1,4 @@
-// Clients that do not behave: none of it reaches an honest one.
+// Hostile clients: none of what they do affects an honest one.
 #include <random>
 
 #include "tests/unit/daemon/net/served.h"
@@ -77,7 +77,7 @@ TEST_F(Hostile, DamagedHellosNeverCrashTheServer) {
 }
 
 TEST_F(Hostile, AnAnnouncedGiantMessageIsRefusedAtOnce) {
-  config_.server.handshake_timeout = 30s;  // it is not the clock that ends this
+  config_.server.handshake_timeout = 30s;  // long, so that the timeout does not end the connections
   start_with_honest_client();
   TestClient c = client();
   c.send_bytes({0xff, 0xff, 0xff, 0x7f, 1, 0});

@@ -1,4 +1,4 @@
-// Who is refused, with which reason, and what it is told would fit.
+// Which Hello is refused, with which code, and which values the refusal says would fit.
 #include "tests/unit/daemon/net/served.h"
 
 namespace gnomon::daemon {
@@ -7,7 +7,7 @@ namespace {
 using protocol::RefusalCode;
 using namespace std::chrono_literals;
 
-// What is asked, what is refused. Every code that this server can say to a Hello.
+// A Hello and its refusal, for every code with which this server can refuse a Hello.
 struct Refusal {
   const char* name;
   RefusalCode code;

@@ -1,4 +1,4 @@
-// Who is let in and who is not, over real connections: tokens, certificates, versions; floods of connections and junk.
+// Which clients are admitted, over real connections: tokens, certificates, versions; floods of connections and junk.
 #include <sys/stat.h>
 
 #include <random>
@@ -152,7 +152,7 @@ TEST_F(Secure, AVersionFromBeforeOrAfterOursIsRefusedWithItsCode) {
     asks.version_min = asks.version_max = version;
     EXPECT_EQ(refusal_of(asks), RefusalCode::version) << version;
   }
-  // What a version 1 client sends, whose Hello has another layout: the first three fields are enough.
+  // The Hello of a version 1 client has another layout: its first three fields are enough to refuse it.
   std::vector<uint8_t> ancient = {16, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2};
   TestClient c = client();
   c.send_bytes(ancient);
@@ -191,7 +191,7 @@ TEST_F(Secure, AReloadReadsTheCertificatesAnewForNewConnections) {
   start();
   TestClient before = client();
   ASSERT_TRUE(before.join(hello("studio", "s")));
-  write_identity("server", make("server", Use::server, &authority_));  // in the same files
+  write_identity("server", make("server", Use::server, &authority_));  // replaces the same files
   ask_for_client_certificates();
   ASSERT_TRUE(daemon_->reload(config_));
   TestClient after = client_with("studio", make("studio", Use::client, &authority_));
@@ -265,7 +265,8 @@ TEST_F(Secure, AFloodOfJunkIsCountedToTheLastDatagramAndHarmsNobody) {
   TestClient honest = client(), victim = client();
   ASSERT_TRUE(honest.join(hello("studio", "s")));
   ASSERT_TRUE(victim.join(hello("arcade", "a")));
-  // Noise with the right version and kind; the victim's session with wrong tags; honest's datagrams in its name.
+  // Noise with the right version and kind; the victim's session with wrong tags; the honest client's datagrams under
+  // the victim's session.
   std::mt19937 random(1);
   uint64_t sent = 0;
   const auto all_counted = [&] {

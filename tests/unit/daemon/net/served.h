@@ -1,4 +1,4 @@
-// A whole daemon in the test's process: real sockets on loopback, a fake renderer, scenes of one triangle.
+// A complete daemon in the test's process: real sockets on loopback, a fake renderer, scenes of one triangle.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ class Served : public testing::Test {
 
   uint64_t count_of(Fault fault) { return daemon_->metrics().count_of(fault); }
 
-  // Bounded by patience, not a claim about time.
+  // Waits for the condition; the limit only bounds a failing test.
   template <class Condition>
   bool eventually(Condition condition) {
     const TimePoint end = Clock::now() + kPatience;
@@ -99,7 +99,7 @@ class Served : public testing::Test {
     return ("\n" + daemon_->metrics().text()).find("\n" + line + "\n") != std::string::npos;
   }
 
-  // What the fake answers for a camera at `x`, as a client gets it: pixels outside of the picture are no matter here.
+  // Whether the words are the fake renderer's answer for a camera at `x`; the buffer consists of complete tiles.
   static bool is_frame_of(const TestClient& client, const std::vector<uint64_t>& words, float x) {
     gpu::CameraView camera;
     camera.position.x = x;
@@ -113,7 +113,7 @@ class Served : public testing::Test {
 
   std::filesystem::path folder_;
   Config config_;
-  std::vector<RendererFactory> make_renderers_;  // empty: one, of a fake that runs by itself
+  std::vector<RendererFactory> make_renderers_;  // empty: one, which makes a SelfRunningFakeRenderer
   std::chrono::milliseconds frame_time_{0};
   std::function<void()> on_drain_;
   std::unique_ptr<Daemon> daemon_;

@@ -1,4 +1,4 @@
-// Clients that behave: joining, being refused, getting frames, leaving.
+// Well-behaved clients: joining, being refused, getting frames, leaving.
 #include "tests/unit/daemon/net/served.h"
 
 namespace gnomon::daemon {
@@ -214,7 +214,7 @@ TEST_F(Served, AReloadBringsTenantsAndClosesThoseThatAreGone) {
   EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1"));
   EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"leaving\"} 0"));
 
-  ASSERT_TRUE(daemon_->reload(config_));  // back again, as who it was
+  ASSERT_TRUE(daemon_->reload(config_));  // the tenant is named again and keeps its id
   TestClient again = client();
   ASSERT_TRUE(again.join(leaving));
   EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"leaving\"} 1"));

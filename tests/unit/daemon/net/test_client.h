@@ -1,4 +1,4 @@
-// A client of the smallest kind: blocking, one frame at a time, every wait bounded.
+// A minimal client: blocking, one frame at a time, with a limit on every wait.
 #pragma once
 
 #include <asio/connect.hpp>
@@ -20,12 +20,12 @@
 
 namespace gnomon::daemon {
 
-// Far beyond what anything here takes: a test that runs into it has failed already.
+// Far longer than anything here takes: a test that reaches this limit has failed.
 inline constexpr std::chrono::seconds kPatience{20};
 
 class TestClient {
  public:
-  // Takes any certificate. `prepare` may change how it shakes hands.
+  // Accepts any certificate. `prepare` may change the TLS options before the handshake.
   explicit TestClient(uint16_t control_port, const std::function<void(SSL*)>& prepare = {})
       : control_(io_, tls_), data_(io_) {
     SSL_set_alpn_protos(control_.native_handle(), protocol::kAlpn.data(), protocol::kAlpn.size());
@@ -50,7 +50,7 @@ class TestClient {
   bool shook_hands() const { return shook_hands_; }
   protocol::Pin server_pin() { return protocol::pin_of(SSL_get0_peer_certificate(control_.native_handle())); }
 
-  // False: the server has closed.
+  // Returns false if the server has closed the connection.
   bool send_bytes(const std::vector<uint8_t>& bytes) {
     asio::error_code error;
     asio::write(control_, asio::buffer(bytes), error);
@@ -58,7 +58,7 @@ class TestClient {
   }
   bool send(const protocol::Message& message) { return send_bytes(protocol::encode(message)); }
 
-  // The next message; empty: the server has closed, or patience is over.
+  // Returns the next message; nullopt if the server has closed the connection or the wait is too long.
   std::optional<protocol::Message> receive() {
     while (true) {
       auto message = reader_.next();
@@ -76,7 +76,7 @@ class TestClient {
     }
   }
 
-  // The next message of type M; others are passed over.
+  // Returns the next message of type M and skips others.
   template <class M>
   std::optional<M> receive_a() {
     while (auto message = receive()) {
@@ -85,7 +85,7 @@ class TestClient {
     return std::nullopt;
   }
 
-  // Says Hello and takes the Welcome.
+  // Sends a Hello and receives the Welcome.
   bool join(const protocol::Hello& hello) {
     send(hello);
     const auto welcome = receive_a<protocol::Welcome>();
@@ -99,7 +99,8 @@ class TestClient {
   }
   const protocol::Welcome& welcome() const { return welcome_; }
 
-  // Takes the session of a client whose control connection may be gone, by this one. False: refused, or no answer.
+  // Resumes the session of a client whose control connection may be lost, over this client's connection. Returns false
+  // if it is refused or not answered.
   bool resume(TestClient& other) {
     send(protocol::Resume{other.welcome_.session, proof_of(other)});
     const auto answer = receive();
@@ -132,7 +133,7 @@ class TestClient {
   }
   void send_view(uint32_t frame, float x) { send_datagram(sealed_view(frame, x)); }
 
-  // The same over the control connection.
+  // As send_view(), over the control connection.
   void send_view_by_control(uint32_t frame, float x) {
     protocol::Data data;
     protocol::CameraUpdate update;
@@ -157,7 +158,7 @@ class TestClient {
     return words;
   }
 
-  // Empty: none came.
+  // nullopt if none arrived.
   std::optional<protocol::Header> ping() {
     std::vector<uint8_t> datagram;
     seal_->seal(protocol::DatagramKind::ping, std::vector<uint8_t>(protocol::kPingBytes), datagram);
@@ -167,7 +168,7 @@ class TestClient {
     return opened && answer->size() == datagram.size() ? std::optional(opened->header) : std::nullopt;
   }
 
-  // All tiles of `frame`, put together from its slices; empty: it did not come, or did not decode.
+  // All tiles of `frame`, assembled from its slices; empty if it did not arrive or could not be decoded.
   std::vector<uint64_t> receive_frame(uint32_t frame) {
     const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};
     std::vector<uint64_t> words(grid.word_count());
@@ -191,7 +192,7 @@ class TestClient {
     }
     return words;
   }
-  // Of the last frame: how it was coded, and whether it referred to one before.
+  // The codec of the last frame, and whether it referred to an earlier frame.
   protocol::CodecId codec() const { return codec_; }
   bool referred() const { return referred_; }
   void forget_references() { references_.clear(); }
@@ -208,7 +209,7 @@ class TestClient {
     return datagram;
   }
 
-  // The client's network changes under it.
+  // The client's address changes, as when it moves to another network.
   void change_data_port() {
     data_.close();
     data_.open(asio::ip::udp::v4());

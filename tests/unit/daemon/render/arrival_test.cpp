@@ -1,4 +1,4 @@
-// Scenes come to a device beside the frames, and are served before what the tracer builds for them is there.
+// Scenes are brought to a device in the background, and are served before their light buffers are built.
 #include "tests/unit/daemon/render/render_loop_fixture.h"
 
 namespace gnomon::daemon {
@@ -13,7 +13,7 @@ class ArrivalTest : public RenderLoopTest {
                                [this](Result<gpu::SceneFootprint> made) { answers_.push_back(made.has_value()); }},
                   now_);
   }
-  // A frame of kA that costs so much.
+  // Renders a frame of kA at that cost.
   void render(uint32_t frame, Nanoseconds cost) {
     view(kA, frame);
     settle();
@@ -93,9 +93,9 @@ TEST_F(ArrivalTest, WhenTheServerStopsWhoWaitsIsTold) {
   EXPECT_EQ(answers_, (std::vector{false, false}));
 }
 
-// Whoever is admitted by what frames cost is not refused for what they cost until the build is done.
+// Admission uses the cost of frames after the build, so that nobody is refused for their higher cost before it.
 TEST_F(ArrivalTest, WhatFramesCostUntilTheBuildIsDoneIsLearnedApart) {
-  constexpr Nanoseconds kBefore = 1500us, kAfter = 50us;  // not worth to be cut
+  constexpr Nanoseconds kBefore = 1500us, kAfter = 50us;  // too cheap to be cut
   loop_->handle(SceneLeaves{kScene}, now_);
   fake_->state_of_lights.unbuilt = 2;
   fake_->holds_builds = true;
@@ -103,7 +103,7 @@ TEST_F(ArrivalTest, WhatFramesCostUntilTheBuildIsDoneIsLearnedApart) {
   for (uint32_t frame = 1; frame < 5; ++frame) render(frame, kBefore);
   EXPECT_FALSE(loop_->costs().contains(kScene) && loop_->costs().at(kScene).knows());
   view(kA, 5);
-  settle();  // on the device when the build is done
+  settle();  // the frame is on the device when the build is finished
   let_go();
   fake_->complete(kBefore, false, kBefore);
   settle();

@@ -1,4 +1,4 @@
-// Frames that cost more than a quantum, and who waits for them.
+// Frames that cost more than a quantum, and the sessions that wait for them.
 #include <algorithm>
 #include <random>
 
@@ -21,7 +21,7 @@ class CutFrameTest : public RenderLoopTest {
     loop_->handle(SessionClosed{kB}, now_);
     open(kA, {.width = 16, .height = kHeight});
     open(kB, {.width = 16, .height = kHeight});
-    view(kA, 1);  // teaches what a frame costs
+    view(kA, 1);  // the model learns what a frame costs
     settle();
     fake_->complete(100us);
     rendered_.clear();
@@ -32,7 +32,7 @@ class CutFrameTest : public RenderLoopTest {
 
   void complete_one() { fake_->complete(fake_->rows(0) * 1us); }
 
-  // Completes what is on the device, each band for what it costs, and starts what follows. How many submits it took.
+  // Completes what is on the device, each band at its cost, and starts what follows. Returns the number of submits.
   size_t run_to_the_end() {
     size_t submits = 0;
     for (settle(); fake_->waiting() > 0; settle(), ++submits) complete_one();
@@ -40,7 +40,7 @@ class CutFrameTest : public RenderLoopTest {
   }
 };
 
-// Where the configuration leaves the quantum to us. Of 20 ms a frame, 200 us a row.
+// The configuration leaves the quantum to the daemon. A frame costs 20 ms, 200 us a row.
 class UsualQuantumTest : public CutFrameTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
@@ -52,7 +52,7 @@ class UsualQuantumTest : public CutFrameTest, public testing::WithParamInterface
     view(kA, frame);
     size_t submits = 0;
     for (settle(); fake_->waiting() > 0; settle(), ++submits) fake_->complete(fake_->rows(0) * 200us);
-    rendered_.clear();  // and with it its slot
+    rendered_.clear();  // frees the slot
     settle();
     return submits;
   }
@@ -60,7 +60,7 @@ class UsualQuantumTest : public CutFrameTest, public testing::WithParamInterface
 
 TEST_P(UsualQuantumTest, OnACpuFramesAreCutLater) {
   uint32_t frame = 100;
-  for (int i = 0; i < 40; ++i) pieces_of_a_frame(frame++);  // teaches what it costs
+  for (int i = 0; i < 40; ++i) pieces_of_a_frame(frame++);  // the model learns the cost
   const size_t pieces = pieces_of_a_frame(frame);
   if (GetParam()) {
     EXPECT_EQ(pieces, 1u) << "less than half of 100 ms";
@@ -182,7 +182,7 @@ TEST_F(CutFrameTest, ADeviceThatIsLostTakesBegunFramesWithIt) {
   view(kA, 2);
   settle();
   view(kA, 3);
-  while (renderers_made_ == 1) {  // a band may have followed before the news came
+  while (renderers_made_ == 1) {  // another band may have been submitted before the loss was noticed
     fake_->complete(25us, true);
     settle();
   }
@@ -217,7 +217,7 @@ class NeighbourTest : public RenderLoopTest {
   static constexpr uint32_t kFlood = 32, kInFlight = 3;
 
   void SetUp() override {
-    slots_ = kInFlight + 2;  // a frame in bands of each tenant
+    slots_ = kInFlight + 2;  // each tenant may have one frame in bands
     RenderLoopTest::SetUp();
     for (const SessionId session : {kA, kB, kSilent}) loop_->handle(SessionClosed{session}, now_);
   }
@@ -234,7 +234,7 @@ class NeighbourTest : public RenderLoopTest {
     for (uint32_t i = 0; i < kFlood; ++i) open(SessionId{i}, {.width = 640, .height = 360, .lights = 3});
   }
 
-  // 5 ms and 30 ns a pixel to rasterise, 25 ns a bit to trace, give or take a tenth.
+  // 5 ms and 30 ns a pixel to rasterise, 25 ns a bit to trace, within 10%.
   Nanoseconds next_cost(Nanoseconds& trace) {
     const gpu::RenderJob job = fake_->job(0);
     const double noise = 0.9 + 0.2 * static_cast<double>(random_()) / static_cast<double>(random_.max());
@@ -285,7 +285,7 @@ class NeighbourTest : public RenderLoopTest {
 
   std::mt19937 random_{7};
   uint32_t frame_ = 0;
-  std::vector<Nanoseconds> waits_;  // of the steady client's frames, beside their own time on the device
+  std::vector<Nanoseconds> waits_;  // of the steady client's frames, without their own time on the device
 };
 
 TEST_F(NeighbourTest, AFloodCostsASteadyClientNoMoreThanASlice) {
@@ -294,7 +294,7 @@ TEST_F(NeighbourTest, AFloodCostsASteadyClientNoMoreThanASlice) {
     begin(policy, priority);
     run(1s);
     for (uint32_t i = 0; i < kFlood; ++i) view(SessionId{i}, ++frame_);
-    run(2s);  // until costs are learned
+    run(2s);  // the costs are learned meanwhile
     waits_.clear();
     run(60s);
     EXPECT_GT(waits_.size(), 800u) << policy;

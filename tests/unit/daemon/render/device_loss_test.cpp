@@ -60,7 +60,7 @@ TEST_F(RenderLoopTest, AFailedRebuildIsAFailure) {
   ASSERT_TRUE(loop_->failure());
   EXPECT_EQ(loop_->failure()->message, "no device left");
   view(kA, 2);
-  settle();  // and nothing is submitted to a renderer that is not there
+  settle();  // nothing may be submitted while there is no renderer
 }
 
 TEST_F(RenderLoopTest, NoMemoryForAFrameMakesItSmallerAndNothingIsLost) {

@@ -1,4 +1,4 @@
-// A daemon of two devices: sessions are spread over them, and go on when one is lost, drained or beyond repair.
+// A daemon with two devices: sessions are spread over them, and continue when one is lost, drained or beyond repair.
 #include "daemon/ctl/admin_client.h"
 #include "tests/unit/daemon/net/served.h"
 

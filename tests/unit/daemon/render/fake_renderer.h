@@ -1,4 +1,4 @@
-// A renderer without a GPU: answers with masks that a test can tell apart.
+// A renderer without a GPU, whose masks identify the view that they were rendered for.
 #pragma once
 
 #include <atomic>
@@ -13,13 +13,13 @@
 
 namespace gnomon::daemon {
 
-// The mask word that the fake answers for a camera: depends on all that identifies the view.
+// The mask word that the fake renderer returns for a camera; it depends on everything that identifies the view.
 inline uint64_t fake_word(const gpu::CameraView& camera, size_t word) {
   const auto bits = static_cast<uint64_t>(camera.position.x * 1000.0f + 0.5f);
   return (bits + 1) * 0x9e3779b97f4a7c15ull ^ (uint64_t{word} << 7);
 }
 
-// Frames wait until the test completes them. Any thread.
+// Frames are completed when the test says so. Any thread.
 class FakeRenderer : public gpu::Renderer {
  public:
   struct Waiting {
@@ -39,7 +39,7 @@ class FakeRenderer : public gpu::Renderer {
     return info;
   }
   void on_slot_freed(std::function<void()> freed) override { freed_ = std::move(freed); }
-  bool cpu = false;  // set before it serves
+  bool cpu = false;  // to be set before the renderer is used
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr&) override {
     std::lock_guard lock(mutex_);
@@ -51,8 +51,7 @@ class FakeRenderer : public gpu::Renderer {
     resident_.erase(id);
   }
 
-  // What is done beside the frames: at once, or, where the test holds it, when finish_background is called later.
-  // The render thread's.
+  // Background work is done at once or, if the test holds it back, in a later call of finish_background. Render thread.
   void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
              std::function<void()>) override {
     ++brought;
@@ -123,7 +122,7 @@ class FakeRenderer : public gpu::Renderer {
     std::lock_guard lock(mutex_);
     return waiting_.size();
   }
-  // Answers the oldest submit as one that the driver had no memory to start.
+  // Completes the oldest submit as one that the driver had no memory to start.
   void refuse_to_start() { complete({}, false, std::nullopt, true); }
   gpu::RenderJob job(size_t index) const {
     std::lock_guard lock(mutex_);
@@ -142,8 +141,8 @@ class FakeRenderer : public gpu::Renderer {
     return resident_;
   }
 
-  // Completes the oldest frame. The slot is free again when the lease is dropped.
-  // `trace_time`: of its time, the part that grows with the bits; nullopt: all of it.
+  // Completes the oldest submit. The slot is free again when the lease is dropped.
+  // `trace_time`: the part of its time that grows with the traced bits; nullopt: all of it.
   void complete(std::chrono::nanoseconds gpu_time = std::chrono::milliseconds(1), bool lost = false,
                 std::optional<std::chrono::nanoseconds> trace_time = std::nullopt, bool out_of_memory = false) {
     Waiting frame;
@@ -168,8 +167,8 @@ class FakeRenderer : public gpu::Renderer {
     frame.on_done(std::move(done));
   }
 
-  uint32_t most_pixels = UINT32_MAX;  // of a frame that it has memory for
-  bool refuse_submits = false;        // set it before the renderer is in use, or from the thread that submits
+  uint32_t most_pixels = UINT32_MAX;  // of a frame for which there is memory
+  bool refuse_submits = false;        // to be set before the renderer is used, or on the thread that submits
 
  private:
   void beside(bool hold, std::function<void()> done) {
@@ -206,11 +205,11 @@ class FakeRenderer : public gpu::Renderer {
   std::function<void()> freed_;
   std::set<SceneId> resident_;
   std::map<JobId, gpu::RenderJob> begun_;
-  std::map<JobId, uint64_t> frame_gpu_ns_;  // of the bands so far; of whoever completes
+  std::map<JobId, uint64_t> frame_gpu_ns_;  // of the bands so far; used by the thread that completes
 };
 
-// Completes every frame by itself, from a completion thread, each after `delay`. `lose`: when it is true the device is
-// lost with the next frame.
+// Completes every submit on a completion thread of its own, each after `delay`. `lose`: when it is true, the device is
+// lost with the next submit.
 class SelfRunningFakeRenderer final : public FakeRenderer {
  public:
   SelfRunningFakeRenderer(uint32_t slots, uint32_t lights, std::chrono::milliseconds delay,

@@ -1,4 +1,4 @@
-// What a session gives up when its link is short of bytes.
+// How a session is degraded when its link is too slow.
 #include "daemon/render/link_steps.h"
 
 #include "tests/unit/daemon/render/render_loop_fixture.h"
@@ -26,7 +26,7 @@ class NarrowLink : public RenderLoopTest {
                 .features = protocol::kFeatureSizes});
   }
 
-  // A second of which the link had room for so many of 40 views; then one frame.
+  // Reviews a second in which the link had room for so many of 40 views; then renders one frame.
   void second(uint32_t taken) {
     loop_->handle(LinkReviewed{kFar, {40, taken}}, now_);
     view(kFar, ++frame_);
@@ -75,7 +75,7 @@ TEST_F(NarrowLink, TheCodecGetsDenserThenThePictureSmallerAndBothComeBack) {
 }
 
 TEST_F(NarrowLink, AReviewOfASessionThatIsGoneIsNoStep) {
-  second(5);  // the next one like it would be a step
+  second(5);  // another second like it would cause a step
   loop_->handle(SessionClosed{kFar}, now_);
   loop_->handle(LinkReviewed{kFar, {40, 5}}, now_);
   EXPECT_NE(metrics_.text().find("gnomon_degradations_total{direction=\"down\"} 0"), std::string::npos);

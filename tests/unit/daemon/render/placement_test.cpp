@@ -1,4 +1,4 @@
-// Where sessions live: spread by what they ask for, and moved when a device closes or opens.
+// On which device sessions are placed: spread by their load, and moved when a device closes or opens.
 #include "daemon/render/placement.h"
 
 #include <gtest/gtest.h>

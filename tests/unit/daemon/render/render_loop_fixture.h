@@ -46,7 +46,7 @@ class RenderLoopTest : public testing::Test, private FrameSink {
   void on_degraded(const SessionDegraded& session) override { degraded_.push_back(session); }
   void on_lights(const LightsUpdate&) override {}
 
-  // A session of kTenant in kScene, of that size, with two lights, unless `grant` says otherwise.
+  // Opens a session of kTenant in kScene, of that size, with two lights, unless `grant` says otherwise.
   void open(SessionId session, SessionGrant grant = {.width = 16, .height = 16}) {
     if (grant.lights == 0) grant.lights = 2;
     loop_->handle(SessionOpened{.session = session, .grant = grant}, now_);
@@ -97,7 +97,7 @@ class RenderLoopTest : public testing::Test, private FrameSink {
   RenderInbox inbox_;
   int renderers_made_ = 0;
   bool no_more_renderers_ = false;
-  bool cpu_ = false;  // whether the device is one
+  bool cpu_ = false;  // whether the device is a CPU
   FakeRenderer* fake_ = nullptr;
   std::unique_ptr<RenderDevice> device_;
   std::vector<RenderedFrame> rendered_;

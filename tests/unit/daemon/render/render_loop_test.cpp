@@ -48,7 +48,7 @@ TEST_F(RenderLoopTest, NeverSubmitsMoreThanTheSlots) {
   }
   settle();
   EXPECT_EQ(fake_->waiting(), kSlots);
-  fake_->complete();  // done, but the lease is still out
+  fake_->complete();  // the frame is finished, but its lease is not dropped
   settle();
   EXPECT_EQ(fake_->waiting(), kSlots - 1);
   rendered_.clear();
@@ -80,7 +80,7 @@ TEST_F(RenderLoopTest, AClosedSessionsViewIsDropped) {
   }
   view(kA, 1);
   loop_->handle(SessionClosed{kA}, now_);
-  view(kA, 2);  // was on its way
+  view(kA, 2);  // a view that was sent before
   while (fake_->waiting() > 0) {
     fake_->complete();
     rendered_.clear();
@@ -190,7 +190,8 @@ TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
             std::string::npos);
 }
 
-// A session that asks for more than it gets: its rate goes down, then its size, both are told, and both come back.
+// A session that asks for more than the device can do: its rate falls, then its size, the client is notified of both,
+// and both recover.
 class OverloadTest : public RenderLoopTest {
  protected:
   static constexpr SessionId kBusy{88};

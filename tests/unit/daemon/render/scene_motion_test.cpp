@@ -12,7 +12,7 @@ using scenes::SceneTime;
 
 constexpr SceneId kScene{3};
 
-// Does what it is asked when the test says so.
+// A renderer whose background work is finished when the test says so.
 class LightsFake : public FakeRenderer {
  public:
   LightsFake() : FakeRenderer(1) {}

@@ -44,7 +44,7 @@ TEST_F(ShareAccountTest, OnlyWhoAlwaysHadWorkIsCompared) {
   account_.sample_backlog();
   account_.finished(kOne, 2ms, 2ms, kNow);
   account_.finished(kTwo, 6ms, 6ms, kNow);
-  account_.finished(kThree, 50ms, 50ms, kNow);  // had work now and then
+  account_.finished(kThree, 50ms, 50ms, kNow);  // this tenant did not always have work
   ShareReport report = account_.report(*policy_);
   EXPECT_DOUBLE_EQ(report.jain, 1);
   EXPECT_DOUBLE_EQ(report.tenants[0].expected_share, 0.25);

@@ -1,4 +1,4 @@
-// Tokens, certificates and rates, each alone.
+// Unit tests of tokens, certificates and connection rates.
 #include <gtest/gtest.h>
 
 #include <filesystem>

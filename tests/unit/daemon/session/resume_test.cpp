@@ -1,4 +1,4 @@
-// A session goes on when its control connection is gone, and takes another one.
+// A session continues when its control connection is lost, and is resumed on another one.
 #include "tests/unit/daemon/net/served.h"
 
 namespace gnomon::daemon {
@@ -17,7 +17,7 @@ class Resume : public Served {
     client.send_view(frame, static_cast<float>(frame));
     return is_frame_of(client, client.receive_frame(frame), static_cast<float>(frame));
   }
-  // The resting one is not among the counted.
+  // The number of open sessions; a session whose record rests does not count.
   bool sessions(int count) {
     return eventually([&] { return metrics_say("gnomon_sessions{tenant=\"default\"} " + std::to_string(count)); });
   }
@@ -57,7 +57,7 @@ TEST_F(Resume, WhatWasAskedForBeforeIsNotAnsweredTwice) {
   EXPECT_TRUE(eventually([&] { return count_of(Fault::datagram_replayed) == 0; }));
 }
 
-// Nothing can be sent to it meanwhile, however much there is to be sent again.
+// Nothing can be sent to the client meanwhile, although there are retransmissions to send.
 TEST_F(Resume, AClientWithoutDatagramsHoldsNobodyUpWhileItIsAway) {
   start();
   TestClient away = client(), other = client();
@@ -115,7 +115,7 @@ TEST_F(Resume, OnlyWhoKnowsTheSecretGetsTheSession) {
   for (const bool own : {true, false}) {
     TestClient thief = client();
     protocol::Resume stolen{honest.welcome().session, own ? thief.proof_of(other) : other.proof_of(honest)};
-    thief.send(stolen);  // of another session; or of this one, but shown on another connection
+    thief.send(stolen);  // the proof of another session, or of this one for another connection
     const auto refused = thief.receive_a<protocol::Refused>();
     ASSERT_TRUE(refused);
     EXPECT_EQ(refused->code, protocol::RefusalCode::unknown_session);
@@ -136,7 +136,7 @@ TEST_F(Resume, ItsTimeEnds) {
   ASSERT_TRUE(first.join(hello()));
   first.lose_control();
   for (uint32_t frame = 1; !metrics_say("gnomon_sessions{tenant=\"default\"} 0"); ++frame) {
-    first.send_view(frame, 1);  // it is not silent
+    first.send_view(frame, 1);  // so that the session is not closed as silent
     std::this_thread::sleep_for(10ms);
     ASSERT_LT(frame, 2000u);
   }

@@ -1,4 +1,4 @@
-// What outlives a process: records, who uses them, and what a next life makes of them.
+// The session store: records that outlive a process, their use, and how the next process takes them over.
 #include "daemon/session/session_store.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ SessionRecord record(uint64_t id) {
   return record;
 }
 
-// Whoever gets it, or nobody yet.
+// A claim, and the record that it was answered with, if it was answered.
 struct Claim {
   bool answered = false;
   StoredSession stored;
@@ -88,7 +88,7 @@ TEST(SessionStore, HasRoomForSoMany) {
 
 TEST(SessionStore, WhatHasRestedForTooLongIsWiped) {
   const auto store = open();
-  store->add(record(7));  // and dropped
+  store->add(record(7));  // its StoredSession is dropped at once
   EXPECT_EQ(store->resting(), 1u);
   store->expire(Clock::now());
   EXPECT_EQ(store->resting(), 1u);
@@ -98,7 +98,7 @@ TEST(SessionStore, WhatHasRestedForTooLongIsWiped) {
   EXPECT_FALSE(store->resumption_secret(SessionId{7}));
 }
 
-// The one before is killed in the middle of what it does, as often as it takes to meet every part of it.
+// A process is killed while it changes records, at many different moments, so that most of its steps are interrupted.
 TEST(SessionStore, TheNextLifeFindsWholeRecordsWheneverTheLastOneWasKilled) {
   size_t found = 0;
   for (int round = 0; round < 60; ++round) {

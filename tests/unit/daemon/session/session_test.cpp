@@ -1,4 +1,4 @@
-// A session's policy, with a clock that the test ticks.
+// A session's policy, with a clock that the test advances.
 #include "daemon/session/session.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class SessionTest : public testing::Test {
                                             side);
   }
 
-  // What the client of that session sends next.
+  // The next datagram of that session's client.
   std::vector<uint8_t> view(uint64_t id, uint32_t frame) {
     auto& client = client_seals_[id];
     if (!client) client = seal(id, protocol::Side::client);
