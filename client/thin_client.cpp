@@ -14,7 +14,7 @@ ThinClient::ThinClient(Loop& loop, ThinClientOptions options, Events events)
       options_(std::move(options)),
       events_(std::move(events)),
       order_(options_.mode, options_.mode == Mode::automatic ? std::move(options_.automatic)
-                                                             : std::make_unique<FixedAhead>(options_.ahead)),
+                                                             : std::make_unique<FixedPrediction>(options_.ahead)),
       retry_(loop, [this] { connect(); }) {
   connect();
 }
@@ -80,8 +80,8 @@ void ThinClient::remember_asked(uint32_t index) {
 void ThinClient::on_answer(const Answer& answer) {
   const uint32_t place = answer.mask.frame.value - first_frame_;
   if (answer.mask.frame.value < first_frame_ || place >= indices_.size()) return;
-  auto received = std::make_shared<const Received>(
-      Received{indices_[place], answer.camera, answer.mask, answer.lights, answer.response});
+  auto received = std::make_shared<const ReceivedMasks>(
+      ReceivedMasks{indices_[place], answer.camera, answer.mask, answer.lights, answer.response});
   if (events_.received) events_.received(*received);
   if (order_.answered(received->index, Clock::now())) seen_ = std::move(received);
 }

@@ -23,13 +23,13 @@ namespace gnomon::client {
 struct ThinClientOptions {
   StreamOptions stream;  // its Hello asks for the traced size
   Mode mode = Mode::predicted;
-  size_t ahead = 4;                  // x (client/prediction/mode.h) of mode `predicted`
-  std::unique_ptr<Ahead> automatic;  // what chooses x in mode `auto`
-  bool reconnect = true;             // after a connection that was open is lost
+  size_t ahead = 4;                             // x (client/prediction/mode.h) of mode `predicted`
+  std::unique_ptr<PredictionPolicy> automatic;  // what chooses x in mode `auto`
+  bool reconnect = true;                        // after a connection that was open is lost
 };
 
 // Masks as they arrived, and the camera that they are of.
-struct Received {
+struct ReceivedMasks {
   uint32_t index = 0;  // of the camera: how many look() was called with before it
   protocol::CameraView camera;
   AssembledFrame mask;  // mask.missing_tiles(): what did not arrive
@@ -43,7 +43,7 @@ struct Showing {
   uint32_t index = 0;
   uint32_t newest = 0;  // index of the newest camera
   protocol::CameraView camera;
-  std::shared_ptr<const Received> seen;
+  std::shared_ptr<const ReceivedMasks> seen;
   bool reprojected = false;
   Nanoseconds age{};  // since look() was called with the camera: the response time
 
@@ -54,7 +54,7 @@ class ThinClient {
  public:
   // Called while the loop runs; each may be empty. They must not destroy the client.
   struct Events {
-    std::function<void(const Received&)> received = {};
+    std::function<void(const ReceivedMasks&)> received = {};
     std::function<void(const protocol::Message&)> message = {};
   };
 
@@ -79,7 +79,7 @@ class ThinClient {
   // What to show now; nullopt if that has not changed since the last call, or no masks have arrived yet.
   std::optional<Showing> next();
 
-  // Reports how wrong a prediction was (Ahead::observe), from which mode `auto` learns.
+  // Reports how wrong a prediction was (PredictionPolicy::observe), from which mode `auto` learns.
   void observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) {
     order_.ahead().observe(earlier, later, error);
   }
@@ -89,9 +89,9 @@ class ThinClient {
   size_t in_flight() const { return stream_->in_flight(); }
   const protocol::Welcome& welcome() const { return stream_->connection().welcome(); }
   const protocol::SceneManifest& scene() const { return stream_->scene(); }
-  const TileGrid& grid() const { return stream_->grid(); }  // precondition: online()
-  StreamCounters counters() const;                          // of all connections
-  uint64_t received_bytes() const;                          // of all connections
+  TileGrid grid() const { return stream_->grid(); }  // empty while not online()
+  StreamCounters counters() const;                   // of all connections
+  uint64_t received_bytes() const;                   // of all connections
   void close(const std::string& reason);
 
  private:
@@ -113,7 +113,7 @@ class ThinClient {
   uint64_t bytes_before_ = 0;
   std::deque<uint32_t> indices_;  // of the cameras asked for on this connection, from frame `first_frame_` on
   uint32_t first_frame_ = 1;
-  std::shared_ptr<const Received> seen_;
+  std::shared_ptr<const ReceivedMasks> seen_;
   std::unique_ptr<VisibilityStream> stream_;
   Timer retry_;
 };

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <mutex>
 
-#include "common/repeats.h"
+#include "common/log_rate_limiter.h"
 
 namespace gnomon::log {
 namespace {
@@ -88,9 +88,9 @@ constexpr double kLinesAtOnce = 200, kLinesPerSecond = 20;
 
 std::optional<uint64_t> admit(std::string_view event) {
   static std::mutex mutex;
-  static Repeats repeats(kLinesAtOnce, kLinesPerSecond);  // guarded by mutex
+  static LogRateLimiter limiter(kLinesAtOnce, kLinesPerSecond);  // guarded by mutex
   std::lock_guard lock(mutex);
-  return repeats.admit(event, Clock::now());
+  return limiter.admit(event, Clock::now());
 }
 
 void write(spdlog::level::level_enum level, std::string_view event, Fields fields) {

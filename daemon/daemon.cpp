@@ -133,6 +133,8 @@ Result<void> Daemon::open_devices() {
 
 void Daemon::on_rendered(RenderedFrame frame) { encode_pool_->push(std::move(frame)); }
 
+void Daemon::on_encoded(EncodedFrame frame) { server_->deliver(std::move(frame)); }
+
 void Daemon::on_degraded(const SessionDegraded& session) { server_->notify(session); }
 
 void Daemon::on_lights(const LightsUpdate& lights) {
@@ -149,8 +151,7 @@ void Daemon::open_encoders() {
   const uint32_t threads = asked > 0 ? asked : default_encode_threads(usable);
   log::info("encoders open",
             {{"threads", threads}, {"cores", usable.size()}, {"cores_near_device_0", near.front().size()}});
-  encode_pool_ = std::make_unique<EncodePool>(threads, std::move(near), metrics_,
-                                              [this](EncodedFrame frame) { server_->deliver(std::move(frame)); });
+  encode_pool_ = std::make_unique<EncodePool>(threads, std::move(near), metrics_, static_cast<FrameSink&>(*this));
 }
 
 std::string Daemon::summary() const {
@@ -186,7 +187,7 @@ Result<void> Daemon::apply(const Config& next) {
   session_limits_.set_limits(by_id);
   metrics_.add_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
-  devices_.set_terms(sharing);
+  devices_.set_sharing(sharing);
   tls_.publish(*tls);
   admin_->set_token(*token);
   tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms

@@ -67,6 +67,7 @@ class Daemon final : private FrameSink {
   Result<void> bring_up();
   Result<void> open_devices();
   void on_rendered(RenderedFrame frame) override;
+  void on_encoded(EncodedFrame frame) override;
   void on_degraded(const SessionDegraded& session) override;
   void on_lights(const LightsUpdate& lights) override;
   void open_encoders();

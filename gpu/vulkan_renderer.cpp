@@ -11,7 +11,7 @@ namespace gnomon::gpu {
 namespace {
 
 // A frame of which not all rows were submitted.
-struct PartialFrame {
+struct BandedFrame {
   size_t slot = 0;
   PlanVariant* variant = nullptr;
   SceneId scene;
@@ -117,7 +117,7 @@ class VulkanRenderer : public Renderer {
   Result<void> resume(JobId id, uint32_t tile_rows, std::function<void(FrameDone)> on_done) override {
     const auto found = partial_frames_.find(id);
     if (found == partial_frames_.end()) return Error{"frame " + std::to_string(id.value) + " was not begun"};
-    PartialFrame& frame = found->second;
+    BandedFrame& frame = found->second;
     if (frame.band_failed) return Error{"a band of frame " + std::to_string(id.value) + " was not started"};
     const ResidentScene* scene = scenes_.find(frame.scene);
     if (!scene) return not_resident(frame.scene);
@@ -171,7 +171,7 @@ class VulkanRenderer : public Renderer {
   const std::shared_ptr<SlotPool> pool_;
   const std::string raster_;
   ResidentScenes scenes_;
-  std::map<JobId, PartialFrame> partial_frames_;
+  std::map<JobId, BandedFrame> partial_frames_;
   bool batching_ = false;
   std::vector<std::unique_ptr<QueueState>> queues_;
 };

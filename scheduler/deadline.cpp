@@ -25,7 +25,7 @@ class Deadline final : public Scheduler {
  public:
   std::string_view policy() const override { return "deadline"; }
 
-  void set_tenant(TenantId tenant, const TenantTerms&) override { services_.know(tenant); }
+  void set_tenant(TenantId tenant, const TenantScheduling&) override { services_.know(tenant); }
 
   void add_session(SessionId session, TenantId tenant) override {
     sessions_.add(session, Session{session, tenant, {}, {}});
@@ -73,10 +73,10 @@ class Deadline final : public Scheduler {
     return session.id;
   }
 
-  Standing standing(TenantId tenant) const override { return {services_.of(tenant), {}}; }
+  TenantStanding standing(TenantId tenant) const override { return {services_.of(tenant), {}}; }
 
  private:
-  SessionTable<Session> sessions_;
+  SessionStates<Session> sessions_;
   IndexedHeap<Urgency> waiting_;
   uint64_t turns_ = 0;
   Services services_;

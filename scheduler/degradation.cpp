@@ -24,7 +24,12 @@ uint32_t steps(double factor, double least) {
 
 }  // namespace
 
-bool Degradation::observe(const Window& window) {
+void Degradation::set_limits(const DegradationLimits& limits) {
+  limits_ = limits;
+  level_ = std::min(level_, deepest());
+}
+
+bool Degradation::observe(const ServiceWindow& window) {
   if (since_step_up_ > 0 && ++since_step_up_ > kProven) {
     since_step_up_ = 0;
     patience_ = 0;
@@ -55,14 +60,14 @@ bool Degradation::up() {
 }
 
 uint32_t Degradation::deepest() const {
-  return steps(kRateStep, terms_.least_rate) + steps(kSizeStep, terms_.least_size) +
-         steps(kLightStep, terms_.least_lights);
+  return steps(kRateStep, limits_.least_rate) + steps(kSizeStep, limits_.least_size) +
+         steps(kLightStep, limits_.least_lights);
 }
 
 OperatingPoint Degradation::point() const {
-  const uint32_t by_rate = std::min(level_, steps(kRateStep, terms_.least_rate));
-  const uint32_t by_size = std::min(level_ - by_rate, steps(kSizeStep, terms_.least_size));
-  const uint32_t by_lights = std::min(level_ - by_rate - by_size, steps(kLightStep, terms_.least_lights));
+  const uint32_t by_rate = std::min(level_, steps(kRateStep, limits_.least_rate));
+  const uint32_t by_size = std::min(level_ - by_rate, steps(kSizeStep, limits_.least_size));
+  const uint32_t by_lights = std::min(level_ - by_rate - by_size, steps(kLightStep, limits_.least_lights));
   return {std::pow(kRateStep, by_rate), std::pow(kSizeStep, by_size), std::pow(kLightStep, by_lights)};
 }
 

@@ -13,7 +13,7 @@
 namespace gnomon::scheduler {
 
 // The least that a tenant's sessions may be served, as shares of what was granted; 1: no degradation.
-struct DegradationTerms {
+struct DegradationLimits {
   double least_rate = 0.5;
   double least_size = 1;    // of each side
   double least_lights = 1;  // of the lights that are traced
@@ -27,20 +27,20 @@ struct OperatingPoint {
 };
 
 // The views of one session in one window of time.
-struct Window {
+struct ServiceWindow {
   uint32_t offered = 0;   // views that arrived, as far as the rate in force admits them
   uint32_t answered = 0;  // those of them that were rendered
 };
 
 class Degradation {
  public:
-  explicit Degradation(const DegradationTerms& terms = {}) : terms_(terms) {}
+  explicit Degradation(const DegradationLimits& limits = {}) : limits_(limits) {}
 
   // Replaces the limits. point() follows them at once; observe() does not report that change.
-  void set_terms(const DegradationTerms& terms) { terms_ = terms; }
+  void set_limits(const DegradationLimits& limits);
 
   // Returns true if the operating point has changed.
-  bool observe(const Window& window);
+  bool observe(const ServiceWindow& window);
 
   OperatingPoint point() const;
 
@@ -49,7 +49,7 @@ class Degradation {
   bool up();
   uint32_t deepest() const;
 
-  DegradationTerms terms_;
+  DegradationLimits limits_;
   uint32_t level_ = 0;           // steps below what was granted
   uint32_t bad_ = 0, good_ = 0;  // windows in a row
   uint32_t patience_ = 0;        // good windows that a step up needs beyond the usual ones

@@ -34,13 +34,13 @@ class Fair final : public Scheduler {
  public:
   std::string_view policy() const override { return "fair"; }
 
-  void set_tenant(TenantId id, const TenantTerms& terms) override {
+  void set_tenant(TenantId id, const TenantScheduling& scheduling) override {
     services_.know(id);
     while (tenants_.size() <= id.value) tenants_.emplace_back();
     auto& tenant = tenants_[id.value];
-    if (tenant) return queue_.set_weight(tenant->member, terms.weight);
+    if (tenant) return queue_.set_weight(tenant->member, scheduling.weight);
     tenant = std::make_unique<Tenant>();
-    tenant->member = queue_.add(terms.weight);
+    tenant->member = queue_.add(scheduling.weight);
     if (ids_.size() <= tenant->member) ids_.resize(tenant->member + 1);
     ids_[tenant->member] = id;
     stale_.reserve(tenants_.size());
@@ -102,7 +102,7 @@ class Fair final : public Scheduler {
     charge_both(ticket.tenant, member, gpu_time - ticket.predicted);
   }
 
-  Standing standing(TenantId id) const override {
+  TenantStanding standing(TenantId id) const override {
     if (id.value >= tenants_.size() || !tenants_[id.value]) return {};
     return {services_.of(id), Nanoseconds(static_cast<int64_t>(queue_.lag(tenants_[id.value]->member)))};
   }
@@ -159,7 +159,7 @@ class Fair final : public Scheduler {
   std::vector<TenantId> ids_;                     // by member of the queue
   std::vector<std::unique_ptr<Tenant>> tenants_;  // by id
   std::vector<TenantId> stale_;
-  SessionTable<Session> sessions_;
+  SessionStates<Session> sessions_;
   Services services_;
 };
 

@@ -27,14 +27,14 @@ class Priority final : public Scheduler {
 
   std::string_view policy() const override { return "priority"; }
 
-  void set_tenant(TenantId id, const TenantTerms& terms) override {
+  void set_tenant(TenantId id, const TenantScheduling& scheduling) override {
     services_.know(id);
     if (tenants_.size() <= id.value) tenants_.resize(id.value + 1);
     Tenant& tenant = tenants_[id.value];
-    const bool moves = tenant.in && tenant.priority != terms.priority;
+    const bool moves = tenant.in && tenant.priority != scheduling.priority;
     if (moves) for_sessions_of(id, [&](uint32_t number) { take_out(number); });
-    tenant = {&classes_[terms.priority], terms.priority};
-    tenant.in->queue->set_tenant(id, terms);
+    tenant = {&classes_[scheduling.priority], scheduling.priority};
+    tenant.in->queue->set_tenant(id, scheduling);
     if (moves) for_sessions_of(id, [&](uint32_t number) { put_in(number); });
   }
 
@@ -88,7 +88,7 @@ class Priority final : public Scheduler {
     services_.charge(ticket.tenant, gpu_time - ticket.predicted);
   }
 
-  Standing standing(TenantId tenant) const override {
+  TenantStanding standing(TenantId tenant) const override {
     if (tenant.value >= tenants_.size() || !tenants_[tenant.value].in) return {};
     return {services_.of(tenant), tenants_[tenant.value].in->queue->standing(tenant).lag};
   }
@@ -146,7 +146,7 @@ class Priority final : public Scheduler {
   const double floor_;
   Classes classes_;
   std::vector<Tenant> tenants_;  // by id
-  SessionTable<Session> sessions_;
+  SessionStates<Session> sessions_;
   std::vector<bool> numbers_;  // whether the session number is in use
   Services services_;
 };

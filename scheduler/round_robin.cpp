@@ -22,7 +22,7 @@ class RoundRobin final : public Scheduler {
  public:
   std::string_view policy() const override { return "round_robin"; }
 
-  void set_tenant(TenantId tenant, const TenantTerms&) override { services_.know(tenant); }
+  void set_tenant(TenantId tenant, const TenantScheduling&) override { services_.know(tenant); }
 
   void add_session(SessionId session, TenantId tenant) override {
     const uint32_t number = seats_.add(session, Seat{{}, session, tenant, false, {}});
@@ -66,7 +66,7 @@ class RoundRobin final : public Scheduler {
     services_.charge(ticket.tenant, gpu_time - ticket.predicted);
   }
 
-  Standing standing(TenantId tenant) const override { return {services_.of(tenant), {}}; }
+  TenantStanding standing(TenantId tenant) const override { return {services_.of(tenant), {}}; }
 
  private:
   void rest(Seat& seat) {
@@ -76,7 +76,7 @@ class RoundRobin final : public Scheduler {
 
   std::list<uint32_t> ready_;    // sessions with a job, in the order of their turns
   std::list<uint32_t> waiting_;  // sessions without a job, in no particular order
-  SessionTable<Seat> seats_;
+  SessionStates<Seat> seats_;
   Services services_;
 };
 

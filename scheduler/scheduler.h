@@ -27,10 +27,10 @@
 
 namespace gnomon::scheduler {
 
-struct TenantTerms {
+struct TenantScheduling {
   uint32_t weight = 1;    // share of the device relative to the other tenants' weights; at least 1
   uint32_t priority = 0;  // class under the policy `priority`: higher classes are served first
-  friend bool operator==(const TenantTerms&, const TenantTerms&) = default;
+  friend bool operator==(const TenantScheduling&, const TenantScheduling&) = default;
 };
 
 // A job that a session requests.
@@ -48,7 +48,7 @@ struct Ticket {
 };
 
 // A tenant's account.
-struct Standing {
+struct TenantStanding {
   Nanoseconds service{};  // device time charged since the first set_tenant
   Nanoseconds lag{};      // service that it is owed (positive) or has had in advance; 0 if the policy promises none
 };
@@ -62,7 +62,7 @@ class Scheduler {
   // Adds a tenant, or changes its terms. A lower weight takes effect when the tenant has worked off the service that it
   // has had in advance, which is before its next job is picked. Precondition of all other calls: the session's tenant
   // was added.
-  virtual void set_tenant(TenantId tenant, const TenantTerms& terms) = 0;
+  virtual void set_tenant(TenantId tenant, const TenantScheduling& scheduling) = 0;
 
   // Precondition: the session was not added before, or was removed.
   virtual void add_session(SessionId session, TenantId tenant) = 0;
@@ -84,7 +84,7 @@ class Scheduler {
   // Removes the job of one session that can no longer meet its deadline, without charging it; nullopt if there is none.
   virtual std::optional<SessionId> take_expired(TimePoint) { return std::nullopt; }
 
-  virtual Standing standing(TenantId tenant) const = 0;
+  virtual TenantStanding standing(TenantId tenant) const = 0;
 };
 
 // Weighted fair queueing over tenants, then equal shares over a tenant's sessions (EEVDF, see virtual_queue.h).

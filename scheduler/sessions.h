@@ -2,7 +2,9 @@
 // that tenants were charged.
 #pragma once
 
+#include <algorithm>
 #include <cassert>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -12,7 +14,7 @@ namespace gnomon::scheduler {
 
 // A policy's state for each session. The numbers of removed sessions are reused.
 template <class State>
-class SessionTable {
+class SessionStates {
  public:
   uint32_t add(SessionId session, const State& state) {
     assert(!numbers_.contains(session));

@@ -29,7 +29,7 @@ uint32_t EngineSession::look(const protocol::CameraView& camera) {
   return looked_++;
 }
 
-std::shared_ptr<const Received> EngineSession::next() {
+std::shared_ptr<const ReceivedMasks> EngineSession::next() {
   const auto showing = client_.next();
   if (!showing) return nullptr;
   ++given_;
@@ -41,52 +41,52 @@ void EngineSession::close(const std::string& reason) {
   client_.close(reason);
 }
 
-// Resets `told_` if a session has been opened or resumed since: what was reported before is void.
+// Resets `server_` if a session has been opened or resumed since: what was reported before is void.
 void EngineSession::learn() {
   if (!client_.online()) return;
   const uint64_t opened = 1 + client_.reconnects() + client_.counters().resumed;
   if (opened == opened_) return;
   opened_ = opened;
   const protocol::Welcome& welcome = client_.welcome();
-  const TileGrid& grid = client_.grid();
-  told_ = Told{.revision = told_.revision + 1,
-               .welcome = welcome,
-               .scene = client_.scene(),
-               .lights_version = welcome.lights_version,
-               .width = grid.width,
-               .height = grid.height,
-               .rate_hz = welcome.rate_hz,
-               .degraded = {},
-               .draining_ms = 0,
-               .stats = {}};
+  const TileGrid grid = client_.grid();
+  server_ = ServerState{.revision = server_.revision + 1,
+                        .welcome = welcome,
+                        .scene = client_.scene(),
+                        .lights_version = welcome.lights_version,
+                        .width = grid.width,
+                        .height = grid.height,
+                        .rate_hz = welcome.rate_hz,
+                        .degraded = {},
+                        .draining_ms = 0,
+                        .stats = {}};
 }
 
 void EngineSession::on_message(const protocol::Message& message) {
   learn();
   if (const auto* stats = std::get_if<protocol::Stats>(&message)) {
-    told_.stats = *stats;
+    server_.stats = *stats;
   } else if (const auto* draining = std::get_if<protocol::Draining>(&message)) {
-    told_.draining_ms = draining->deadline_ms;
+    server_.draining_ms = draining->deadline_ms;
   } else if (const auto* degraded = std::get_if<protocol::Degraded>(&message)) {
     on_degraded(*degraded);
   } else if (const auto* lights = std::get_if<protocol::LightsChanged>(&message)) {
-    told_.lights_version = lights->version;
-    told_.scene = client_.scene();
-    ++told_.revision;
+    server_.lights_version = lights->version;
+    server_.scene = client_.scene();
+    ++server_.revision;
   } else if (std::holds_alternative<protocol::SceneChanged>(message)) {
-    told_.scene = client_.scene();
-    ++told_.revision;
+    server_.scene = client_.scene();
+    ++server_.revision;
   }
 }
 
 void EngineSession::on_degraded(const protocol::Degraded& degraded) {
-  const TileGrid& grid = client_.grid();
-  told_.width = grid.width;
-  told_.height = grid.height;
-  told_.rate_hz = degraded.rate_hz;
-  const bool whole = grid.width == told_.welcome.width && grid.height == told_.welcome.height &&
-                     degraded.rate_hz == told_.welcome.rate_hz && degraded.untraced_lights.empty();
-  told_.degraded = whole ? std::string() : degraded.reason;
+  const TileGrid grid = client_.grid();
+  server_.width = grid.width;
+  server_.height = grid.height;
+  server_.rate_hz = degraded.rate_hz;
+  const bool whole = grid.width == server_.welcome.width && grid.height == server_.welcome.height &&
+                     degraded.rate_hz == server_.welcome.rate_hz && degraded.untraced_lights.empty();
+  server_.degraded = whole ? std::string() : degraded.reason;
 }
 
 }  // namespace gnomon::client::c

@@ -14,7 +14,7 @@
 namespace gnomon::client::c {
 
 // What the server has reported in the newest session, since that was opened or resumed last.
-struct Told {
+struct ServerState {
   uint32_t revision = 0;  // counts changes of the scene, its lights and motions
   protocol::Welcome welcome;
   protocol::SceneManifest scene;
@@ -34,7 +34,7 @@ class EngineSession {
 
   State state() const;
   const ThinClient& client() const { return client_; }
-  const Told& told() const { return told_; }
+  const ServerState& server() const { return server_; }
 
   // Serves the network until `done` returns true or `timeout_ms` has passed; 0: serves what is ready, without waiting.
   void serve(uint32_t timeout_ms, const std::function<bool()>& done);
@@ -43,7 +43,7 @@ class EngineSession {
   uint32_t look(const protocol::CameraView& camera);
 
   // The newest masks; nullptr if none have arrived since the last call.
-  std::shared_ptr<const Received> next();
+  std::shared_ptr<const ReceivedMasks> next();
   uint64_t given() const { return given_; }  // masks that next() has returned
 
   void close(const std::string& reason);
@@ -57,8 +57,8 @@ class EngineSession {
   bool closed_ = false;
   uint32_t looked_ = 0;
   uint64_t given_ = 0;
-  uint64_t opened_ = 0;  // how often a session was opened or resumed, as of `told_`
-  Told told_;
+  uint64_t opened_ = 0;  // how often a session was opened or resumed, as of `server_`
+  ServerState server_;
   ThinClient client_;
 };
 

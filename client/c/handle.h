@@ -22,7 +22,7 @@ struct gnomon_client {
 };
 
 struct gnomon_mask {
-  std::shared_ptr<const gnomon::client::Received> received;
+  std::shared_ptr<const gnomon::client::ReceivedMasks> received;
   std::vector<uint32_t> missing_tiles;
 };
 

@@ -18,7 +18,7 @@ extern "C" {
 
 gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* view) {
   if (!mask) return GNOMON_BAD_ARGUMENT;
-  const client::Received& received = *mask->received;
+  const client::ReceivedMasks& received = *mask->received;
   const client::AssembledFrame& frame = received.mask;
   gnomon_mask_view made{};
   made.index = received.index;

@@ -23,7 +23,7 @@ gnomon_state state_of(EngineSession::State state) {
   return GNOMON_ENDED;
 }
 
-gnomon_scene scene_of(const Told& told) {
+gnomon_scene scene_of(const ServerState& told) {
   gnomon_scene scene{};
   scene.revision = told.revision;
   scene.name = told.scene.name.c_str();
@@ -39,7 +39,7 @@ gnomon_scene scene_of(const Told& told) {
 }
 
 gnomon_session session_of(const EngineSession& session) {
-  const Told& told = session.told();
+  const ServerState& told = session.server();
   gnomon_session out{};
   out.state = state_of(session.state());
   out.id = told.welcome.session.value;
@@ -55,7 +55,7 @@ gnomon_session session_of(const EngineSession& session) {
 
 gnomon_statistics statistics_of(const EngineSession& session) {
   const client::StreamCounters counted = session.client().counters();
-  const protocol::Stats& server = session.told().stats;
+  const protocol::Stats& server = session.server().stats;
   gnomon_statistics out{};
   out.cameras = counted.asked;
   out.masks = counted.complete;
@@ -84,13 +84,13 @@ extern "C" {
 
 gnomon_result gnomon_get_scene(gnomon_client* client, gnomon_scene* scene) {
   return guarded(client, [&](gnomon_client& open) {
-    return written(write_versioned(scene_of(open.session->told()), scene), "gnomon_scene");
+    return written(write_versioned(scene_of(open.session->server()), scene), "gnomon_scene");
   });
 }
 
 gnomon_result gnomon_get_light(gnomon_client* client, uint32_t light, gnomon_light* out) {
   return guarded(client, [&](gnomon_client& open) {
-    const auto& lights = open.session->told().scene.lights;
+    const auto& lights = open.session->server().scene.lights;
     if (light >= lights.size()) return bad_argument("the scene has " + std::to_string(lights.size()) + " lights");
     return written(write_versioned(to_c(lights[light]), out), "gnomon_light");
   });
@@ -98,7 +98,7 @@ gnomon_result gnomon_get_light(gnomon_client* client, uint32_t light, gnomon_lig
 
 gnomon_result gnomon_get_motion(gnomon_client* client, uint32_t motion, gnomon_motion* out) {
   return guarded(client, [&](gnomon_client& open) {
-    const auto& motions = open.session->told().welcome.motions;
+    const auto& motions = open.session->server().welcome.motions;
     if (motion >= motions.size())
       return bad_argument("the scene has " + std::to_string(motions.size()) + " motions");
     return written(write_versioned(to_c(motions[motion]), out), "gnomon_motion");

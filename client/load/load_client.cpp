@@ -27,7 +27,7 @@ void LoadClient::send_when_due() {
   const TimePoint now = Clock::now();
   if (pacer_->next_send(stream_.in_flight()) <= now) {
     const double seconds = to_seconds(now - started_) + options_.phase * path_->duration_seconds();
-    const TileGrid& grid = stream_.grid();
+    const TileGrid grid = stream_.grid();
     stream_.ask(view_of(path_->at(seconds), {.width = grid.width, .height = grid.height}), options_.deadline);
     pacer_->sent(now);
   }

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "client/cli/camera_pacer.h"
 #include "client/cli/latency.h"
-#include "client/cli/pacer.h"
 #include "client/media/camera_path.h"
 #include "client/stream/visibility_stream.h"
 
@@ -46,7 +46,7 @@ class LoadClient {
   Options options_;
   const CameraPath* path_ = nullptr;  // while flying
   TimePoint started_{};
-  std::optional<Pacer> pacer_;
+  std::optional<CameraPacer> pacer_;
   uint64_t frames_in_time_ = 0;
   Latencies latencies_;
   Latencies server_times_;

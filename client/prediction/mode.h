@@ -14,7 +14,7 @@ enum class Mode {
   non_sequential,  // shows n with the masks of n - p as they are: misaligned while the camera moves
   queued,          // several cameras in flight; shows n - p with its own masks
   predicted,       // shows n - p + x with the masks of n - p, reprojected
-  automatic,       // as predicted, with an x chosen for every frame (client/prediction/ahead.h); "auto"
+  automatic,       // as predicted, with an x chosen for every frame (client/prediction/prediction_policy.h); "auto"
 };
 
 // Error: names the allowed modes.

@@ -30,8 +30,8 @@ PredictionError& PredictionError::operator+=(const PredictionError& other) {
   return *this;
 }
 
-PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const Window& traced,
-                        const LightBits& fresh, std::span<const uint32_t> care, const Window& shown) {
+PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const PixelRect& traced,
+                        const LightBits& fresh, std::span<const uint32_t> care, const PixelRect& shown) {
   PredictionError error;
   error.pixels = uint64_t{shown.width} * shown.height;
   for (uint32_t y = 0; y < shown.height; ++y)
@@ -51,7 +51,7 @@ PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources
 }
 
 PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
-                             const Window& shown, uint32_t step) {
+                             const PixelRect& shown, uint32_t step) {
   PredictionError error;
   for (uint32_t y = 0; y < shown.height; y += step)
     for (uint32_t x = 0; x < shown.width; x += step) {

@@ -22,7 +22,7 @@ struct LightBits {
 };
 
 // Part of a picture, in pixels.
-struct Window {
+struct PixelRect {
   uint32_t left = 0, top = 0, width = 0, height = 0;
 
   bool contains(uint32_t x, uint32_t y) const { return x - left < width && y - top < height; }
@@ -48,11 +48,11 @@ struct PredictionError {
 // `seen` that `sources` names (gpu/picture/reprojection.h; shown.width x shown.height entries, row by row) if that lies
 // within `traced`; otherwise it is lit. Only bits that `care` has set (an entry for each pixel of `fresh`) count; if
 // `care` is empty, all bits of the pixels that have a source count.
-PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const Window& traced,
-                        const LightBits& fresh, std::span<const uint32_t> care, const Window& shown);
+PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const PixelRect& traced,
+                        const LightBits& fresh, std::span<const uint32_t> care, const PixelRect& shown);
 
 // An estimate from every `step`-th pixel of every `step`-th row, with all of `seen` traced and without `care`.
 PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
-                             const Window& shown, uint32_t step);
+                             const PixelRect& shown, uint32_t step);
 
 }  // namespace gnomon::client

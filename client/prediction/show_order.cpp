@@ -6,17 +6,20 @@
 namespace gnomon::client {
 namespace {
 
-constexpr size_t kMostCameras = 4096;  // kept at most until the first answer, which may never come
+// A server may never answer, or stop to: beyond so many cameras the oldest is forgotten, and its masks with it.
+constexpr size_t kMostCameras = 4096;
 
 }  // namespace
 
-ShowOrder::ShowOrder(Mode mode, std::unique_ptr<Ahead> ahead) : mode_(mode), ahead_(std::move(ahead)) {
-  if (waits_for_masks(mode) || !ahead_) ahead_ = std::make_unique<FixedAhead>(0);
+ShowOrder::ShowOrder(Mode mode, std::unique_ptr<PredictionPolicy> ahead) : mode_(mode), ahead_(std::move(ahead)) {
+  if (waits_for_masks(mode) || !ahead_) ahead_ = std::make_unique<FixedPrediction>(0);
 }
 
 void ShowOrder::asked(const protocol::CameraView& camera, TimePoint now) {
   cameras_.push_back({count_++, camera, now});
-  if (!any_seen_ && cameras_.size() > kMostCameras) cameras_.pop_front();
+  if (cameras_.size() <= kMostCameras) return;
+  cameras_.pop_front();
+  any_seen_ = false;
 }
 
 bool ShowOrder::answered(uint32_t index, TimePoint now) {
@@ -37,8 +40,8 @@ size_t ShowOrder::choose(TimePoint now) {
 
 std::optional<Shown> ShowOrder::next(TimePoint now) {
   if (!any_seen_) return std::nullopt;
-  const AskedCamera& camera = cameras_[choose(now)];
-  const AskedCamera& seen = cameras_.front();
+  const RequestedCamera& camera = cameras_[choose(now)];
+  const RequestedCamera& seen = cameras_.front();
   const std::pair shown(camera.index, seen.index);
   if (last_ == shown) return std::nullopt;
   last_ = shown;

@@ -20,7 +20,7 @@ glm::vec3 to_glm(const protocol::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-double Switching::value_of(const AheadChoice& choice) const {
+double Switching::value_of(const PredictionChoice& choice) const {
   const auto& newest = choice.cameras.back().camera;
   const auto& before = choice.cameras.size() > 1 ? choice.cameras[choice.cameras.size() - 2].camera : newest;
   const glm::quat q0 = orientation(before), q1 = orientation(newest);
@@ -43,7 +43,7 @@ void Switching::decide(double value) {
     sequential_ = false;
 }
 
-size_t Switching::choose(const AheadChoice& choice) {
+size_t Switching::choose(const PredictionChoice& choice) {
   decide(value_of(choice));
   return sequential_ ? choice.least : choice.most();
 }

@@ -9,7 +9,7 @@
 // best in tests/eval.
 #pragma once
 
-#include "client/prediction/ahead.h"
+#include "client/prediction/prediction_policy.h"
 
 namespace gnomon::client {
 
@@ -24,14 +24,14 @@ struct SwitchingOptions {
   uint32_t dwell = 30;  // frames to remain in sequential
 };
 
-class Switching : public Ahead {
+class Switching : public PredictionPolicy {
  public:
   explicit Switching(const SwitchingOptions& options) : options_(options) {}
-  size_t choose(const AheadChoice& choice) override;
+  size_t choose(const PredictionChoice& choice) override;
   bool sequential() const { return sequential_; }
 
  private:
-  double value_of(const AheadChoice& choice) const;
+  double value_of(const PredictionChoice& choice) const;
   void decide(double value);
 
   SwitchingOptions options_;

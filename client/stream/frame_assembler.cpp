@@ -89,17 +89,18 @@ bool FrameAssembler::fits(const protocol::SliceHeader& header) const {
 
 // nullptr if the slice is too late for its frame.
 FrameAssembler::Open* FrameAssembler::find_or_begin(const protocol::SliceHeader& header) {
-  auto place = std::lower_bound(open_.begin(), open_.end(), header.frame,
-                                [](const Open& o, FrameId id) { return o.frame.frame < id; });
+  const auto place = std::lower_bound(open_.begin(), open_.end(), header.frame,
+                                      [](const Open& o, FrameId id) { return o.frame.frame < id; });
   if (place != open_.end() && place->frame.frame == header.frame) return &*place;
   if (finished_ids_.contains(header.frame)) return nullptr;
+  auto at = place - open_.begin();
   if (open_.size() == max_frames_) {
-    if (place == open_.begin()) return nullptr;  // older than all those kept
+    if (at == 0) return nullptr;  // older than all those kept
     finish(open_.begin());
-    --place;
+    --at;
   }
   Open begun{begin_frame(header), std::vector<bool>(header.slice_count)};
-  return &*open_.insert(place, std::move(begun));
+  return &*open_.insert(open_.begin() + at, std::move(begun));
 }
 
 AssembledFrame FrameAssembler::begin_frame(const protocol::SliceHeader& header) {

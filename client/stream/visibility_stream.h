@@ -75,8 +75,8 @@ class VisibilityStream {
   void close(const std::string& reason) { connection_.close(reason); }
   const Connection& connection() const { return connection_; }
 
-  // The masks' grid and scene, once open. The server may change both in mid-session (Degraded, SceneChanged).
-  const TileGrid& grid() const { return assembler_->grid(); }
+  // The grid and the scene of the masks; empty before the session is open. The server may change both in mid-session (Degraded, SceneChanged).
+  TileGrid grid() const { return assembler_ ? assembler_->grid() : TileGrid{}; }
   // The scene's lights are the newest ones.
   const protocol::SceneManifest& scene() const { return scene_; }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "client/media/montage.h"
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/tracers/light_buffer/builder.h"
 #include "gpu/wire/translate.h"
 
@@ -28,7 +28,7 @@ Result<DebugView> DebugView::create(const scenes::ScenePtr& scene, const ViewSiz
   return view;
 }
 
-Result<std::vector<Picture>> DebugView::pictures(const Received& frame) {
+Result<std::vector<Picture>> DebugView::pictures(const ReceivedMasks& frame) {
   const scenes::SceneTime time(frame.mask.moment.scene_time_us);
   const auto grid = frame_->reserve(frame.mask.grid.width, frame.mask.grid.height, time);
   if (!grid) return grid.error();
@@ -43,7 +43,7 @@ Result<std::vector<Picture>> DebugView::pictures(const Received& frame) {
   return pictures;
 }
 
-Picture DebugView::picture(const Received& frame, uint32_t light, const gpu::SurfaceSample* samples) const {
+Picture DebugView::picture(const ReceivedMasks& frame, uint32_t light, const gpu::SurfaceSample* samples) const {
   const TileMaskView mask = frame.mask.mask();
   const auto& eye = frame.camera.position;
   const glm::vec3 camera(eye[0], eye[1], eye[2]);

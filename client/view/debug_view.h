@@ -17,15 +17,15 @@ namespace gnomon::client {
 // One thread. Calls block. In the light buffers, geometry and lights that move are at rest.
 class DebugView {
  public:
-  // Builds light buffers, which may take long, unless `kind` is mask. `device`: as of OwnView::create().
+  // Builds light buffers, which may take long, unless `kind` is mask. `device`: as of ClientRenderer::create().
   static Result<DebugView> create(const scenes::ScenePtr& scene, const ViewSize& size, DebugKind kind,
                                   const std::string& device);
 
   // One picture for each light, without the border, of the camera of the masks.
-  Result<std::vector<Picture>> pictures(const Received& frame);
+  Result<std::vector<Picture>> pictures(const ReceivedMasks& frame);
 
  private:
-  Picture picture(const Received& frame, uint32_t light, const gpu::SurfaceSample* samples) const;
+  Picture picture(const ReceivedMasks& frame, uint32_t light, const gpu::SurfaceSample* samples) const;
   Colour colour(const gpu::exact::ShadowSegment& segment, uint32_t light) const;
 
   DebugKind kind_ = DebugKind::mask;

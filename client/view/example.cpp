@@ -2,11 +2,11 @@
 //   gnomon-example HOST:PORT SCENE PIN [PICTURE.png]   PIN: the server's certificate, as gnomond's ready line names it
 //
 // The server traces 64x36 pixels more than are shown. Masks take a while to arrive; until then frames are predicted
-// from older ones, four ahead. An engine has a renderer of its own, which does with a Showing what OwnView does.
+// from older ones, four ahead. An engine has a renderer of its own, which does with a Showing what ClientRenderer does.
 #include <cstdio>
 
 #include "client/media/scene_file.h"
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 
 using namespace gnomon;
 using namespace std::chrono_literals;
@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   const auto scene = client::load_own_scene(argv[2], {}, thin_client.welcome().motions);
   if (!scene) return fail(scene.error());
   if (const auto same = client::check_same_scene(**scene, thin_client.scene()); !same) return fail(same.error());
-  auto view = client::OwnView::create(*scene, size, "");
+  auto view = client::ClientRenderer::create(*scene, size, "");
   if (!view) return fail(view.error());
 
   // The engine's own loop. The scene's rest camera stands for the player's.

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "client/prediction/balance.h"
+#include "client/prediction/error_balance.h"
 
 namespace gnomon::client {
 namespace {
@@ -27,7 +27,7 @@ ThinClientOptions client_options(const FlightOptions& options) {
   client.mode = options.mode;
   client.ahead = options.ahead;
   client.automatic =
-      std::make_unique<Balance>(BalanceOptions{.size = options.size, .cost_per_s = options.cost_per_s});
+      std::make_unique<ErrorBalance>(ErrorBalanceOptions{.size = options.size, .cost_per_s = options.cost_per_s});
   return client;
 }
 
@@ -46,7 +46,7 @@ Flight::Flight(FlightOptions options)
     : options_(std::move(options)),
       pacer_({}, Clock::now()),
       client_(loop_, client_options(options_),
-              {.received = [this](const Received& received) { on_received(received); }}) {}
+              {.received = [this](const ReceivedMasks& received) { on_received(received); }}) {}
 
 Result<void> Flight::open() {
   if (auto opened = client_.wait_open(); !opened) return opened;
@@ -58,7 +58,7 @@ Result<void> Flight::open() {
 
 Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& progress) {
   started_ = Clock::now();
-  pacer_ = Pacer(pace_of(options_, welcome().rate_hz), started_);
+  pacer_ = CameraPacer(pace_of(options_, welcome().rate_hz), started_);
   for (TimePoint now = started_; !finished(now); now = Clock::now()) {
     if (client_.failure()) return *client_.failure();
     const bool ask = may_ask(now);
@@ -102,7 +102,7 @@ void Flight::ask_next(const CameraPath& path, TimePoint now) {
   last_asked_ = now;
 }
 
-void Flight::on_received(const Received& received) {
+void Flight::on_received(const ReceivedMasks& received) {
   pacer_.answered(received.response);
   if (received.mask.complete()) figures_.latencies.add(received.response);
   new_masks_ = true;
@@ -136,8 +136,8 @@ bool Flight::finished(TimePoint now) const {
   return client_.in_flight() == 0 || now - last_asked_ > patience;
 }
 
-FlightFigures Flight::figures() const {
-  FlightFigures figures = figures_;
+FlightStats Flight::figures() const {
+  FlightStats figures = figures_;
   figures.counters = client_.counters();
   figures.seconds = to_seconds(ended_ - started_);
   figures.bytes = client_.received_bytes();

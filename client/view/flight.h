@@ -4,8 +4,8 @@
 
 #include <functional>
 
+#include "client/cli/camera_pacer.h"
 #include "client/cli/latency.h"
-#include "client/cli/pacer.h"
 #include "client/cli/progress.h"
 #include "client/media/camera_path.h"
 #include "client/thin_client.h"
@@ -16,14 +16,14 @@ struct FlightOptions {
   StreamOptions stream;  // its Hello asks for the traced size
   Mode mode = Mode::sequential;
   size_t ahead = 4;               // x of mode predicted
-  double cost_per_s = 0.15;       // of mode auto: BalanceOptions::cost_per_s
+  double cost_per_s = 0.15;       // of mode auto: ErrorBalanceOptions::cost_per_s
   bool border_by_motion = false;  // more of the border lies where the camera turns to
   double rate_hz = 0;             // cameras a second at most; 0: as the mode allows
   ViewSize size;
   uint32_t frames = 60;  // steps in which the path is flown once
 };
 
-struct FlightFigures {
+struct FlightStats {
   StreamCounters counters;
   Latencies latencies;  // response times of complete frames, drawing not included
   Latencies ages;       // of what was shown, as its drawing began: the dissertation's response time
@@ -65,10 +65,10 @@ class Flight {
     client_.observe(earlier, later, error);
   }
 
-  FlightFigures figures() const;
+  FlightStats figures() const;
 
  private:
-  void on_received(const Received& received);
+  void on_received(const ReceivedMasks& received);
   bool may_ask(TimePoint now) const;
   void ask_next(const CameraPath& path, TimePoint now);
   BorderPlace border_place(const CameraPath& path, double seconds, double step) const;
@@ -80,14 +80,14 @@ class Flight {
   std::string progress_line(TimePoint now) const;
 
   FlightOptions options_;
-  Pacer pacer_;
+  CameraPacer pacer_;
   uint32_t asked_ = 0;
   bool new_masks_ = false;  // since the last drawing
   TimePoint started_{};
   TimePoint last_asked_{};
   TimePoint ended_{};
   Nanoseconds drawing_{};
-  FlightFigures figures_;
+  FlightStats figures_;
   Loop loop_;
   ThinClient client_;
 };

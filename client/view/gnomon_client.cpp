@@ -7,10 +7,10 @@
 #include "client/cli/report.h"
 #include "client/media/montage.h"
 #include "client/media/scene_file.h"
+#include "client/view/client_renderer.h"
 #include "client/view/debug_view.h"
 #include "client/view/flight.h"
 #include "client/view/gallery.h"
-#include "client/view/own_view.h"
 #include "client/view/recording.h"
 
 namespace {
@@ -124,7 +124,7 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   return flight;
 }
 
-void print_figures(const FlightFigures& f) {
+void print_figures(const FlightStats& f) {
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
   const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   std::printf("frames      %llu complete, %llu with tiles missing, %llu cameras skipped, %llu unanswered\n",
@@ -142,7 +142,7 @@ void print_figures(const FlightFigures& f) {
               static_cast<unsigned long long>(f.counters.wrong_frames));
 }
 
-Report report_of(const Arguments& a, const FlightFigures& f, uint64_t covered_words, const std::string& tracer) {
+Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_words, const std::string& tracer) {
   const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
   Report report{.suite = "client", .device = a.server, .driver = tracer};
@@ -205,13 +205,13 @@ Result<std::optional<Recording>> recording(const Arguments& a, const scenes::Sce
 // Everything that draws. Created before the server is connected to, as creation takes long, and again if the server's
 // operator moves parts of the scene.
 struct Views {
-  OwnView own;
+  ClientRenderer own;
   std::optional<DebugView> debug;
   std::optional<Recording> video;
 };
 
 Result<Views> make_views(const Arguments& a, const scenes::ScenePtr& scene, const ViewSize& size) {
-  auto own = OwnView::create(scene, size, a.device);
+  auto own = ClientRenderer::create(scene, size, a.device);
   if (!own) return own.error();
   auto debug = debug_view(a, scene, size);
   if (!debug) return debug.error();
@@ -234,7 +234,7 @@ Result<std::optional<Gallery>> open_gallery(const Arguments& a) {
   return std::optional<Gallery>(std::move(*opened));
 }
 
-Result<void> check_answers(const FlightFigures& figures) {
+Result<void> check_answers(const FlightStats& figures) {
   if (figures.frames() == 0) return Error{"no camera was answered"};
   if (figures.counters.wrong_frames > 0) return Error{"slices came that answer no camera or do not decode"};
   return {};
@@ -290,7 +290,7 @@ Result<void> run(const Arguments& a) {
     if (auto closed = views->video->close(); !closed) return closed;
   }
 
-  const FlightFigures figures = flight.figures();
+  const FlightStats figures = flight.figures();
   print_figures(figures);
   print_files(a, gallery);
   if (!a.json.empty()) {

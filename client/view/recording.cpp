@@ -21,7 +21,7 @@ Result<Recording> Recording::open(const Options& options, const scenes::ScenePtr
   if (!video) return video.error();
   Recording recording(options.view, std::move(*video));
   if (options.view == RecordView::shown) return recording;
-  auto ideal = IdealView::create(scene, size, options.device);
+  auto ideal = GroundTruthRenderer::create(scene, size, options.device);
   if (!ideal) return ideal.error();
   recording.ideal_ = std::move(*ideal);
   return recording;

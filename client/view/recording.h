@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "client/media/video_file.h"
-#include "client/view/ideal_view.h"
+#include "client/view/ground_truth_renderer.h"
 
 namespace gnomon::client {
 
@@ -35,7 +35,7 @@ class Recording {
 
   RecordView view_;
   VideoFile video_;
-  std::unique_ptr<IdealView> ideal_;  // null if only `shown` is recorded
+  std::unique_ptr<GroundTruthRenderer> ideal_;  // null if only `shown` is recorded
 };
 
 }  // namespace gnomon::client

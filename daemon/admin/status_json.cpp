@@ -104,8 +104,9 @@ std::string status_json(const OperatedParts& parts) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),
                                     [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
     if (!directory->open(TenantId{i}) && open == 0) continue;
-    json row{
-        {"name", directory->name(TenantId{i})}, {"weight", sharing->tenants[i].terms.weight}, {"sessions", open}};
+    json row{{"name", directory->name(TenantId{i})},
+             {"weight", sharing->tenants[i].scheduling.weight},
+             {"sessions", open}};
     row.update(to_json(parts.metrics.totals(TenantId{i})));
     if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
     status["tenants"].push_back(std::move(row));

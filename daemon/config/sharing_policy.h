@@ -22,9 +22,9 @@ struct TenantRates {
 };
 
 struct TenantShare {
-  scheduler::TenantTerms terms;
+  scheduler::TenantScheduling scheduling;
   TenantRates rates;
-  scheduler::DegradationTerms degradation;
+  scheduler::DegradationLimits degradation;
 };
 
 // The quantum if the configuration says auto. Each cut costs a frame on a CPU far more than on a GPU, which overlaps it

@@ -7,9 +7,8 @@
 
 namespace gnomon::daemon {
 
-EncodePool::EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics,
-                       std::function<void(EncodedFrame)> encoded)
-    : near_(std::move(near)), metrics_(metrics), encoded_(std::move(encoded)) {
+EncodePool::EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics, FrameSink& sink)
+    : near_(std::move(near)), metrics_(metrics), sink_(sink) {
   const bool known = std::any_of(near_.begin(), near_.end(), [](const Cores& cores) { return !cores.empty(); });
   const bool own = known && threads >= near_.size();  // with fewer workers some device would have none
   for (uint32_t i = 0; i < threads; ++i) {
@@ -136,7 +135,7 @@ void EncodePool::deliver(EncodedFrame out, const Result<void>& result) {
     return metrics_.dropped(out.meta.route.tenant, out.meta.route.session, Fault::encode_failed,
                             result.error().message);
   out.meta.times.encoded = Clock::now();
-  encoded_(std::move(out));
+  sink_.on_encoded(std::move(out));
 }
 
 }  // namespace gnomon::daemon

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,7 +11,7 @@
 #include <vector>
 
 #include "daemon/encode/cores.h"
-#include "daemon/frame/frame.h"
+#include "daemon/frame/frame_sink.h"
 #include "daemon/metrics/metrics.h"
 
 namespace gnomon::daemon {
@@ -24,9 +23,8 @@ namespace gnomon::daemon {
 class EncodePool {
  public:
   // `near`: the cores near each device. If some are known and there is a worker for each device, workers are assigned
-  // to devices in turn, are bound to the cores near theirs and prefer its frames. `encoded` is called on the workers.
-  EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics,
-             std::function<void(EncodedFrame)> encoded);
+  // to devices in turn, are bound to the cores near theirs and prefer its frames. The workers call sink.on_encoded().
+  EncodePool(uint32_t threads, std::vector<Cores> near, Metrics& metrics, FrameSink& sink);
   ~EncodePool();  // queued frames are discarded and their leases dropped
 
   void push(RenderedFrame frame);  // any thread
@@ -52,7 +50,7 @@ class EncodePool {
 
   const std::vector<Cores> near_;
   Metrics& metrics_;
-  std::function<void(EncodedFrame)> encoded_;
+  FrameSink& sink_;
   std::mutex mutex_;
   std::condition_variable ready_;
   std::deque<RenderedFrame> queue_;

@@ -1,5 +1,5 @@
-// Where the results of daemon/render go. Daemon is the only implementation, so that a reader finds the next stage of a
-// frame.
+// Where daemon/render and daemon/encode hand on what they have made. Daemon is the only implementation (daemon.cpp), so
+// that a reader finds a frame's next stage there.
 #pragma once
 
 #include <string>
@@ -22,6 +22,8 @@ class FrameSink {
  public:
   // A frame is rendered and has to be encoded. Called by the completion threads of the devices.
   virtual void on_rendered(RenderedFrame frame) = 0;
+  // A frame is encoded and has to be sent. Called by the encoding threads.
+  virtual void on_encoded(EncodedFrame frame) = 0;
   // The client has to be notified of what its session is served from now on. Called by the render threads.
   virtual void on_degraded(const SessionDegraded& session) = 0;
   // Frames use these lights from now on. Called by the render threads, by each for its device.

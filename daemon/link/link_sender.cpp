@@ -43,7 +43,7 @@ size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline,
   frames_.drop_expired(now);
   const bool pad = feedback_ && rate() > kPlenty * static_cast<double>(slices.bytes.size()) / to_seconds(interval_);
   StoredFrame& frame = frames_.add(slices, deadline, pad);
-  gate_.answered(frame.frame(), frame.bytes(), now);
+  gate_.on_answer(frame.frame(), frame.bytes(), now);
   if (answered_twice_ != frame.frame() && worth_parity(deadline, now)) frame.protect(std::min(0.4, rate_.loss()));
   for (uint16_t i = 0; i < frame.slice_count(); ++i) {
     queue_.push({frame.answer(), frame.frame(), Cargo::slice, i, frame.body(i).size() + kSealBytes});
@@ -124,7 +124,7 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
                                   .number = datagram.number});
 }
 
-void LinkSender::hear(const protocol::Feedback& said, TimePoint now) {
+void LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
   if (std::exchange(counts_from_here_, false)) {
     recovered_before_ = said.recovered;
     incomplete_before_ = said.incomplete;
@@ -210,14 +210,14 @@ bool LinkSender::take_lost(FrameId frame, TimePoint now) {
 }
 
 // The frame that answers the view is cut into datagrams of the length that holds now.
-bool LinkSender::takes_view(TimePoint now) {
+bool LinkSender::may_request(TimePoint now) {
   if (feedback_ && loss_detection_.silence(now) > 4 * rtt() + kSilence) mtu_.silent(now);
   if (!feedback_ || gate_.open(queue_.bytes(), rate(), now)) return true;
   limited_ = true;
   return false;
 }
 
-TimePoint LinkSender::takes_view_at(TimePoint now) const {
+TimePoint LinkSender::may_request_at(TimePoint now) const {
   return feedback_ ? gate_.opens_at(queue_.bytes(), rate(), now) : now;
 }
 

@@ -59,7 +59,7 @@ class LinkSender {
   // Returns the bytes of its datagrams, parity included.
   size_t add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
 
-  void hear(const protocol::Feedback& feedback, TimePoint now);
+  void on_feedback(const protocol::Feedback& feedback, TimePoint now);
 
   // The next body that may be sent now, retransmissions first; nullopt if there is none. sent() follows it.
   std::optional<Outgoing> next(TimePoint now);
@@ -73,9 +73,9 @@ class LinkSender {
   // camera may be answered by a second frame.
   bool take_lost(FrameId frame, TimePoint now);
 
-  bool takes_view(TimePoint now);
-  void view_taken(FrameId frame, TimePoint now) { gate_.asked(frame, now); }
-  TimePoint takes_view_at(TimePoint now) const;
+  bool may_request(TimePoint now);
+  void on_request(FrameId frame, TimePoint now) { gate_.on_request(frame, now); }
+  TimePoint may_request_at(TimePoint now) const;
 
   size_t datagram_bytes() const { return mtu_.bytes(); }
   // The longest body of a slice, with its header, that leaves room for parity's overhead.

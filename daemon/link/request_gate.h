@@ -26,10 +26,10 @@ class RequestGate {
     return now + Nanoseconds(static_cast<int64_t>(std::max(kLeastWait, excess) * 1e9));
   }
 
-  void asked(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
+  void on_request(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
 
   // The frame is ready, as `bytes` to send. Views that were asked for before it will not be answered any more.
-  void answered(FrameId frame, size_t bytes, TimePoint now) {
+  void on_answer(FrameId frame, size_t bytes, TimePoint now) {
     frame_bytes_ += (static_cast<double>(bytes) - frame_bytes_) / (frame_bytes_ == 0 ? 1 : 8);
     while (!asked_.empty() && static_cast<int32_t>(frame.value - asked_.front().frame.value) >= 0) {
       if (asked_.front().frame == frame) ready_in_ += (now - asked_.front().at - ready_in_) / 8;

@@ -7,7 +7,7 @@
 
 #include "daemon/metrics/link_metrics.h"
 #include "daemon/metrics/metrics.h"
-#include "daemon/metrics/process_figures.h"
+#include "daemon/metrics/process_stats.h"
 #include "daemon/metrics/prometheus_families.h"
 
 namespace gnomon::daemon {

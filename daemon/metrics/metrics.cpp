@@ -126,7 +126,7 @@ uint64_t Metrics::count_of(Fault fault) const {
 uint64_t Metrics::datagrams() const { return static_cast<uint64_t>(families_->datagrams.Value()); }
 
 std::string Metrics::text() const {
-  const ProcessFigures process = process_figures();
+  const ProcessStats process = process_stats();
   families_->resident_memory.Set(process.resident_bytes);
   families_->open_files.Set(process.open_files);
   families_->threads.Set(process.threads);

@@ -16,7 +16,7 @@
 #include "daemon/metrics/link_report.h"
 #include "daemon/metrics/scene_metrics.h"
 #include "daemon/metrics/share_report.h"
-#include "scheduler/admission.h"
+#include "scheduler/admission_control.h"
 
 namespace gnomon::daemon {
 

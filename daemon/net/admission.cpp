@@ -16,14 +16,14 @@ using protocol::RefusalCode;
 
 constexpr const char* kNoSession = "no such session, or it is over";
 
-protocol::Refused refusal_of(const scheduler::Misfit& misfit) {
-  const bool size = misfit.limit == scheduler::Limit::size;
+protocol::Refused refusal_of(const scheduler::AdmissionRejection& rejection) {
+  const bool size = rejection.limit == scheduler::Limit::size;
   std::string text("beyond the limit of ");
-  text.append(to_string(misfit.limit));
+  text.append(to_string(rejection.limit));
   protocol::Refused refused = refusal(size ? RefusalCode::bad_size : RefusalCode::over_capacity, text);
-  refused.fit_width = static_cast<uint16_t>(misfit.fit_width);
-  refused.fit_height = static_cast<uint16_t>(misfit.fit_height);
-  refused.fit_rate_hz = static_cast<float>(misfit.fit_rate_hz);
+  refused.fit_width = static_cast<uint16_t>(rejection.fit_width);
+  refused.fit_height = static_cast<uint16_t>(rejection.fit_height);
+  refused.fit_rate_hz = static_cast<float>(rejection.fit_rate_hz);
   return refused;
 }
 
@@ -149,12 +149,12 @@ Admission::Verdict Admission::book(Applicant& applicant) const {
   const SessionGrant& grant = applicant.grant;
   const CostModels costs = shared_.devices.costs();
   const auto known = costs.find(grant.scene);
-  const auto misfit =
+  const auto rejection =
       shared_.limits.book(*applicant.permit, {grant.width, grant.height, grant.lights, grant.rate_hz},
                           known == costs.end() ? scheduler::CostModel() : known->second);
-  if (!misfit) return std::nullopt;
-  const protocol::Refused message = refusal_of(*misfit);
-  return Refusal{message, fault_of(message.code), misfit->limit};
+  if (!rejection) return std::nullopt;
+  const protocol::Refused message = refusal_of(*rejection);
+  return Refusal{message, fault_of(message.code), rejection->limit};
 }
 
 // Asks the devices whether there is memory for the session's frames.

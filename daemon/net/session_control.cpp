@@ -4,7 +4,6 @@
 
 #include "gpu/wire/translate.h"
 
-
 namespace gnomon::daemon {
 namespace {
 
@@ -124,7 +123,7 @@ void SessionControl::notify(const SessionDegraded& degraded) {
   ControlStream* const stream = sessions_.stream_of(degraded.session);
   if (!session || !stream || session->generation() != degraded.generation) return;
   stream->send(degraded.message);
-  session->told_of(degraded.message.width, degraded.message.height);
+  session->on_size_notified(degraded.message.width, degraded.message.height);
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {

@@ -28,7 +28,7 @@ void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::ud
   if (!header) return metrics.report(Fault::datagram_header);
   Session* session = sessions_.find(header->session);
   if (!session) return metrics.report(Fault::datagram_session);
-  const Received received = session->receive(datagram, from, Clock::now());
+  const DatagramOutcome received = session->receive(datagram, from, Clock::now());
   if (received.fault) return metrics.report(session->grant().tenant, session->id(), *received.fault);
   if (received.ping) return sender_.answer_ping(*session, *data_, from);
   if (received.view) request(*session, *received.view);
@@ -36,7 +36,7 @@ void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::ud
 }
 
 void SessionLinks::receive(Session& session, const protocol::Data& data) {
-  const Received received = session.receive(data, Clock::now());
+  const DatagramOutcome received = session.receive(data, Clock::now());
   if (received.fault) shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
   if (received.view) request(session, *received.view);
   serve(session);

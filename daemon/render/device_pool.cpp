@@ -33,12 +33,12 @@ DevicePool::DevicePool(size_t count, Metrics& metrics, Health& health)
       }()),
       places_(devices_) {}
 
-Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, const SharingPolicy& terms,
+Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, const SharingPolicy& sharing,
                                const SceneMotion::Settings& motion, FrameSink& sink,
                                std::function<void(const Error&)> failed) {
   failed_ = std::move(failed);
   for (uint32_t i = 0; i < devices_.size(); ++i) {
-    if (auto started = devices_[i]->start(factories[i], terms, motion, sink); !started) return started;
+    if (auto started = devices_[i]->start(factories[i], sharing, motion, sink); !started) return started;
     metrics_.devices().up(i, true);
   }
   health_.device_up = true;
@@ -107,7 +107,7 @@ bool DevicePool::push_view(const ViewRequest& view) {
   return places_.inbox_of(view.session).push_view(view);
 }
 
-void DevicePool::ask_room(const RoomAsked& asked) {
+void DevicePool::ask_room(const CapacityRequested& asked) {
   std::vector<RenderInbox*> inboxes;
   {
     std::lock_guard lock(mutex_);
@@ -115,7 +115,7 @@ void DevicePool::ask_room(const RoomAsked& asked) {
   }
   if (inboxes.empty()) return asked.answer({});
   ask_all(inboxes, AnswerAt::first_success, asked.answer, [&](const auto& reply) {
-    RoomAsked question = asked;
+    CapacityRequested question = asked;
     question.answer = reply;
     return question;
   });
@@ -143,8 +143,8 @@ void DevicePool::review(const LinkReviewed& reviewed) {
 
 void DevicePool::sent(uint32_t device, const BytesSent& sent) { devices_[device]->inbox().push(sent); }
 
-void DevicePool::set_terms(const SharingPolicy& terms) {
-  for (const auto& device : devices_) device->inbox().push(SharingPolicyChanged{terms});
+void DevicePool::set_sharing(const SharingPolicy& sharing) {
+  for (const auto& device : devices_) device->inbox().push(SharingPolicyChanged{sharing});
 }
 
 // Every device gets all changes in the same order, so that the versions they count are the same.
@@ -153,16 +153,16 @@ void DevicePool::change_light(const LightChanged& change) {
   for (const auto& device : devices_) device->inbox().push(change);
 }
 
-void DevicePool::bring(const SceneArrived& arrived) {
+void DevicePool::bring(const SceneLoaded& arrived) {
   std::vector<RenderInbox*> inboxes;
   for (const auto& device : devices_) inboxes.push_back(&device->inbox());
   ask_all(inboxes, AnswerAt::last, arrived.resident, [&](const auto& reply) {
-    return SceneArrived{arrived.scene, reply, arrived.name};
+    return SceneLoaded{arrived.scene, reply, arrived.name};
   });
 }
 
 void DevicePool::take_away(SceneId scene) {
-  for (const auto& device : devices_) device->inbox().push(SceneLeaves{scene});
+  for (const auto& device : devices_) device->inbox().push(SceneUnloaded{scene});
 }
 
 bool DevicePool::set_drained(size_t device, bool drained) {

@@ -27,7 +27,7 @@ class DevicePool final : private DeviceThread::Owner {
   // Called on the main thread, before any other call. `factories`: one for each device. `sink` outlives the pool's
   // threads. `failed` is called once, on a render thread, when the last device is beyond repair. Error if a device
   // cannot be opened.
-  Result<void> start(const std::vector<RendererFactory>& factories, const SharingPolicy& terms,
+  Result<void> start(const std::vector<RendererFactory>& factories, const SharingPolicy& sharing,
                      const SceneMotion::Settings& motion, FrameSink& sink,
                      std::function<void(const Error&)> failed);
   void stop();  // blocks until all threads have ended, which they do when their last leases are dropped
@@ -45,18 +45,18 @@ class DevicePool final : private DeviceThread::Owner {
   bool push_view(const ViewRequest& view);
   // Asks the devices that take sessions. `asked.answer` is called once: with a success as soon as one of them has room,
   // or at once if none takes sessions at the moment; with an error when all of them have refused.
-  void ask_room(const RoomAsked& asked);
+  void ask_room(const CapacityRequested& asked);
   void open(const SessionOpened& session);
   void close(SessionId session);
   void choose_codec(const CodecChosen& chosen);
   void review(const LinkReviewed& reviewed);
   void sent(uint32_t device, const BytesSent& sent);
 
-  void set_terms(const SharingPolicy& terms);
+  void set_sharing(const SharingPolicy& sharing);
   void change_light(const LightChanged& change);
   // Brings the scene to every device. `arrived.resident` is called once, when all have answered: with the footprint on
   // one of them, or with an error if none could take it.
-  void bring(const SceneArrived& arrived);
+  void bring(const SceneLoaded& arrived);
   void take_away(SceneId scene);
 
   // A drained device gets no sessions, and its sessions move to other devices, if there are any. Returns false if there

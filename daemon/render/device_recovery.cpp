@@ -24,7 +24,7 @@ std::vector<RenderEvent> DeviceRecovery::recover(TimePoint now) {
 
 void DeviceRecovery::forget(SceneId scene) {
   std::erase_if(deferred_, [&](const RenderEvent& event) {
-    const auto* arrived = std::get_if<SceneArrived>(&event);
+    const auto* arrived = std::get_if<SceneLoaded>(&event);
     return arrived && arrived->scene.id == scene;
   });
 }
@@ -32,7 +32,7 @@ void DeviceRecovery::forget(SceneId scene) {
 void DeviceRecovery::refuse_waiting(const Error& why) {
   device_.refuse_arriving(why);
   for (const RenderEvent& event : std::exchange(deferred_, {})) {
-    if (const auto* arrived = std::get_if<SceneArrived>(&event)) arrived->resident(why);
+    if (const auto* arrived = std::get_if<SceneLoaded>(&event)) arrived->resident(why);
   }
 }
 

@@ -13,13 +13,13 @@ constexpr auto kLongestBuild = 5min;  // to rebuild a device with all its scenes
 // Whether the batch may have changed which scenes are resident or how much of their light buffers is built.
 bool scenes_may_differ(const std::vector<RenderEvent>& batch) {
   return std::any_of(batch.begin(), batch.end(), [](const RenderEvent& event) {
-    return std::holds_alternative<BackgroundDone>(event) || std::holds_alternative<SceneArrived>(event);
+    return std::holds_alternative<BackgroundDone>(event) || std::holds_alternative<SceneLoaded>(event);
   });
 }
 
 }  // namespace
 
-Result<void> DeviceThread::start(RendererFactory factory, const SharingPolicy& terms,
+Result<void> DeviceThread::start(RendererFactory factory, const SharingPolicy& sharing,
                                  const SceneMotion::Settings& motion, FrameSink& sink) {
   auto device = RenderDevice::open(std::move(factory), inbox_, number_);
   if (!device) return device.error();
@@ -31,7 +31,7 @@ Result<void> DeviceThread::start(RendererFactory factory, const SharingPolicy& t
                             {"tracer", info.tracer},
                             {"raster", info.raster}});
   info_.publish(info);
-  loop_ = std::make_unique<RenderLoop>(terms, *device_, inbox_, metrics_, sink);
+  loop_ = std::make_unique<RenderLoop>(sharing, *device_, inbox_, metrics_, sink);
   loop_->motion().configure(motion);
   up_ = true;
   thread_ = std::thread([this] { render(); });
@@ -101,8 +101,8 @@ void DeviceThread::refuse_the_rest(const Error& why) {
   std::vector<RenderEvent> batch;
   inbox_.take(batch, TimePoint::min());
   for (const RenderEvent& event : batch) {
-    if (const auto* arrived = std::get_if<SceneArrived>(&event)) arrived->resident(why);
-    if (const auto* asked = std::get_if<RoomAsked>(&event)) asked->answer(why);
+    if (const auto* arrived = std::get_if<SceneLoaded>(&event)) arrived->resident(why);
+    if (const auto* asked = std::get_if<CapacityRequested>(&event)) asked->answer(why);
   }
 }
 

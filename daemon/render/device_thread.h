@@ -32,7 +32,7 @@ class DeviceThread {
   ~DeviceThread() { stop(); }
 
   // Opens the device and starts the thread. Error if it cannot be opened.
-  Result<void> start(RendererFactory factory, const SharingPolicy& terms, const SceneMotion::Settings& motion,
+  Result<void> start(RendererFactory factory, const SharingPolicy& sharing, const SceneMotion::Settings& motion,
                      FrameSink& sink);
   // Blocks until the thread has ended, which it does when the last lease is dropped.
   void stop();

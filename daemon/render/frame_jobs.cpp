@@ -4,7 +4,6 @@
 
 #include "gpu/wire/translate.h"
 
-
 namespace gnomon::daemon {
 namespace {
 

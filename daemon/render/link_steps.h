@@ -14,10 +14,10 @@ namespace gnomon::daemon {
 class LinkSteps {
  public:
   // The limits hold from the next step on.
-  void set_terms(const scheduler::DegradationTerms& tenant, bool has_denser_codec) {
+  void set_limits(const scheduler::DegradationLimits& tenant, bool has_denser_codec) {
     least_rate_ = tenant.least_rate;
     // The ladder's first step, which degrades the rate elsewhere, stands for the denser codec here.
-    ladder_.set_terms({.least_rate = has_denser_codec ? kOneStep : 1, .least_size = tenant.least_size});
+    ladder_.set_limits({.least_rate = has_denser_codec ? kOneStep : 1, .least_size = tenant.least_size});
   }
 
   // Returns true if a step was taken, up or down.

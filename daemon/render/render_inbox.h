@@ -30,7 +30,7 @@ struct SessionOpened {
 
 // Asks whether there is memory for the frames of a session that is about to be opened, at the least size that its
 // tenant allows.
-struct RoomAsked {
+struct CapacityRequested {
   SceneId scene;  // resident
   TenantId tenant;
   uint32_t width = 0, height = 0;            // granted
@@ -50,25 +50,25 @@ struct SessionClosed {
 class RenderInbox;
 
 // The session moves to another device, whose inbox already has its SessionOpened.
-struct SessionLeaves {
+struct SessionMoved {
   SessionId session;
   RenderInbox* to = nullptr;  // of the other device; receives the view that waits
 };
 
 // The share of a tenant's limits, which hold for all devices together, that applies to this device: 0 to 1.
-struct TenantPart {
+struct TenantDeviceShare {
   TenantId tenant;
   double part = 1;
 };
 
-struct SceneArrived {
+struct SceneLoaded {
   scenes::LoadedScene scene;
   std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
   std::string name = {};
 };
 
 // The scene is removed from the device. No session uses it, nor will before it is brought again.
-struct SceneLeaves {
+struct SceneUnloaded {
   SceneId scene;
 };
 
@@ -112,16 +112,17 @@ struct BytesSent {
 
 struct LeaseDropped {};  // a frame slot may be free again
 
-// The device is shared on these terms from now on. There are at least as many tenants as before.
+// The device is shared by this policy from now on. There are at least as many tenants as before.
 struct SharingPolicyChanged {
-  SharingPolicy terms;
+  SharingPolicy sharing;
 };
 
 struct StopRendering {};  // no further views are taken; the loop ends when the last lease is dropped
 
-using RenderEvent = std::variant<ViewRequest, RoomAsked, SessionOpened, CodecChosen, SessionClosed, SessionLeaves,
-                                 SceneArrived, SceneLeaves, JobFinished, LeaseDropped, BytesSent, LightChanged,
-                                 BackgroundDone, LinkReviewed, SharingPolicyChanged, TenantPart, StopRendering>;
+using RenderEvent =
+    std::variant<ViewRequest, CapacityRequested, SessionOpened, CodecChosen, SessionClosed, SessionMoved,
+                 SceneLoaded, SceneUnloaded, JobFinished, LeaseDropped, BytesSent, LightChanged, BackgroundDone,
+                 LinkReviewed, SharingPolicyChanged, TenantDeviceShare, StopRendering>;
 
 // Any thread pushes, the render thread takes. The number of views is bounded, as clients decide how fast they come;
 // other events are not limited.

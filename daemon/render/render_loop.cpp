@@ -15,13 +15,13 @@ Reaction(Reactions...) -> Reaction<Reactions...>;
 
 }  // namespace
 
-RenderLoop::RenderLoop(const SharingPolicy& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+RenderLoop::RenderLoop(const SharingPolicy& sharing, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
                        FrameSink& sink)
     : device_(device),
       metrics_(metrics),
       motion_(device, metrics, sink),
       costs_(motion_),
-      queue_(terms, device.renderer().info().on_cpu ? kQuantumOfCpu : kQuantumOfGpu, costs_, sink, metrics),
+      queue_(sharing, device.renderer().info().on_cpu ? kQuantumOfCpu : kQuantumOfGpu, costs_, sink, metrics),
       jobs_(device, inbox, metrics, sink, motion_, queue_),
       recovery_(device, motion_, metrics) {}
 
@@ -45,18 +45,18 @@ void RenderLoop::start(TimePoint now) {
 void RenderLoop::handle(RenderEvent event, TimePoint now) {
   const Reaction react{
       [&](const ViewRequest& view) { take_view(view, now); },
-      [&](const RoomAsked& asked) { answer_room(asked, now); },
+      [&](const CapacityRequested& asked) { answer_room(asked, now); },
       [&](const SessionOpened& opened) { queue_.open(opened); },
       [&](const SessionClosed& closed) { close(closed.session); },
-      [&](const SessionLeaves& leaves) { move_away(leaves); },
+      [&](const SessionMoved& leaves) { move_away(leaves); },
       [&](const CodecChosen& chosen) {
         if (RenderSession* session = queue_.find(chosen.session)) session->codec = chosen.codec;
       },
       [&](const LinkReviewed& reviewed) {
         if (RenderSession* session = queue_.find(reviewed.session)) session->quality.review_link(reviewed.window);
       },
-      [&](const SceneArrived& arrived) { bring_scene(arrived); },
-      [&](const SceneLeaves& leaves) { remove_scene(leaves.scene); },
+      [&](const SceneLoaded& arrived) { bring_scene(arrived); },
+      [&](const SceneUnloaded& leaves) { remove_scene(leaves.scene); },
       [&](const LightChanged& changed) { change_light(changed, now); },
       [&](const JobFinished& job) { settle_job(job, now); },
       [&](const LeaseDropped&) { jobs_.load().lease_dropped(); },
@@ -64,8 +64,8 @@ void RenderLoop::handle(RenderEvent event, TimePoint now) {
         queue_.account().sent(sent.tenant, sent.bytes, now);
         costs_.learn_bytes(sent);
       },
-      [&](const SharingPolicyChanged& changed) { queue_.set_terms(changed.terms, now); },
-      [&](const TenantPart& part) { queue_.account().set_part(part.tenant, part.part); },
+      [&](const SharingPolicyChanged& changed) { queue_.set_sharing(changed.sharing, now); },
+      [&](const TenantDeviceShare& part) { queue_.account().set_part(part.tenant, part.part); },
       [&](const BackgroundDone&) {},  // start() takes over what was done
       [&](const StopRendering&) { stop(); },
   };
@@ -95,7 +95,7 @@ void RenderLoop::take_view(const ViewRequest& view, TimePoint now) {
 
 // Asks for the least size that the tenant allows: an applicant without room at that size may try another server, while
 // an open session that runs out of memory later gets even smaller frames (MemorySteps).
-void RenderLoop::answer_room(const RoomAsked& asked, TimePoint now) {
+void RenderLoop::answer_room(const CapacityRequested& asked, TimePoint now) {
   if (recovery_.lost() || stopping_) return asked.answer({});
   const double least = queue_.sharing().tenants[asked.tenant.value].degradation.least_size;
   gpu::RenderJob like;
@@ -114,7 +114,7 @@ void RenderLoop::close(SessionId id) {
 }
 
 // Frames of the session that are completely submitted are still sent; a partial frame is lost.
-void RenderLoop::move_away(const SessionLeaves& leaves) {
+void RenderLoop::move_away(const SessionMoved& leaves) {
   RenderSession* session = queue_.find(leaves.session);
   if (!session) return;
   if (session->newest) leaves.to->push_view(*session->newest);
@@ -126,7 +126,7 @@ void RenderLoop::forget(RenderSession& session) {
   queue_.close(session.opened.session);
 }
 
-void RenderLoop::bring_scene(const SceneArrived& arrived) {
+void RenderLoop::bring_scene(const SceneLoaded& arrived) {
   if (stopping_) return arrived.resident(Error{"the server is stopping"});
   if (recovery_.lost()) return recovery_.defer(arrived);
   device_.bring_scene(arrived.scene, [this, arrived](Result<gpu::SceneFootprint> made) {

@@ -14,7 +14,7 @@ namespace gnomon::daemon {
 class RenderLoop {
  public:
   // All references outlive the loop and its leases.
-  RenderLoop(const SharingPolicy& terms, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
+  RenderLoop(const SharingPolicy& sharing, RenderDevice& device, RenderInbox& inbox, Metrics& metrics,
              FrameSink& sink);
 
   void start(TimePoint now);                      // start what capacity allows
@@ -35,10 +35,10 @@ class RenderLoop {
  private:
   void recover(TimePoint now);
   void take_view(const ViewRequest& view, TimePoint now);
-  void answer_room(const RoomAsked& asked, TimePoint now);
+  void answer_room(const CapacityRequested& asked, TimePoint now);
   void close(SessionId id);
-  void move_away(const SessionLeaves& leaves);
-  void bring_scene(const SceneArrived& arrived);
+  void move_away(const SessionMoved& leaves);
+  void bring_scene(const SceneLoaded& arrived);
   void remove_scene(SceneId scene);
   void change_light(const LightChanged& changed, TimePoint now);
   void settle_job(const JobFinished& job, TimePoint now);

@@ -5,26 +5,26 @@
 
 namespace gnomon::daemon {
 
-RenderQueue::RenderQueue(const SharingPolicy& terms, Nanoseconds usual_quantum, SceneCosts& costs, FrameSink& sink,
-                         Metrics& metrics)
+RenderQueue::RenderQueue(const SharingPolicy& sharing, Nanoseconds usual_quantum, SceneCosts& costs,
+                         FrameSink& sink, Metrics& metrics)
     : usual_quantum_(usual_quantum), costs_(costs), sink_(sink), metrics_(metrics) {
-  set_terms(terms, TimePoint{});
+  set_sharing(sharing, TimePoint{});
 }
 
-void RenderQueue::set_terms(const SharingPolicy& terms, TimePoint now) {
+void RenderQueue::set_sharing(const SharingPolicy& sharing, TimePoint now) {
   const bool other_policy =
-      !scheduler_ || terms.policy != sharing_.policy || terms.priority_floor != sharing_.priority_floor;
-  sharing_ = terms;
-  account_.set_terms(terms);
+      !scheduler_ || sharing.policy != sharing_.policy || sharing.priority_floor != sharing_.priority_floor;
+  sharing_ = sharing;
+  account_.set_sharing(sharing);
   if (other_policy) {
-    scheduler_ = scheduler::make_scheduler(terms.policy, terms.priority_floor);
+    scheduler_ = scheduler::make_scheduler(sharing.policy, sharing.priority_floor);
     ++policy_;
   }
-  for (uint32_t i = 0; i < terms.tenants.size(); ++i) {
-    scheduler_->set_tenant(TenantId{i}, terms.tenants[i].terms);
+  for (uint32_t i = 0; i < sharing.tenants.size(); ++i) {
+    scheduler_->set_tenant(TenantId{i}, sharing.tenants[i].scheduling);
   }
   for (auto& [id, session] : sessions_) {
-    session.quality.set_terms(terms.tenants[session.grant().tenant.value].degradation);
+    session.quality.set_limits(sharing.tenants[session.grant().tenant.value].degradation);
   }
   if (!other_policy) return;
   for (auto& [id, session] : sessions_) {
@@ -41,7 +41,7 @@ RenderSession* RenderQueue::find(SessionId id) {
 void RenderQueue::open(const SessionOpened& opened) {
   const TenantId tenant = opened.grant.tenant;
   const auto [session, is_new] = sessions_.try_emplace(opened.session, opened, sink_, metrics_);
-  if (is_new) session->second.quality.set_terms(sharing_.tenants[tenant.value].degradation);
+  if (is_new) session->second.quality.set_limits(sharing_.tenants[tenant.value].degradation);
   scheduler_->add_session(opened.session, tenant);
 }
 

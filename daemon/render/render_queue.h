@@ -17,12 +17,12 @@ namespace gnomon::daemon {
 // passes the time.
 class RenderQueue {
  public:
-  // `usual_quantum`: of this kind of device, used if the terms specify none. All references outlive the queue.
-  RenderQueue(const SharingPolicy& terms, Nanoseconds usual_quantum, SceneCosts& costs, FrameSink& sink,
+  // `usual_quantum`: of this kind of device, used if the sharing specify none. All references outlive the queue.
+  RenderQueue(const SharingPolicy& sharing, Nanoseconds usual_quantum, SceneCosts& costs, FrameSink& sink,
               Metrics& metrics);
 
   // If the policy changes, the new scheduler starts with all sessions that wait; earlier charges are forgotten.
-  void set_terms(const SharingPolicy& terms, TimePoint now);
+  void set_sharing(const SharingPolicy& sharing, TimePoint now);
   const SharingPolicy& sharing() const { return sharing_; }
   Nanoseconds quantum() const { return sharing_.quantum.value_or(usual_quantum_); }  // 0: frames are never cut
 

@@ -78,13 +78,16 @@ void SceneMotion::apply(SceneId id, State& state) {
     if (found == scenes_.end()) return;  // unloaded meanwhile
     State& s = found->second;
     s.applying = false;
-    if (!done) return log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
-    s.applied = asked;
-    s.version = asked;
-    log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
-    sink_.on_lights({s.name, s.version, lights});
-    count(id, s);
-    if (s.asked != s.applied) apply(id, s);
+    if (done) {
+      s.applied = asked;
+      s.version = asked;
+      log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
+      sink_.on_lights({s.name, s.version, lights});
+      count(id, s);
+    } else {
+      log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
+    }
+    if (s.asked != asked) apply(id, s);
   };
   device_.renderer().set_lights(id, state.wanted, changed, device_.wake());
 }

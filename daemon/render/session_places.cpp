@@ -83,7 +83,7 @@ void SessionPlaces::carry_out(const std::vector<Placement::Move>& moves) {
     RenderInbox& to = devices_[move.to]->inbox();
     to.push(opened);
     if (codec != opened.grant.codec) to.push(CodecChosen{move.session, codec});
-    devices_[move.from]->inbox().push(SessionLeaves{move.session, &to});
+    devices_[move.from]->inbox().push(SessionMoved{move.session, &to});
     tenants.push_back(opened.grant.tenant);
   }
   std::sort(tenants.begin(), tenants.end());
@@ -97,7 +97,7 @@ void SessionPlaces::carry_out(const std::vector<Placement::Move>& moves) {
 void SessionPlaces::tell_parts(TenantId tenant) {
   if (devices_.size() == 1) return;
   for (uint32_t i = 0; i < devices_.size(); ++i)
-    devices_[i]->inbox().push(TenantPart{tenant, placement_.part(i, tenant)});
+    devices_[i]->inbox().push(TenantDeviceShare{tenant, placement_.part(i, tenant)});
 }
 
 }  // namespace gnomon::daemon

@@ -30,9 +30,9 @@ SessionQuality::SessionQuality(const SessionOpened& opened, FrameSink& sink, Met
       height_(opened.grant.height),
       rate_(limit_to(opened.grant.rate_hz)) {}
 
-void SessionQuality::set_terms(const scheduler::DegradationTerms& terms) {
-  degradation_.set_terms(terms);
-  link_.set_terms(terms, opened_.grant.dense_codec != opened_.grant.codec);
+void SessionQuality::set_limits(const scheduler::DegradationLimits& limits) {
+  degradation_.set_limits(limits);
+  link_.set_limits(limits, opened_.grant.dense_codec != opened_.grant.codec);
 }
 
 void SessionQuality::frame_begun(TimePoint now) {

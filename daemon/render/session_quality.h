@@ -23,7 +23,7 @@ class SessionQuality {
   SessionQuality(const SessionOpened& opened, FrameSink& sink, Metrics& metrics);
 
   // Other limits from the next step on.
-  void set_terms(const scheduler::DegradationTerms& terms);
+  void set_limits(const scheduler::DegradationLimits& limits);
 
   // In force now.
   TileGrid grid() const { return {width_, height_, opened_.grant.lights}; }

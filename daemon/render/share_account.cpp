@@ -13,12 +13,12 @@ constexpr Nanoseconds kBurst = 100ms;  // of a tenant's rates, as its clients ar
 
 }  // namespace
 
-void ShareAccount::set_terms(const SharingPolicy& terms) {
-  tenants_.resize(std::max(tenants_.size(), terms.tenants.size()));
-  for (size_t i = 0; i < terms.tenants.size(); ++i) {
+void ShareAccount::set_sharing(const SharingPolicy& sharing) {
+  tenants_.resize(std::max(tenants_.size(), sharing.tenants.size()));
+  for (size_t i = 0; i < sharing.tenants.size(); ++i) {
     Tenant& tenant = tenants_[i];
-    tenant.rates = terms.tenants[i].rates;
-    tenant.weight = terms.tenants[i].terms.weight;
+    tenant.rates = sharing.tenants[i].rates;
+    tenant.weight = sharing.tenants[i].scheduling.weight;
     tenant.buffers = RateLimit(tenant.part * tenant.rates.buffers_per_second, kBurst);
     tenant.bits = RateLimit(tenant.part * tenant.rates.bits_per_second, kBurst);
     tenant.bytes = RateLimit(tenant.part * tenant.rates.bytes_per_second, kBurst);

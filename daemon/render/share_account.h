@@ -13,7 +13,7 @@ namespace gnomon::daemon {
 // Belongs to the render thread.
 class ShareAccount {
  public:
-  void set_terms(const SharingPolicy& terms);
+  void set_sharing(const SharingPolicy& sharing);
   // This device allows the share `part` of the tenant's rates, 0 to 1; initially 1.
   void set_part(TenantId tenant, double part);
 

@@ -34,7 +34,7 @@ void SceneHost::load(Request request) {
   auto loaded = registry_.get(request.name);
   if (!loaded) return request.ready(loaded.error());
   if (loaded->scene->lights.empty()) return request.ready(Error{"it has no lights: there is nothing to trace"});
-  SceneArrived arrived;
+  SceneLoaded arrived;
   arrived.scene = *loaded;
   arrived.name = request.name;
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {

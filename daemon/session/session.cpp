@@ -9,7 +9,7 @@ namespace {
 bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
 
 // Whether the datagram shows where the client is; one with an old view does so as well as one with a new view.
-bool is_sound(const Received& received) {
+bool is_sound(const DatagramOutcome& received) {
   return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
 }
 
@@ -31,10 +31,10 @@ Session::Session(SessionParts parts, TimePoint now)
       scene_use_(std::move(parts.scene_use)),
       stored_(std::move(parts.stored)),
       permit_(std::move(parts.permit)),
-      told_width_(grant_.width),
-      told_height_(grant_.height),
+      notified_width_(grant_.width),
+      notified_height_(grant_.height),
       seal_(std::move(parts.seal)),
-      last_heard_(now),
+      last_received_(now),
       link_(grant_.features, generation() > 0) {
   if (grant_.has(protocol::kFeatureReferences)) references_ = std::make_shared<SessionReferences>();
   // Cameras from before the resumption are not answered again: slices of two answers to one camera must not be mixed.
@@ -46,15 +46,16 @@ void Session::forget() {
   stored_.forget();
 }
 
-Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now) {
+DatagramOutcome Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from,
+                                 TimePoint now) {
   const auto opened = seal_->open(datagram);
   if (!opened) return {std::nullopt, fault_of(seal_->rejection())};
   // A ping is answered wherever it comes from, and does not change the session's address: the client is trying a path.
   if (opened->header.kind == protocol::DatagramKind::ping) {
-    last_heard_ = now;
+    last_received_ = now;
     return {std::nullopt, std::nullopt, true};
   }
-  const Received received = hear(opened->header.kind, opened->body, now);
+  const DatagramOutcome received = on_body(opened->header.kind, opened->body, now);
   if (is_sound(received)) {
     address_ = from;
     by_control_ = false;
@@ -62,32 +63,32 @@ Received Session::receive(std::span<const uint8_t> datagram, const asio::ip::udp
   return received;
 }
 
-Received Session::receive(const protocol::Data& data, TimePoint now) {
-  const Received received = hear(data.kind, data.body, now);
+DatagramOutcome Session::receive(const protocol::Data& data, TimePoint now) {
+  const DatagramOutcome received = on_body(data.kind, data.body, now);
   if (is_sound(received)) by_control_ = true;
   return received;
 }
 
-Received Session::hear(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now) {
+DatagramOutcome Session::on_body(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now) {
   switch (kind) {
     case protocol::DatagramKind::camera_update: {
       const auto update = protocol::decode_camera_update(body);
       if (!update) return {std::nullopt, Fault::datagram_body};
-      last_heard_ = now;
-      return hear(*update, now);
+      last_received_ = now;
+      return on_body(*update, now);
     }
     case protocol::DatagramKind::feedback: {
       const auto feedback = protocol::decode_feedback(body);
       if (!feedback) return {std::nullopt, Fault::datagram_body};
-      last_heard_ = now;
-      link_.hear(*feedback, now);
+      last_received_ = now;
+      link_.on_feedback(*feedback, now);
       return {};
     }
     default: return {std::nullopt, Fault::datagram_kind};
   }
 }
 
-Received Session::hear(const protocol::CameraUpdate& update, TimePoint now) {
+DatagramOutcome Session::on_body(const protocol::CameraUpdate& update, TimePoint now) {
   const bool again = newest_ == update.frame;
   if (newest_ && !again && !is_newer(update.frame, *newest_)) return {std::nullopt, Fault::view_out_of_order};
   if (references_) references_->client_has(update.have);

@@ -27,7 +27,7 @@ namespace gnomon::daemon {
 
 // The result of a datagram: a view, or a fault, or neither (a repeated frame id is ignored, unless all of its answer
 // was lost; a view that the link has no room for is kept until it has).
-struct Received {
+struct DatagramOutcome {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
   bool ping = false;  // the datagram has to be answered to the address that it came from
@@ -61,9 +61,9 @@ class Session {
   const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
 
   // Receives a message that replaces a datagram.
-  Received receive(const protocol::Data& data, TimePoint now);
+  DatagramOutcome receive(const protocol::Data& data, TimePoint now);
 
-  Received receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
+  DatagramOutcome receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
   ViewBuffer& views() { return views_; }
   SessionTotals& totals() { return totals_; }
@@ -72,7 +72,7 @@ class Session {
   // What the client keeps of earlier frames; nullptr if it keeps none.
   const SessionReferencesPtr& references() const { return references_; }
 
-  TimePoint last_heard() const { return last_heard_; }
+  TimePoint last_received() const { return last_received_; }
 
   // A session that can be resumed continues without its control connection until `until`.
   bool resumable() const { return static_cast<bool>(stored_); }
@@ -82,29 +82,31 @@ class Session {
   uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 
   // The size of frames that the client has been notified of.
-  void told_of(uint16_t width, uint16_t height) { told_width_ = width, told_height_ = height; }
-  bool expects(const TileGrid& grid) const { return grid.width == told_width_ && grid.height == told_height_; }
+  void on_size_notified(uint16_t width, uint16_t height) { notified_width_ = width, notified_height_ = height; }
+  bool expects(const TileGrid& grid) const {
+    return grid.width == notified_width_ && grid.height == notified_height_;
+  }
   void forget();  // the session cannot be resumed any more, and nothing is sealed any more
 
   LinkReport take_link_report();
 
  private:
-  Received hear(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now);
-  Received hear(const protocol::CameraUpdate& update, TimePoint now);
+  DatagramOutcome on_body(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now);
+  DatagramOutcome on_body(const protocol::CameraUpdate& update, TimePoint now);
 
   SessionId id_;
   SessionGrant grant_;
   SceneUse scene_use_;
   StoredSession stored_;  // destroyed after the permit, which the connection that resumes the session takes
   SessionPermit permit_;
-  uint32_t told_width_, told_height_;
+  uint32_t notified_width_, notified_height_;
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
   std::optional<asio::ip::udp::endpoint> address_;
   bool by_control_ = false;
   std::optional<FrameId> newest_;
   SessionReferencesPtr references_;
-  TimePoint last_heard_;
+  TimePoint last_received_;
   LinkSender link_;
   ViewBuffer views_{link_};
   SessionTotals totals_;

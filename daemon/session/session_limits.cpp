@@ -60,11 +60,12 @@ std::variant<SessionPermit, protocol::Refused> SessionLimits::take(TenantId tena
   return SessionPermit(*this, tenant, address);
 }
 
-std::optional<scheduler::Misfit> SessionLimits::book(SessionPermit& permit, const scheduler::Demand& demand,
-                                                     const scheduler::CostModel& model) {
+std::optional<scheduler::AdmissionRejection> SessionLimits::book(SessionPermit& permit,
+                                                                 const scheduler::Demand& demand,
+                                                                 const scheduler::CostModel& model) {
   std::lock_guard lock(mutex_);
   const auto verdict = admission_.book(permit.tenant_, demand, model);
-  if (const auto* misfit = std::get_if<scheduler::Misfit>(&verdict)) return *misfit;
+  if (const auto* rejection = std::get_if<scheduler::AdmissionRejection>(&verdict)) return *rejection;
   permit.booking_ = std::get<scheduler::Booking>(verdict);
   return std::nullopt;
 }

@@ -14,7 +14,7 @@
 #include "common/ids.h"
 #include "daemon/config/config.h"
 #include "protocol/messages.h"
-#include "scheduler/admission.h"
+#include "scheduler/admission_control.h"
 
 namespace gnomon::daemon {
 
@@ -52,8 +52,8 @@ class SessionLimits {
   std::variant<SessionPermit, protocol::Refused> take(TenantId tenant, const asio::ip::address& address);
 
   // Books what the session asks for on its permit. Returns nullopt, or the exceeded limit and what would fit.
-  std::optional<scheduler::Misfit> book(SessionPermit& permit, const scheduler::Demand& demand,
-                                        const scheduler::CostModel& model);
+  std::optional<scheduler::AdmissionRejection> book(SessionPermit& permit, const scheduler::Demand& demand,
+                                                    const scheduler::CostModel& model);
 
   // The limits of `config`, which lists tenants by id, hold from now on. Permits that were given out stay valid.
   void set_limits(const Config& config);
@@ -69,7 +69,7 @@ class SessionLimits {
   uint32_t max_all_ = 0;
   uint32_t max_per_address_ = 0;
   std::vector<uint32_t> max_of_tenant_;  // 0: no limit
-  scheduler::Admission admission_;
+  scheduler::AdmissionControl admission_;
   uint32_t all_ = 0;
   std::vector<uint32_t> of_tenant_;
   std::map<asio::ip::address, uint32_t> of_address_;

@@ -26,7 +26,7 @@ class SessionTable {
   std::vector<SessionId> silent_since(TimePoint limit) const {
     std::vector<SessionId> silent;
     for (const auto& [id, session] : sessions_) {
-      if (session->last_heard() < limit) silent.push_back(id);
+      if (session->last_received() < limit) silent.push_back(id);
     }
     return silent;
   }

@@ -5,20 +5,20 @@ namespace gnomon::daemon {
 std::optional<ViewRequest> ViewBuffer::offer(ViewRequest view, TimePoint now) {
   ++window_.offered;
   if (held_) view.coalesced = held_->coalesced + 1;
-  if (link_.takes_view(now)) return release(view, now);
+  if (link_.may_request(now)) return release(view, now);
   held_ = view;
   return std::nullopt;
 }
 
 std::optional<ViewRequest> ViewBuffer::take(TimePoint now) {
-  if (!held_ || !link_.takes_view(now)) return std::nullopt;
+  if (!held_ || !link_.may_request(now)) return std::nullopt;
   return release(*held_, now);
 }
 
 ViewRequest ViewBuffer::release(ViewRequest view, TimePoint now) {
   held_.reset();
   ++window_.taken;
-  link_.view_taken(view.frame, now);
+  link_.on_request(view.frame, now);
   view.slice_body_bytes = link_.slice_body_bytes();
   return view;
 }

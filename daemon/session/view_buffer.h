@@ -23,7 +23,7 @@ class ViewBuffer {
   std::optional<ViewRequest> take(TimePoint now);
 
   // When take() should be called again; TimePoint::max() if no view is held back.
-  TimePoint take_at(TimePoint now) const { return held_ ? link_.takes_view_at(now) : TimePoint::max(); }
+  TimePoint take_at(TimePoint now) const { return held_ ? link_.may_request_at(now) : TimePoint::max(); }
 
   // The views since the last call.
   LinkWindow take_window() { return std::exchange(window_, {}); }

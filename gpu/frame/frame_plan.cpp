@@ -335,10 +335,10 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
   vkCmdResetQueryPool(commands, timestamps, 0, static_cast<uint32_t>(passes_.size() + 1));
   stamp(0, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT);
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
-    const Share share = passes_[pass]->share();
-    const bool mine = band.has(share);
+    const RunsIn bands = passes_[pass]->runs_in();
+    const bool mine = band.has(bands);
     // Images change their layout once in a frame; buffers need their barriers in every band.
-    if (share == Share::last_band ? band.last : band.first) {
+    if (bands == RunsIn::last_band ? band.last : band.first) {
       wait_for(commands, resources, pass);
     } else if (mine) {
       wait_for(commands, resources, pass, false);
@@ -348,7 +348,7 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
       const TileRows whole{0, view.grid.tiles_y()};
       passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], subject.scene, subject.posed,
                              subject.slot, view.grid, view.untraced,
-                             share == Share::every_band ? band.rows : whole});
+                             bands == RunsIn::every_band ? band.rows : whole});
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   }

@@ -28,7 +28,7 @@ class ComputePass : public Pass {
  public:
   explicit ComputePass(ComputeStep step) : step_(std::move(step)) {}
   const PassLayout* layout() const override { return &step_.layout; }
-  Share share() const override { return Share::last_band; }
+  RunsIn runs_in() const override { return RunsIn::last_band; }
 
  protected:
   ComputeStep step_;

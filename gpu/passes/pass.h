@@ -100,15 +100,15 @@ struct BoundPort {
 };
 
 // A frame may be traced in bands of tile rows, each a submit of its own. The bands in which a pass runs.
-enum class Share { first_band, every_band, last_band };
+enum class RunsIn { first_band, every_band, last_band };
 
 // One band of a frame. The first band may have no rows: then it only rasterises the frame.
 struct Band {
   TileRows rows;
   bool first = true, last = true;
 
-  bool has(Share share) const {
-    return share == Share::first_band ? first : share == Share::last_band ? last : true;
+  bool has(RunsIn bands) const {
+    return bands == RunsIn::first_band ? first : bands == RunsIn::last_band ? last : true;
   }
 };
 
@@ -134,7 +134,7 @@ class Pass {
   virtual std::string_view name() const = 0;
   virtual std::vector<Port> ports() const = 0;
   virtual const PassLayout* layout() const = 0;  // nullptr if the pass binds nothing
-  virtual Share share() const { return Share::first_band; }
+  virtual RunsIn runs_in() const { return RunsIn::first_band; }
   // Whether the pass sees moving lights as lights that reach nothing. Only in plans for scenes in motion.
   virtual bool for_resting_lights() const { return false; }
   virtual void record(const FrameContext& frame) const = 0;

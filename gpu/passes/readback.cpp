@@ -21,7 +21,7 @@ class ReadbackPass : public Pass {
 
   std::string_view name() const override { return name_; }
   const PassLayout* layout() const override { return nullptr; }
-  Share share() const override { return Share::last_band; }
+  RunsIn runs_in() const override { return RunsIn::last_band; }
   std::vector<Port> ports() const override {
     const auto bytes = [source = source_](const Capacity& c) { return bytes_of(source, c); };
     return {{source_, Use::copy_source}, {target_, Use::copy_target, {{}, bytes, MemoryUse::readback}}};

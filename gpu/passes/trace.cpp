@@ -16,7 +16,7 @@ class TracePass : public Pass {
 
   std::string_view name() const override { return "trace"; }
   const PassLayout* layout() const override { return &step_.layout; }
-  Share share() const override { return Share::every_band; }
+  RunsIn runs_in() const override { return RunsIn::every_band; }
   bool for_resting_lights() const override { return motion_; }
   std::vector<Port> ports() const override {
     const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };

@@ -29,7 +29,7 @@ class TraceMovingPass : public Pass {
 
   std::string_view name() const override { return "trace_moving"; }
   const PassLayout* layout() const override { return &step_.layout; }
-  Share share() const override { return Share::every_band; }
+  RunsIn runs_in() const override { return RunsIn::every_band; }
   std::vector<Port> ports() const override {
     return {{resource::kTriangleId, Use::sampled},
             {resource::kMasks, Use::storage_update},

@@ -11,10 +11,11 @@
 namespace gnomon::bench {
 namespace {
 
-// The name of a cached file: the scene, the size, the number of spots and their ages.
-std::string key_of(const std::string& scene, const PathPlan& plan) {
-  std::string key = std::filesystem::path(scene).stem().string() + "-" + std::to_string(plan.size.width) + "x" +
-                    std::to_string(plan.size.height) + "-" + std::to_string(plan.spots);
+// The name of a cached file: the scene and its content, the size, the number of spots and their ages.
+std::string key_of(const std::string& name, const scenes::Scene& scene, const PathPlan& plan) {
+  std::string key = std::filesystem::path(name).stem().string() + "-" + scenes::to_hex(scene.content_hash) + "-" +
+                    std::to_string(plan.size.width) + "x" + std::to_string(plan.size.height) + "-" +
+                    std::to_string(plan.spots);
   for (const uint32_t age : plan.ages_ms) key.append("-").append(std::to_string(age));
   return key;
 }
@@ -121,13 +122,13 @@ Result<PathMasks> render_all(const std::string& name, const scenes::ScenePtr& sc
 }  // namespace
 
 Result<PathMasks> masks_along_path(const std::string& scene, const PathPlan& plan) {
-  const std::filesystem::path file =
-      plan.folder.empty() ? plan.folder : plan.folder / (key_of(scene, plan) + ".masks");
   PathMasks kept;
   kept.device = "kept masks";
   kept.scene = scene;
   const auto opened = open_scene(scene);
   if (!opened) return opened.error();
+  const std::filesystem::path file =
+      plan.folder.empty() ? plan.folder : plan.folder / (key_of(scene, **opened, plan) + ".masks");
   if (!file.empty() && read_kept(file, plan, kept)) {
     place_cameras(**opened, plan, kept);
     return kept;

@@ -82,13 +82,13 @@ double error_of(const LinkPlan& plan, uint32_t frame, size_t x) {
 
 }  // namespace
 
-Outcome play(const LinkPlan& plan, std::unique_ptr<client::Ahead> ahead) {
+Outcome play(const LinkPlan& plan, std::unique_ptr<client::PredictionPolicy> ahead) {
   client::ShowOrder order(client::Mode::automatic, std::move(ahead));
   Server server(plan);
   const auto frames = static_cast<uint32_t>(plan.errors->size());
   const client::CameraPath path = client::CameraPath::of_scene(plan.scene);
   std::vector<protocol::CameraView> cameras;
-  // As client/view/own_view.h: masks that are kept until those of that camera have come.
+  // As client/view/client_renderer.h: masks that are kept until those of that camera have come.
   std::optional<std::pair<uint32_t, uint32_t>> trial;
   std::optional<client::Shown> shown;
   Outcome outcome;

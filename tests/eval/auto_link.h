@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "client/prediction/ahead.h"
 #include "client/prediction/border.h"
+#include "client/prediction/prediction_policy.h"
 #include "scenes/scene.h"
 
 namespace gnomon::eval {
@@ -34,6 +34,6 @@ struct Outcome {
   double mean_x = 0;
 };
 
-Outcome play(const LinkPlan& plan, std::unique_ptr<client::Ahead> ahead);
+Outcome play(const LinkPlan& plan, std::unique_ptr<client::PredictionPolicy> ahead);
 
 }  // namespace gnomon::eval

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/passes/passes.h"
 #include "gpu/passes/seen_view.h"
 #include "gpu/picture/reprojection.h"

@@ -8,7 +8,7 @@
 
 #include "client/cli/options.h"
 #include "client/cli/progress.h"
-#include "client/prediction/balance.h"
+#include "client/prediction/error_balance.h"
 #include "client/prediction/switching.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/eval/auto_link.h"
@@ -138,7 +138,7 @@ Result<void> run_auto(const Arguments& a) {
   std::ostringstream out;
   out << "scene,policy,parameter,error_share,response_ms,mean_x\n";
   for (size_t x = 0; x <= kMostAhead; ++x)
-    add(out, a, "fixed", static_cast<double>(x), play(plan, std::make_unique<client::FixedAhead>(x)));
+    add(out, a, "fixed", static_cast<double>(x), play(plan, std::make_unique<client::FixedPrediction>(x)));
   for (const double high : {0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.2})
     for (const uint32_t dwell : {5u, 30u, 60u}) {
       client::SwitchingOptions options;
@@ -151,8 +151,8 @@ Result<void> run_auto(const Arguments& a) {
     }
   for (double cost = 0.005; cost < 4; cost *= 1.02)
     add(out, a, "auto", cost,
-        play(plan,
-             std::make_unique<client::Balance>(client::BalanceOptions{.size = plan.size, .cost_per_s = cost})));
+        play(plan, std::make_unique<client::ErrorBalance>(
+                       client::ErrorBalanceOptions{.size = plan.size, .cost_per_s = cost})));
   return write(a.out, out.str());
 }
 

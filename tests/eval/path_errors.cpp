@@ -5,7 +5,7 @@
 #include <future>
 
 #include "client/media/camera_path.h"
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/passes/passes.h"
 #include "gpu/picture/reprojection.h"
 #include "gpu/wire/translate.h"
@@ -15,8 +15,8 @@ namespace {
 
 using client::BorderPlace;
 using client::LightBits;
+using client::PixelRect;
 using client::ViewSize;
-using client::Window;
 
 constexpr uint32_t kFullWidth = 1920, kFullHeight = 1080;
 
@@ -103,7 +103,7 @@ class PathRenderer {
 };
 
 // What of the widest buffer a client with that border would have had, if it expected its masks `x` frames later.
-Window window_of(const PathPlan& plan, const Border& border, const PathFrame& seen, uint32_t x) {
+PixelRect window_of(const PathPlan& plan, const Border& border, const PathFrame& seen, uint32_t x) {
   const ViewSize size{plan.size.width, plan.size.height, border.x, border.y};
   const BorderPlace widest = centred(plan.size);
   const BorderPlace place =
@@ -124,7 +124,7 @@ std::vector<client::PredictionError> count(const PathPlan& plan, const std::vect
                                            const PathFrame& now, const PathFrame& seen,
                                            const std::vector<uint32_t>& sources) {
   const BorderPlace place = centred(plan.size);
-  const Window shown{place.left, place.top, plan.size.width, plan.size.height};
+  const PixelRect shown{place.left, place.top, plan.size.width, plan.size.height};
   std::vector<client::PredictionError> errors;
   for (const Border& border : borders)
     errors.push_back(compare(seen.masks, sources, window_of(plan, border, seen, now.number - seen.number),

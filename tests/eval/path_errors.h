@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "client/prediction/ahead.h"
 #include "client/prediction/border.h"
 #include "client/prediction/prediction_error.h"
+#include "client/prediction/prediction_policy.h"
 #include "common/result.h"
 #include "scenes/scene.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/wire/translate.h"
 #include "tests/eval/path_errors.h"
 

@@ -12,7 +12,7 @@
 #include "client/cli/report.h"
 #include "client/media/scene_file.h"
 #include "client/media/video_file.h"
-#include "client/view/ideal_view.h"
+#include "client/view/ground_truth_renderer.h"
 #include "tests/eval/remote/remote_client.h"
 #include "tests/eval/remote/remote_server.h"
 #include "tests/tools/netsim/relay.h"
@@ -104,7 +104,7 @@ double squared_error(const client::Picture& a, const client::Picture& b) {
 // Of the pictures that came against those that were meant. Writes both as videos if asked.
 Result<double> compare(const Arguments& a, const scenes::ScenePtr& scene, const client::Size& size,
                        const FlightResult& flight) {
-  auto source = client::IdealView::create(scene, {size.width, size.height}, a.device, a.cache);
+  auto source = client::GroundTruthRenderer::create(scene, {size.width, size.height}, a.device, a.cache);
   if (!source) return source.error();
   std::optional<client::VideoFile> shown_file, ideal_file;
   if (!a.out.empty()) {

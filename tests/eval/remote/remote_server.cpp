@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "client/view/ideal_view.h"
+#include "client/view/ground_truth_renderer.h"
 #include "common/inbox.h"
 #include "daemon/link/link_sender.h"
 #include "daemon/net/data_socket.h"
@@ -63,7 +63,7 @@ struct RemoteServer::State {
   std::array<std::vector<uint8_t>, 1> datagram;
 
   Inbox<Order> orders;
-  std::unique_ptr<client::IdealView> source;
+  std::unique_ptr<client::GroundTruthRenderer> source;
   std::optional<H264Encoder> encoder;
   uint32_t units = 0;
   uint32_t repair_wanted_at = 0;  // the last key unit's number
@@ -81,8 +81,8 @@ uint16_t RemoteServer::port() const { return state_->socket->port(); }
 
 Result<std::unique_ptr<RemoteServer>> RemoteServer::start(const ServerOptions& options) {
   auto state = std::make_unique<State>(options);
-  auto source = client::IdealView::create(options.scene, {options.video.width, options.video.height},
-                                          options.device, options.cache);
+  auto source = client::GroundTruthRenderer::create(options.scene, {options.video.width, options.video.height},
+                                                    options.device, options.cache);
   if (!source) return source.error();
   state->source = std::move(*source);
   auto encoder = H264Encoder::create(options.video);
@@ -116,7 +116,7 @@ void RemoteServer::State::receive(std::span<const uint8_t> bytes, const asio::ip
   client = from;
   const TimePoint now = Clock::now();
   if (opened->header.kind == protocol::DatagramKind::feedback) {
-    if (const auto feedback = protocol::decode_feedback(opened->body)) link.hear(*feedback, now);
+    if (const auto feedback = protocol::decode_feedback(opened->body)) link.on_feedback(*feedback, now);
   }
   if (opened->header.kind == protocol::DatagramKind::camera_update) {
     if (const auto update = protocol::decode_camera_update(opened->body)) take(*update, now);
@@ -132,8 +132,8 @@ void RemoteServer::State::take(const protocol::CameraUpdate& update, TimePoint n
 }
 
 void RemoteServer::State::order_next(TimePoint now) {
-  if (!waiting || rendering || !link.takes_view(now)) return;
-  link.view_taken(waiting->frame, now);
+  if (!waiting || rendering || !link.may_request(now)) return;
+  link.on_request(waiting->frame, now);
   rendering = true;
   orders.push({*std::exchange(waiting, std::nullopt), video_rate()});
 }
@@ -169,7 +169,7 @@ void RemoteServer::State::pump() {
   }
   order_next(now);
   TimePoint next = link.wake_at(now);
-  if (waiting && !rendering) next = std::min(next, link.takes_view_at(now));
+  if (waiting && !rendering) next = std::min(next, link.may_request_at(now));
   wake(next);
 }
 

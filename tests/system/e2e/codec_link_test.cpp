@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/passes/passes.h"
 #include "gpu/picture/blocking_frame.h"
 #include "gpu/wire/translate.h"

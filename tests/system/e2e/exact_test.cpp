@@ -5,7 +5,7 @@
 #include <set>
 
 #include "client/media/png.h"
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/vulkan_renderer.h"
 #include "gpu/wire/translate.h"
 #include "tests/system/e2e/daemon.h"
@@ -50,7 +50,7 @@ TEST(Exact, AFreshFrameIsTheLocalPicturePixelForPixel) {
   auto probe = gpu::SurfaceProbe::create(local, *scene);
   ASSERT_TRUE(probe) << probe.error().message;
   const client::ViewSize size{.width = 150, .height = 82, .border_x = 32, .border_y = 18};
-  auto view = client::OwnView::create(*scene, size, "cpu");
+  auto view = client::ClientRenderer::create(*scene, size, "cpu");
   ASSERT_TRUE(view) << view.error().message;
 
   client::Loop loop;
@@ -61,7 +61,7 @@ TEST(Exact, AFreshFrameIsTheLocalPicturePixelForPixel) {
   uint32_t index = 0;
   for (const auto& frame : fliers[0]->frames()) {
     const auto picture_of = [&](const std::vector<uint64_t>& words) {
-      auto received = std::make_shared<client::Received>();
+      auto received = std::make_shared<client::ReceivedMasks>();
       received->index = ++index;
       received->camera = frame.camera;
       received->mask.grid = {size.traced_width(), size.traced_height(),

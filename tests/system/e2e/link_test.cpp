@@ -116,7 +116,7 @@ TEST(Link, AThinClientKnowsItsCamerasAfterItsConnectionWasReplaced) {
     options.stream.connect.hello.height = kSmall.height;
     std::vector<protocol::CameraView> cameras;
     size_t received = 0, wrong = 0;
-    client::ThinClient thin(loop, std::move(options), {.received = [&](const client::Received& masks) {
+    client::ThinClient thin(loop, std::move(options), {.received = [&](const client::ReceivedMasks& masks) {
                               ++received;
                               wrong += !(masks.camera == cameras.at(masks.index));
                             }});

@@ -6,7 +6,7 @@
 #include <future>
 #include <set>
 
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/vulkan_renderer.h"
 #include "gpu/wire/translate.h"
 #include "tests/system/e2e/daemon.h"

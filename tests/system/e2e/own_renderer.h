@@ -5,7 +5,7 @@
 
 #include <future>
 
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/vulkan_renderer.h"
 #include "gpu/wire/translate.h"
 #include "scenes/loader.h"

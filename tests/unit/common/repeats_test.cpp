@@ -1,4 +1,4 @@
-#include "common/repeats.h"
+#include "common/log_rate_limiter.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Repeats, ABurstPassesThenARateAndTheRestIsCounted) {
-  Repeats repeats(5, 2);
+TEST(LogRateLimiter, ABurstPassesThenARateAndTheRestIsCounted) {
+  LogRateLimiter repeats(5, 2);
   TimePoint now(1h);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(repeats.admit("refused", now), 0u);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(repeats.admit("refused", now), std::nullopt);
@@ -19,16 +19,16 @@ TEST(Repeats, ABurstPassesThenARateAndTheRestIsCounted) {
   EXPECT_EQ(repeats.admit("refused", now), 1u);
 }
 
-TEST(Repeats, EventsDoNotTakeEachOthersPlace) {
-  Repeats repeats(1, 1);
+TEST(LogRateLimiter, EventsDoNotTakeEachOthersPlace) {
+  LogRateLimiter repeats(1, 1);
   const TimePoint now(1h);
   EXPECT_TRUE(repeats.admit("refused", now));
   EXPECT_FALSE(repeats.admit("refused", now));
   EXPECT_TRUE(repeats.admit("device lost", now));
 }
 
-TEST(Repeats, RestGivesTheBurstBackAndNoMore) {
-  Repeats repeats(3, 1);
+TEST(LogRateLimiter, RestGivesTheBurstBackAndNoMore) {
+  LogRateLimiter repeats(3, 1);
   TimePoint now(1h);
   while (repeats.admit("refused", now)) {
   }

@@ -34,7 +34,7 @@ Probed probe_up_to(LinkSender& link, size_t bytes) {
       while (const auto out = link.next(path.now)) {
         link.sent(++path.sent, out->body.size() + protocol::kHeaderBytes + protocol::kTagBytes, path.now);
         const auto now_us = static_cast<uint64_t>(to_microseconds(path.now.time_since_epoch()));
-        link.hear(all_arrived(path.sent, path.sent, now_us), path.now + 1ms);
+        link.on_feedback(all_arrived(path.sent, path.sent, now_us), path.now + 1ms);
       }
     }
   }
@@ -48,7 +48,7 @@ TEST(LinkSender, WithoutFeedbackEverythingGoesAtOnce) {
   while (link.next(kStart)) link.sent(++sent, 200, kStart);
   EXPECT_EQ(sent, 50u);
   EXPECT_EQ(link.wake_at(kStart), TimePoint::max());
-  EXPECT_TRUE(link.takes_view(kStart));
+  EXPECT_TRUE(link.may_request(kStart));
 }
 
 TEST(LinkSender, ADatagramThatItDidNotOfferIsOnlyCounted) {
@@ -72,12 +72,12 @@ TEST(LinkSender, OfWhatAClientCountedBeforeItWasResumedNothingCounts) {
     protocol::Feedback said;
     said.recovered = 7;
     said.incomplete = 9;
-    link.hear(said, kStart);
+    link.on_feedback(said, kStart);
     EXPECT_EQ(link.counters().recovered, resumed ? 0u : 7u);
     EXPECT_EQ(link.counters().incomplete, resumed ? 0u : 9u);
     said.recovered = 8;
     said.incomplete = 11;
-    link.hear(said, kStart + 10ms);
+    link.on_feedback(said, kStart + 10ms);
     EXPECT_EQ(link.counters().recovered, resumed ? 1u : 8u);
     EXPECT_EQ(link.counters().incomplete, resumed ? 2u : 11u);
   }
@@ -125,12 +125,12 @@ TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
   EXPECT_FALSE(link.take_lost(FrameId{2}, now)) << "never answered";
   ASSERT_TRUE(link.take_lost(FrameId{1}, now));
   EXPECT_FALSE(link.take_lost(FrameId{1}, now)) << "once";
-  EXPECT_TRUE(link.takes_view(now));
+  EXPECT_TRUE(link.may_request(now));
   EXPECT_EQ(link.datagram_bytes(), protocol::kMaxDatagramBytes);
 
   // Acknowledgements of the first answer's slices do not apply to the second's.
   link.add(frame_of(1, 1), TimePoint::max(), now);
-  link.hear(all_arrived(path.sent + 1, sent, 1000), now + 1ms);
+  link.on_feedback(all_arrived(path.sent + 1, sent, 1000), now + 1ms);
   EXPECT_FALSE(link.take_lost(FrameId{2}, now + 1ms));
   const auto out = link.next(now + 1ms);
   ASSERT_TRUE(out);
@@ -157,7 +157,7 @@ TEST(LinkSender, AnAnswerWithParityIsNotMadeAnew) {
     if (sent < first) continue;
     auto said = all_arrived(first, sent, static_cast<uint64_t>(to_microseconds(now.time_since_epoch())));
     for (size_t i = 0; i < said.count; i += 10) said.ages[i] = 0;
-    link.hear(said, now + 90ms);
+    link.on_feedback(said, now + 90ms);
   }
   ASSERT_GT(link.counters().parity, 0u);
   fly(1000);
@@ -172,7 +172,7 @@ TEST(LinkSender, AnAnswerOfWhichSomethingCameIsNotMadeAnew) {
   for (; sent < 4; now += 1ms) {
     while (link.next(now)) link.sent(++sent, 168, now);
   }
-  link.hear(all_arrived(1, 1, 1000), now);
+  link.on_feedback(all_arrived(1, 1, 1000), now);
   EXPECT_FALSE(link.take_lost(FrameId{1}, now + 10s));
 }
 
@@ -199,9 +199,9 @@ uint64_t sent_again(TimePoint deadline, TimePoint heard) {
   said.count = 12;
   said.time_us = 1000000;
   for (size_t i = 0; i < 12; ++i) said.ages[i] = i == 2 ? 0 : 1;
-  link.hear(said, heard);
+  link.on_feedback(said, heard);
   said.time_us += 30000;
-  link.hear(said, heard + 30ms);
+  link.on_feedback(said, heard + 30ms);
   while (link.next(heard + 31ms)) link.sent(++sent, 168, heard + 31ms);
   EXPECT_EQ(link.take_extra_bytes(), 168 * (sent - 12)) << "somebody pays for what goes again, and for probes";
   EXPECT_EQ(link.take_extra_bytes(), 0u);

@@ -143,8 +143,8 @@ TEST(MtuDiscovery, EverySearchTriesASizeThreeTimes) {
 
 TEST(RequestGate, HoldsViewsBackWhileTheLinkIsBusy) {
   RequestGate gate;
-  gate.asked(FrameId{1}, kStart);
-  gate.answered(FrameId{1}, 100000, kStart + 10ms);
+  gate.on_request(FrameId{1}, kStart);
+  gate.on_answer(FrameId{1}, 100000, kStart + 10ms);
   EXPECT_TRUE(gate.open(0, 1e6, kStart + 10ms));
   EXPECT_FALSE(gate.open(100000, 1e6, kStart + 10ms)) << "the frame before takes another 100 ms";
   EXPECT_GT(gate.opens_at(100000, 1e6, kStart + 10ms), kStart + 90ms);
@@ -153,9 +153,9 @@ TEST(RequestGate, HoldsViewsBackWhileTheLinkIsBusy) {
 
 TEST(RequestGate, ViewsThatAreNeverAnsweredAreForgotten) {
   RequestGate gate;
-  gate.asked(FrameId{1}, kStart);
-  gate.answered(FrameId{1}, 100000, kStart);
-  for (uint32_t i = 2; i < 10; ++i) gate.asked(FrameId{i}, kStart);
+  gate.on_request(FrameId{1}, kStart);
+  gate.on_answer(FrameId{1}, 100000, kStart);
+  for (uint32_t i = 2; i < 10; ++i) gate.on_request(FrameId{i}, kStart);
   EXPECT_FALSE(gate.open(0, 1e6, kStart + 100ms));
   EXPECT_TRUE(gate.open(0, 1e6, kStart + 600ms));
 }

@@ -55,10 +55,10 @@ void SimulatedSession::ask() {
 void SimulatedSession::answer() {
   const TimePoint now = events_.now();
   if (!waiting_) return;
-  if (!link_.takes_view(now)) return wake(link_.takes_view_at(now));
+  if (!link_.may_request(now)) return wake(link_.may_request_at(now));
   const FrameId frame = *waiting_;
   waiting_.reset();
-  link_.view_taken(frame, now);
+  link_.on_request(frame, now);
   events_.at(now + plan_.render, [this, frame, deadline = waiting_deadline_] { rendered(frame, deadline); });
 }
 
@@ -162,7 +162,7 @@ void SimulatedSession::report() {
   const auto fate = up_.send_datagram(62 + 2u * feedback.count, now);
   if (fate.copies == 0) return;
   events_.at(fate.at[0], [this, feedback] {
-    link_.hear(feedback, events_.now());
+    link_.on_feedback(feedback, events_.now());
     pump();
   });
 }

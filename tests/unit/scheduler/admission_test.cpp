@@ -1,4 +1,4 @@
-#include "scheduler/admission.h"
+#include "scheduler/admission_control.h"
 
 #include <gtest/gtest.h>
 
@@ -25,28 +25,29 @@ class AdmissionTest : public testing::Test {
  protected:
   void limit(const TenantLimits& one, double capacity = 1) { admission_.set_limits(capacity, {one, {}}); }
 
-  Misfit refused(const Demand& demand, TenantId tenant = kOne) {
+  AdmissionRejection refused(const Demand& demand, TenantId tenant = kOne) {
     const auto verdict = admission_.book(tenant, demand, model_);
-    EXPECT_TRUE(std::holds_alternative<Misfit>(verdict));
-    return std::holds_alternative<Misfit>(verdict) ? std::get<Misfit>(verdict) : Misfit{};
+    EXPECT_TRUE(std::holds_alternative<AdmissionRejection>(verdict));
+    return std::holds_alternative<AdmissionRejection>(verdict) ? std::get<AdmissionRejection>(verdict)
+                                                               : AdmissionRejection{};
   }
   bool admitted(const Demand& demand, TenantId tenant = kOne) {
     return std::holds_alternative<Booking>(admission_.book(tenant, demand, model_));
   }
 
   CostModel model_ = model();
-  Admission admission_;
+  AdmissionControl admission_;
 };
 
 TEST_F(AdmissionTest, CapacityIsSharedByAllAndAnOfferFits) {
   limit({});
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(admitted(kDemand, i % 2 ? kOne : kTwo)) << i;
-  const Misfit misfit = refused(kDemand);  // 0.96 are taken
-  EXPECT_EQ(misfit.limit, Limit::capacity);
-  EXPECT_EQ(misfit.fit_rate_hz, 5);
+  const AdmissionRejection rejection = refused(kDemand);  // 0.96 are taken
+  EXPECT_EQ(rejection.limit, Limit::capacity);
+  EXPECT_EQ(rejection.fit_rate_hz, 5);
   Demand smaller = kDemand;
-  smaller.width = misfit.fit_width;
-  smaller.height = misfit.fit_height;
+  smaller.width = rejection.fit_width;
+  smaller.height = rejection.fit_height;
   EXPECT_TRUE(admitted(smaller));
 }
 
@@ -65,7 +66,7 @@ TEST_F(AdmissionTest, EveryLimitOfATenantIsKeptAndNamed) {
       {{.memory_bytes = 15'000'000}, Limit::memory},
   };
   for (const auto& [limits, named] : cases) {
-    admission_ = Admission();
+    admission_ = AdmissionControl();
     limit(limits);
     EXPECT_TRUE(admitted(kDemand)) << to_string(named);
     EXPECT_EQ(refused(kDemand).limit, named);
@@ -75,11 +76,11 @@ TEST_F(AdmissionTest, EveryLimitOfATenantIsKeptAndNamed) {
 
 TEST_F(AdmissionTest, ASizeThatFitsIsOffered) {
   limit({.width = 640, .height = 480});
-  const Misfit misfit = refused({1280, 720, 8, 30});
-  EXPECT_EQ(misfit.limit, Limit::size);
-  EXPECT_EQ(misfit.fit_width, 640u);
-  EXPECT_EQ(misfit.fit_height, 360u);
-  EXPECT_EQ(misfit.fit_rate_hz, 0) << "no rate would help";
+  const AdmissionRejection rejection = refused({1280, 720, 8, 30});
+  EXPECT_EQ(rejection.limit, Limit::size);
+  EXPECT_EQ(rejection.fit_width, 640u);
+  EXPECT_EQ(rejection.fit_height, 360u);
+  EXPECT_EQ(rejection.fit_rate_hz, 0) << "no rate would help";
 }
 
 TEST_F(AdmissionTest, WhatIsReleasedCanBeBookedAgain) {

@@ -23,7 +23,7 @@ class Policy final : public Scheduler {
   explicit Policy(Choose choose) : choose_(std::move(choose)) {}
 
   std::string_view policy() const override { return "broken"; }
-  void set_tenant(TenantId tenant, const TenantTerms& terms) override {
+  void set_tenant(TenantId tenant, const TenantScheduling& terms) override {
     if (accounts_.size() <= tenant.value) accounts_.resize(tenant.value + 1);
     accounts_[tenant.value].weight = terms.weight;
   }
@@ -60,7 +60,7 @@ class Policy final : public Scheduler {
   void charge(const Ticket& ticket, Nanoseconds cost, TimePoint) override {
     accounts_[ticket.tenant.value].service += static_cast<double>((cost - ticket.predicted).count());
   }
-  Standing standing(TenantId) const override { return {}; }
+  TenantStanding standing(TenantId) const override { return {}; }
 
  private:
   struct Session {

@@ -102,6 +102,17 @@ TEST(Degradation, RecoversWhenTheLoadFalls) {
 }
 
 // A steady overload leads to steps down, and then to attempts to step up that become ever rarer.
+TEST(Degradation, StepsBeyondTighterLimitsNeedNotBeTakenBack) {
+  Session s = session(0.25, 0.5);
+  s.run(60, 100, 1);
+  s.degradation.set_limits({.least_rate = 0.75, .least_size = 1});
+  ASSERT_EQ(s.degradation.point().rate, 0.75);
+  s.changes = 0;
+  s.run(10, 0.5, 1);
+  EXPECT_EQ(s.changes, 1u);
+  EXPECT_EQ(s.degradation.point(), OperatingPoint{});
+}
+
 TEST(Degradation, ASteadyOverloadSettles) {
   Session s = session(0.25, 0.5);
   s.run(100, 2, 1);

@@ -1,8 +1,8 @@
 // The small parts around a stream: pacing, modes, percentiles, addresses.
 #include <gtest/gtest.h>
 
+#include "client/cli/camera_pacer.h"
 #include "client/cli/latency.h"
-#include "client/cli/pacer.h"
 #include "client/net/address.h"
 #include "client/prediction/mode.h"
 
@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 
 const TimePoint kStart = TimePoint{} + 1h;
 
-TEST(Pacer, KeepsItsRateWhateverIsInFlightWithoutAWindow) {
-  Pacer pacer({.rate_hz = 100, .max_in_flight = 0}, kStart);
+TEST(CameraPacer, KeepsItsRateWhateverIsInFlightWithoutAWindow) {
+  CameraPacer pacer({.rate_hz = 100, .max_in_flight = 0}, kStart);
   TimePoint now = kStart;
   for (int i = 0; i < 50; ++i) {
     EXPECT_EQ(pacer.next_send(static_cast<size_t>(i)), kStart + i * 10ms);
@@ -23,8 +23,8 @@ TEST(Pacer, KeepsItsRateWhateverIsInFlightWithoutAWindow) {
   }
 }
 
-TEST(Pacer, DoesNotMakeUpForAPause) {
-  Pacer pacer({.rate_hz = 100, .max_in_flight = 0}, kStart);
+TEST(CameraPacer, DoesNotMakeUpForAPause) {
+  CameraPacer pacer({.rate_hz = 100, .max_in_flight = 0}, kStart);
   pacer.sent(kStart);
   pacer.sent(kStart + 5s);
   EXPECT_EQ(pacer.next_send(0), kStart + 5s);
@@ -32,8 +32,8 @@ TEST(Pacer, DoesNotMakeUpForAPause) {
   EXPECT_EQ(pacer.next_send(0), kStart + 5s + 10ms);
 }
 
-TEST(Pacer, AFullWindowWaitsForAnAnswerAndMovesOnWhenItMustBeLost) {
-  Pacer pacer({.rate_hz = 0, .max_in_flight = 2}, kStart);
+TEST(CameraPacer, AFullWindowWaitsForAnAnswerAndMovesOnWhenItMustBeLost) {
+  CameraPacer pacer({.rate_hz = 0, .max_in_flight = 2}, kStart);
   EXPECT_LE(pacer.next_send(0), kStart);
   pacer.sent(kStart + 1ms);
   EXPECT_LE(pacer.next_send(1), kStart + 1ms) << "room for another";
@@ -42,8 +42,8 @@ TEST(Pacer, AFullWindowWaitsForAnAnswerAndMovesOnWhenItMustBeLost) {
   EXPECT_LE(pacer.next_send(1), kStart + 2ms) << "an answer makes room at once";
 }
 
-TEST(Pacer, PatienceFollowsTheServer) {
-  Pacer pacer({.rate_hz = 0, .max_in_flight = 1}, kStart);
+TEST(CameraPacer, PatienceFollowsTheServer) {
+  CameraPacer pacer({.rate_hz = 0, .max_in_flight = 1}, kStart);
   EXPECT_GE(pacer.answer_patience(), 5s) << "nothing known yet";
   for (int i = 0; i < 50; ++i) pacer.answered(20ms);
   EXPECT_EQ(pacer.answer_patience(), 1s) << "never hasty";

@@ -28,7 +28,7 @@ struct Little {
     seen.width = 3, seen.height = 1, seen.lights = 2, seen.pixels = {0b00, 0b01, 0b11};
     fresh.width = 4, fresh.height = 1, fresh.lights = 2, fresh.pixels = {0b00, 0b01, 0b10, 0b00};
   }
-  PredictionError of(std::vector<uint32_t> sources, Window traced, bool with_care = true) const {
+  PredictionError of(std::vector<uint32_t> sources, PixelRect traced, bool with_care = true) const {
     return compare(seen, sources, traced, fresh,
                    with_care ? std::span<const uint32_t>(care) : std::span<const uint32_t>(), {1, 0, 2, 1});
   }
@@ -66,7 +66,7 @@ TEST(PredictionError, WithoutCareEveryBitOfWhatWasFoundCounts) {
 // With a step of 1 the count is that of all pixels; with a larger one it stays within the picture.
 TEST(PredictionError, OfSomePixelsIsAnEstimate) {
   const tests::Mask seen = tests::noise(kGrid, 2), fresh = tests::noise(kGrid, 3);
-  const Window shown{2, 1, 17, 9};
+  const PixelRect shown{2, 1, 17, 9};
   std::vector<uint32_t> sources;
   for (uint32_t i = 0; i < shown.width * shown.height; ++i) sources.push_back(i * 7 % (kGrid.width * kGrid.height));
   const PredictionError all = compare(LightBits(seen.view()), sources, {0, 0, kGrid.width, kGrid.height},

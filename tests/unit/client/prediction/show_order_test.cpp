@@ -19,7 +19,7 @@ struct Playing {
   TimePoint now{};
 
   Playing(Mode mode, size_t ahead, uint32_t frames)
-      : order(mode, std::make_unique<FixedAhead>(ahead)), latency(frames) {}
+      : order(mode, std::make_unique<FixedPrediction>(ahead)), latency(frames) {}
 
   std::optional<Shown> frame() {
     order.asked({}, now);
@@ -35,6 +35,17 @@ struct Playing {
     return shown.value();
   }
 };
+
+TEST(ShowOrder, AServerThatStopsAnsweringCostsNoMemoryForEver) {
+  ShowOrder order(Mode::predicted, std::make_unique<FixedPrediction>(4));
+  order.asked({}, TimePoint{});
+  ASSERT_TRUE(order.answered(0, TimePoint{}));
+  ASSERT_TRUE(order.next(TimePoint{}));
+  for (int i = 0; i < 4096; ++i) order.asked({}, TimePoint{});
+  EXPECT_FALSE(order.next(TimePoint{})) << "the masks are too old to keep their camera";
+  ASSERT_TRUE(order.answered(4000, TimePoint{}));
+  EXPECT_EQ(order.next(TimePoint{})->seen.index, 4000u);
+}
 
 TEST(ShowOrder, ModesShowWhatTheDissertationSays) {
   constexpr uint32_t n = 99, p = 10;
@@ -61,7 +72,7 @@ TEST(ShowOrder, ModesShowWhatTheDissertationSays) {
 }
 
 TEST(ShowOrder, NothingBeforeMasksAndNothingTwice) {
-  ShowOrder order(Mode::predicted, std::make_unique<FixedAhead>(2));
+  ShowOrder order(Mode::predicted, std::make_unique<FixedPrediction>(2));
   EXPECT_FALSE(order.next({}));
   order.asked({}, {});
   EXPECT_FALSE(order.next({}));

@@ -33,7 +33,7 @@ TEST(ThinClient, ShowsCamerasAheadOfTheirMasks) {
   Loop loop;
   size_t received = 0;
   ThinClient client(loop, options_for(server.address(), Mode::predicted, 2),
-                    {.received = [&](const Received&) { ++received; }});
+                    {.received = [&](const ReceivedMasks&) { ++received; }});
   ASSERT_TRUE(client.wait_open());
   EXPECT_FALSE(client.next());
   client.look(camera_at(0));
@@ -72,7 +72,7 @@ TEST(ThinClient, FindsItsServerAgain) {
   Loop loop;
   std::vector<uint32_t> received;
   ThinClient client(loop, options_for(server.address(), Mode::queued, 0),
-                    {.received = [&](const Received& r) { received.push_back(r.index); }});
+                    {.received = [&](const ReceivedMasks& r) { received.push_back(r.index); }});
   ASSERT_TRUE(client.wait_open());
   for (const size_t connection : {0u, 1u}) {
     ASSERT_TRUE(loop.run_until(Clock::now() + 20s, [&] { return client.online(); })) << connection;

@@ -25,7 +25,7 @@ inline client::StreamOptions options_for(const client::Address& server) {
   return options;
 }
 
-struct Received {
+struct WatchedAnswer {
   FrameId frame;
   protocol::CameraView camera;
   std::vector<uint64_t> words;
@@ -35,7 +35,7 @@ struct Received {
 
 struct Watched {
   client::Loop loop;
-  std::vector<Received> answers;
+  std::vector<WatchedAnswer> answers;
   std::vector<protocol::Message> messages;
   client::VisibilityStream stream;
 

@@ -1,7 +1,7 @@
 // A client far away that asks at a steady rate. Whatever arrives late or is answered twice on such a path, the client's
 // frames are right, and it does not take any of them for those of a broken server.
 #include "client/stream/visibility_stream.h"
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/wire/translate.h"
 #include "protocol/pin.h"
 #include "tests/tools/netsim/relay.h"

@@ -9,8 +9,8 @@ constexpr SceneId kOther{7};
 class ArrivalTest : public RenderLoopTest {
  protected:
   void arrive(SceneId scene = kOther) {
-    loop_->handle(SceneArrived{{scene, std::make_shared<scenes::Scene>(), 0, 0},
-                               [this](Result<gpu::SceneFootprint> made) { answers_.push_back(made.has_value()); }},
+    loop_->handle(SceneLoaded{{scene, std::make_shared<scenes::Scene>(), 0, 0},
+                              [this](Result<gpu::SceneFootprint> made) { answers_.push_back(made.has_value()); }},
                   now_);
   }
   // Renders a frame of kA at that cost.
@@ -96,7 +96,7 @@ TEST_F(ArrivalTest, WhenTheServerStopsWhoWaitsIsTold) {
 // Admission uses the cost of frames after the build, so that nobody is refused for their higher cost before it.
 TEST_F(ArrivalTest, WhatFramesCostUntilTheBuildIsDoneIsLearnedApart) {
   constexpr Nanoseconds kBefore = 1500us, kAfter = 50us;  // too cheap to be cut
-  loop_->handle(SceneLeaves{kScene}, now_);
+  loop_->handle(SceneUnloaded{kScene}, now_);
   fake_->state_of_lights.unbuilt = 2;
   fake_->holds_builds = true;
   arrive(kScene);

@@ -14,9 +14,9 @@ class CutFrameTest : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    SharingPolicy terms = sharing_policy_of({});
-    terms.quantum = Nanoseconds(0);
-    loop_->handle(SharingPolicyChanged{terms}, now_);
+    SharingPolicy sharing = sharing_policy_of({});
+    sharing.quantum = Nanoseconds(0);
+    loop_->handle(SharingPolicyChanged{sharing}, now_);
     loop_->handle(SessionClosed{kA}, now_);
     loop_->handle(SessionClosed{kB}, now_);
     open(kA, {.width = 16, .height = kHeight});
@@ -26,8 +26,8 @@ class CutFrameTest : public RenderLoopTest {
     fake_->complete(100us);
     rendered_.clear();
     settle();
-    terms.quantum = 75us;
-    loop_->handle(SharingPolicyChanged{terms}, now_);
+    sharing.quantum = 75us;
+    loop_->handle(SharingPolicyChanged{sharing}, now_);
   }
 
   void complete_one() { fake_->complete(fake_->rows(0) * 1us); }
@@ -223,13 +223,13 @@ class NeighbourTest : public RenderLoopTest {
   }
 
   void begin(const std::string& policy, uint32_t steady_priority) {
-    SharingPolicy terms;
-    terms.policy = policy;
-    terms.quantum = kQuantum;
-    terms.frames_in_flight = kInFlight;
-    terms.tenants.resize(2);
-    terms.tenants[1].terms.priority = steady_priority;
-    loop_->handle(SharingPolicyChanged{terms}, now_);
+    SharingPolicy sharing;
+    sharing.policy = policy;
+    sharing.quantum = kQuantum;
+    sharing.frames_in_flight = kInFlight;
+    sharing.tenants.resize(2);
+    sharing.tenants[1].scheduling.priority = steady_priority;
+    loop_->handle(SharingPolicyChanged{sharing}, now_);
     open(kSteady, {.tenant = TenantId{1}, .width = 160, .height = 96, .lights = 3});
     for (uint32_t i = 0; i < kFlood; ++i) open(SessionId{i}, {.width = 640, .height = 360, .lights = 3});
   }

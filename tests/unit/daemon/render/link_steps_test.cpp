@@ -12,9 +12,9 @@ class NarrowLink : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    SharingPolicy terms = sharing_policy_of({});
-    terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
-    loop_->handle(SharingPolicyChanged{terms}, now_);
+    SharingPolicy limits = sharing_policy_of({});
+    limits.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
+    loop_->handle(SharingPolicyChanged{limits}, now_);
     open_far();
   }
 

@@ -31,8 +31,8 @@ class RenderLoopTest : public testing::Test, private FrameSink {
     loop_ = std::make_unique<RenderLoop>(
         SharingPolicy{.policy = "round_robin", .frames_in_flight = kSlots, .tenants = {TenantShare{}}}, *device_,
         inbox_, metrics_, static_cast<FrameSink&>(*this));
-    loop_->handle(SceneArrived{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
-                               [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
+    loop_->handle(SceneLoaded{{kScene, std::make_shared<scenes::Scene>(), 0, 0},
+                              [](Result<gpu::SceneFootprint> made) { EXPECT_TRUE(made); }},
                   now_);
     for (const SessionId session : {kA, kB, kSilent}) open(session);
   }
@@ -43,6 +43,7 @@ class RenderLoopTest : public testing::Test, private FrameSink {
   }
 
   void on_rendered(RenderedFrame frame) override { rendered_.push_back(std::move(frame)); }
+  void on_encoded(EncodedFrame) override {}
   void on_degraded(const SessionDegraded& session) override { degraded_.push_back(session); }
   void on_lights(const LightsUpdate&) override {}
 

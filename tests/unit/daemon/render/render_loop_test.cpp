@@ -125,9 +125,9 @@ TEST_F(RenderLoopTest, APolicyChangesWithViewsWaitingAndOnTheDevice) {
     view(kA, 1);
     settle();
     view(kB, 1);
-    SharingPolicy terms = sharing_policy_of({});
-    terms.policy = policy;
-    loop_->handle(SharingPolicyChanged{terms}, now_);
+    SharingPolicy sharing = sharing_policy_of({});
+    sharing.policy = policy;
+    loop_->handle(SharingPolicyChanged{sharing}, now_);
     settle();
     while (fake_->waiting() > 0) {
       fake_->complete();
@@ -141,26 +141,26 @@ TEST_F(RenderLoopTest, APolicyChangesWithViewsWaitingAndOnTheDevice) {
 }
 
 TEST_F(RenderLoopTest, ATenantsRateIsKept) {
-  SharingPolicy terms = sharing_policy_of({});
-  terms.tenants[0].rates.buffers_per_second = 50;
-  loop_->handle(SharingPolicyChanged{terms}, now_);
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.tenants[0].rates.buffers_per_second = 50;
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
   const size_t frames = frames_in_2s(kA);
   EXPECT_NEAR(static_cast<double>(frames), 2 * 50 + 5, 2) << "and a burst of 100 ms";
   EXPECT_LT(loop_->wake_at(), TimePoint::max());
 }
 
 TEST_F(RenderLoopTest, ATenantsShareOfTheDeviceHasACeiling) {
-  SharingPolicy terms = sharing_policy_of({});
-  terms.tenants[0].rates.gpu_share = 0.2;
-  loop_->handle(SharingPolicyChanged{terms}, now_);
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.tenants[0].rates.gpu_share = 0.2;
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
   const size_t frames = frames_in_2s(kA);
   EXPECT_NEAR(static_cast<double>(frames), 2 * 200 + 20, 5) << "of 1 ms each, and a burst of 100 ms at that share";
 }
 
 TEST_F(RenderLoopTest, ATenantsBytesAreCounted) {
-  SharingPolicy terms = sharing_policy_of({});
-  terms.tenants[0].rates.bytes_per_second = 1000;
-  loop_->handle(SharingPolicyChanged{terms}, now_);
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.tenants[0].rates.bytes_per_second = 1000;
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
   loop_->handle(BytesSent{kTenant, kScene, 1000, 2000}, now_);
   view(kA, 1);
   settle();
@@ -178,9 +178,9 @@ TEST_F(RenderLoopTest, AGrantedRateIsKept) {
 }
 
 TEST_F(RenderLoopTest, AViewThatCannotBeReadyInTimeCostsNothing) {
-  SharingPolicy terms = sharing_policy_of({});
-  terms.policy = "deadline";
-  loop_->handle(SharingPolicyChanged{terms}, now_);
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.policy = "deadline";
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
   loop_->handle(ViewRequest{kA, FrameId{1}, {}, now_, now_ - 1ms}, now_);
   loop_->handle(ViewRequest{kB, FrameId{1}, {}, now_, now_ + 1s}, now_);
   settle();
@@ -198,9 +198,9 @@ class OverloadTest : public RenderLoopTest {
 
   void SetUp() override {
     RenderLoopTest::SetUp();
-    SharingPolicy terms = sharing_policy_of({});
-    terms.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
-    loop_->handle(SharingPolicyChanged{terms}, now_);
+    SharingPolicy sharing = sharing_policy_of({});
+    sharing.tenants[0].degradation = {.least_rate = 0.5, .least_size = 0.5};
+    loop_->handle(SharingPolicyChanged{sharing}, now_);
     open(kBusy, {.width = 160, .height = 96, .rate_hz = 40});
   }
 
@@ -245,10 +245,10 @@ TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
   constexpr SceneId kLit{7};
   auto scene = std::make_shared<scenes::Scene>();
   for (const float x : {100.0f, 0.0f, 50.0f}) scene->lights.emplace_back().position = {x, 0, 0};
-  loop_->handle(SceneArrived{{kLit, scene, 0, 0}, [](Result<gpu::SceneFootprint>) {}}, now_);
-  SharingPolicy terms = sharing_policy_of({});
-  terms.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1, .least_lights = 0.3};
-  loop_->handle(SharingPolicyChanged{terms}, now_);
+  loop_->handle(SceneLoaded{{kLit, scene, 0, 0}, [](Result<gpu::SceneFootprint>) {}}, now_);
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1, .least_lights = 0.3};
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
   loop_->handle(SessionClosed{kBusy}, now_);
   open(kBusy, {.width = 160, .height = 96, .rate_hz = 40, .scene = kLit, .lights = 3});
   for (int i = 0; i < 30; ++i) second(8);  // the camera stands at x = the frame's number, 1,000 and more

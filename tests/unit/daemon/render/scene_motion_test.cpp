@@ -59,6 +59,7 @@ class SceneMotionTest : public testing::Test, private FrameSink {
   }
 
   void on_rendered(RenderedFrame) override {}
+  void on_encoded(EncodedFrame) override {}
   void on_degraded(const SessionDegraded&) override {}
   void on_lights(const LightsUpdate& lights) override { announced_.push_back(lights); }
 

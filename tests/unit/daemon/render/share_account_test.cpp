@@ -12,10 +12,10 @@ const TimePoint kNow(1h);
 class ShareAccountTest : public testing::Test {
  protected:
   void SetUp() override {
-    SharingPolicy terms;
-    for (const uint32_t weight : {1u, 3u, 2u}) terms.tenants.push_back({{.weight = weight}, {}, {}});
-    for (uint32_t i = 0; i < 3; ++i) policy_->set_tenant(TenantId{i}, terms.tenants[i].terms);
-    account_.set_terms(terms);
+    SharingPolicy sharing;
+    for (const uint32_t weight : {1u, 3u, 2u}) sharing.tenants.push_back({{.weight = weight}, {}, {}});
+    for (uint32_t i = 0; i < 3; ++i) policy_->set_tenant(TenantId{i}, sharing.tenants[i].scheduling);
+    account_.set_sharing(sharing);
     account_.report(*policy_);
   }
 

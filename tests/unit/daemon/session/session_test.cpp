@@ -64,21 +64,21 @@ TEST_F(SessionTest, OnlyWhatIsAuthenticCountsAsLifeAndMovesTheAddress) {
   damaged.back() ^= 1;
   EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_forged);
   EXPECT_FALSE(session.address());
-  EXPECT_EQ(session.last_heard(), kStart);
+  EXPECT_EQ(session.last_received(), kStart);
   EXPECT_TRUE(session.receive(view(1, 2), here_, kStart + 4s).view);
   EXPECT_EQ(session.address(), here_);
   EXPECT_TRUE(session.receive(view(1, 3), there_, kStart + 5s).view);
   EXPECT_EQ(session.address(), there_);
-  EXPECT_EQ(session.last_heard(), kStart + 5s);
+  EXPECT_EQ(session.last_received(), kStart + 5s);
 }
 
 TEST_F(SessionTest, RepeatedFramesAreLifeButNoNewsAndOldOnesAreDropped) {
   Session& session = add(1, kStart);
   EXPECT_TRUE(session.receive(view(1, 5), here_, kStart).view);
-  const Received repeated = session.receive(view(1, 5), here_, kStart + 1s);
+  const DatagramOutcome repeated = session.receive(view(1, 5), here_, kStart + 1s);
   EXPECT_FALSE(repeated.view);
   EXPECT_FALSE(repeated.fault);
-  EXPECT_EQ(session.last_heard(), kStart + 1s);
+  EXPECT_EQ(session.last_received(), kStart + 1s);
   EXPECT_EQ(session.receive(view(1, 4), here_, kStart).fault, Fault::view_out_of_order);
 }
 

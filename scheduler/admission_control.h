@@ -48,13 +48,13 @@ enum class Limit { sessions, size, buffers, bits, bytes, gpu_share, memory, capa
 std::string_view to_string(Limit limit);
 
 // A refusal: the first limit that the demand exceeds, and smaller demands that would be admitted instead; 0 if none.
-struct Misfit {
+struct AdmissionRejection {
   Limit limit = Limit::capacity;
   uint32_t fit_width = 0, fit_height = 0;  // at the requested rate
   double fit_rate_hz = 0;                  // at the requested size
 };
 
-class Admission {
+class AdmissionControl {
  public:
   // `capacity`: the share of the device that all sessions may book together; 1: all of it, 0: no limit. `tenants` is
   // indexed by TenantId. Existing bookings are kept, even if they exceed the new limits.
@@ -62,7 +62,7 @@ class Admission {
 
   // Books the demand if it fits. `model`: the costs of the scene that the client asks for; a model without measurements
   // predicts no load. Precondition: set_limits has named the tenant.
-  std::variant<Booking, Misfit> book(TenantId tenant, const Demand& demand, const CostModel& model);
+  std::variant<Booking, AdmissionRejection> book(TenantId tenant, const Demand& demand, const CostModel& model);
   // Precondition: `booking` was returned by book() for this tenant and was not released yet.
   void release(TenantId tenant, const Booking& booking);
 

@@ -13,10 +13,11 @@ struct PaceOptions {
   size_t max_in_flight = 1;  // 0: no window; then there must be a rate
 };
 
-class Pacer {
+class CameraPacer {
  public:
   // The first camera may be sent at `start`.
-  Pacer(const PaceOptions& options, TimePoint start) : options_(options), next_by_rate_(start), last_sent_(start) {}
+  CameraPacer(const PaceOptions& options, TimePoint start)
+      : options_(options), next_by_rate_(start), last_sent_(start) {}
 
   // The next camera's time, in the past if it may be sent at once.
   TimePoint next_send(size_t in_flight) const;

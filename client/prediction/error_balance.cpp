@@ -1,4 +1,4 @@
-#include "client/prediction/balance.h"
+#include "client/prediction/error_balance.h"
 
 #include <algorithm>
 
@@ -46,11 +46,11 @@ void ErrorCurve::learn(const ImageMotion& motion, double error) {
   }
 }
 
-size_t Balance::choose(const AheadChoice& choice) {
+size_t ErrorBalance::choose(const PredictionChoice& choice) {
   size_t best = choice.least;
   double least_cost = 0;
   for (size_t i = choice.least; i <= choice.most(); ++i) {
-    const AskedCamera& camera = choice.cameras[i];
+    const RequestedCamera& camera = choice.cameras[i];
     const double error = curve_.expect(
         motion_between(choice.cameras.front().camera, camera.camera, options_.size, options_.distance));
     const double cost = error + options_.cost_per_s * to_seconds(choice.now - camera.asked);
@@ -61,7 +61,7 @@ size_t Balance::choose(const AheadChoice& choice) {
   return best;
 }
 
-void Balance::observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) {
+void ErrorBalance::observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) {
   curve_.learn(motion_between(earlier, later, options_.size, options_.distance), error);
 }
 

@@ -8,12 +8,12 @@
 
 #include <array>
 
-#include "client/prediction/ahead.h"
 #include "client/prediction/motion.h"
+#include "client/prediction/prediction_policy.h"
 
 namespace gnomon::client {
 
-struct BalanceOptions {
+struct ErrorBalanceOptions {
   ViewSize size;
   double distance = 4;       // approximate distance of what is seen, metres
   double cost_per_s = 0.15;  // of a second of response time, in share of wrong bits: 1% is worth 67 ms
@@ -38,16 +38,16 @@ class ErrorCurve {
   std::array<Terms, kTerms> trust_{};  // covariance of the weights, relative to the errors' variance
 };
 
-class Balance : public Ahead {
+class ErrorBalance : public PredictionPolicy {
  public:
-  explicit Balance(const BalanceOptions& options) : options_(options), curve_(options.size) {}
-  size_t choose(const AheadChoice& choice) override;
+  explicit ErrorBalance(const ErrorBalanceOptions& options) : options_(options), curve_(options.size) {}
+  size_t choose(const PredictionChoice& choice) override;
   void observe(const protocol::CameraView& earlier, const protocol::CameraView& later, double error) override;
 
   const ErrorCurve& curve() const { return curve_; }
 
  private:
-  BalanceOptions options_;
+  ErrorBalanceOptions options_;
   ErrorCurve curve_;
 };
 

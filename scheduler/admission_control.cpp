@@ -1,4 +1,4 @@
-#include "scheduler/admission.h"
+#include "scheduler/admission_control.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,13 +57,14 @@ std::string_view to_string(Limit limit) {
   return "";
 }
 
-void Admission::set_limits(double capacity, std::vector<TenantLimits> tenants) {
+void AdmissionControl::set_limits(double capacity, std::vector<TenantLimits> tenants) {
   capacity_ = capacity;
   limits_ = std::move(tenants);
   booked_.resize(std::max(booked_.size(), limits_.size()));
 }
 
-std::optional<Limit> Admission::obstacle(TenantId tenant, const Demand& demand, const CostModel& model) const {
+std::optional<Limit> AdmissionControl::obstacle(TenantId tenant, const Demand& demand,
+                                                const CostModel& model) const {
   const TenantLimits& most = limits_[tenant.value];
   const Booked& has = booked_[tenant.value];
   Booking sum = has.sum;
@@ -83,7 +84,8 @@ std::optional<Limit> Admission::obstacle(TenantId tenant, const Demand& demand, 
   return std::nullopt;
 }
 
-std::variant<Booking, Misfit> Admission::book(TenantId tenant, const Demand& demand, const CostModel& model) {
+std::variant<Booking, AdmissionRejection> AdmissionControl::book(TenantId tenant, const Demand& demand,
+                                                                 const CostModel& model) {
   const auto limit = obstacle(tenant, demand, model);
   if (!limit) {
     const Booking booking = booking_of(demand, model);
@@ -92,24 +94,24 @@ std::variant<Booking, Misfit> Admission::book(TenantId tenant, const Demand& dem
     load_ += booking.load;
     return booking;
   }
-  Misfit misfit{*limit, 0, 0, 0};
+  AdmissionRejection rejection{*limit, 0, 0, 0};
   Demand smaller = demand;
-  for (int size = kSizesTried; size > 0 && misfit.fit_width == 0; --size) {
+  for (int size = kSizesTried; size > 0 && rejection.fit_width == 0; --size) {
     smaller.width = scaled(demand.width, size);
     smaller.height = scaled(demand.height, size);
     if (obstacle(tenant, smaller, model)) continue;
-    misfit.fit_width = smaller.width;
-    misfit.fit_height = smaller.height;
+    rejection.fit_width = smaller.width;
+    rejection.fit_height = smaller.height;
   }
   Demand slower = demand;
-  for (double rate = std::floor(demand.rate_hz); rate >= kLeastRate && misfit.fit_rate_hz == 0; --rate) {
+  for (double rate = std::floor(demand.rate_hz); rate >= kLeastRate && rejection.fit_rate_hz == 0; --rate) {
     slower.rate_hz = rate;
-    if (!obstacle(tenant, slower, model)) misfit.fit_rate_hz = rate;
+    if (!obstacle(tenant, slower, model)) rejection.fit_rate_hz = rate;
   }
-  return misfit;
+  return rejection;
 }
 
-void Admission::release(TenantId tenant, const Booking& booking) {
+void AdmissionControl::release(TenantId tenant, const Booking& booking) {
   --booked_[tenant.value].sessions;
   add(booked_[tenant.value].sum, booking, -1);
   load_ -= booking.load;

@@ -3,13 +3,13 @@
 
 namespace gnomon::daemon {
 
-struct ProcessFigures {
+struct ProcessStats {
   double resident_bytes = 0;
   double open_files = 0;
   double threads = 0;
 };
 
 // Any thread. A figure that cannot be read is 0.
-ProcessFigures process_figures();
+ProcessStats process_stats();
 
 }  // namespace gnomon::daemon

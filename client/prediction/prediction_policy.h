@@ -1,8 +1,8 @@
 // Policies that choose how many frames ahead of the newest masks to show: the dissertation's x. No clock, no locks.
 //
-//   FixedAhead  x is a number (3.3)
+//   FixedPrediction  x is a number (3.3)
 //   Switching   the dissertation's switching between the largest possible x and none (3.5): switching.h
-//   Balance     the x with the least sum of expected error and cost of response time: balance.h
+//   ErrorBalance     the x with the least sum of expected error and cost of response time: error_balance.h
 #pragma once
 
 #include <algorithm>
@@ -18,27 +18,27 @@ namespace gnomon::client {
 inline constexpr size_t kMostAhead = 19;  // the largest x that the dissertation measured
 
 // A camera that was asked for.
-struct AskedCamera {
+struct RequestedCamera {
   uint32_t index = 0;  // counts up
   protocol::CameraView camera;
   TimePoint asked{};
 };
 
-struct AheadChoice {
-  const std::deque<AskedCamera>& cameras;  // front: the newest with masks; back: the newest
-  size_t least = 0;                        // index of the one shown last: pictures never go back
-  Nanoseconds latency{};                   // from asking for the front one to its masks' arrival
+struct PredictionChoice {
+  const std::deque<RequestedCamera>& cameras;  // front: the newest with masks; back: the newest
+  size_t least = 0;                            // index of the one shown last: pictures never go back
+  Nanoseconds latency{};                       // from asking for the front one to its masks' arrival
   TimePoint now{};
 
   size_t most() const { return std::max(least, std::min(cameras.size() - 1, kMostAhead)); }
 };
 
-class Ahead {
+class PredictionPolicy {
  public:
-  virtual ~Ahead() = default;
+  virtual ~PredictionPolicy() = default;
 
   // The index of the camera to show, from `least` to `most()`. Called once for each frame shown.
-  virtual size_t choose(const AheadChoice& choice) = 0;
+  virtual size_t choose(const PredictionChoice& choice) = 0;
 
   // Reports how wrong a prediction was, once the masks of its camera have arrived: `error` is the share of wrong bits
   // in the masks of `later` as predicted from those of `earlier`.
@@ -46,10 +46,10 @@ class Ahead {
                        double /*error*/) {}
 };
 
-class FixedAhead : public Ahead {
+class FixedPrediction : public PredictionPolicy {
  public:
-  explicit FixedAhead(size_t x) : x_(x) {}
-  size_t choose(const AheadChoice& choice) override { return std::clamp(x_, choice.least, choice.most()); }
+  explicit FixedPrediction(size_t x) : x_(x) {}
+  size_t choose(const PredictionChoice& choice) override { return std::clamp(x_, choice.least, choice.most()); }
 
  private:
   size_t x_;

@@ -1,4 +1,4 @@
-#include "client/cli/pacer.h"
+#include "client/cli/camera_pacer.h"
 
 #include <algorithm>
 
@@ -12,12 +12,12 @@ constexpr Nanoseconds kLeastPatience = 1s;
 
 }  // namespace
 
-TimePoint Pacer::next_send(size_t in_flight) const {
+TimePoint CameraPacer::next_send(size_t in_flight) const {
   const bool window_full = options_.max_in_flight > 0 && in_flight >= options_.max_in_flight;
   return window_full ? std::max(next_by_rate_, last_sent_ + answer_patience()) : next_by_rate_;
 }
 
-void Pacer::sent(TimePoint now) {
+void CameraPacer::sent(TimePoint now) {
   last_sent_ = now;
   if (options_.rate_hz <= 0) return;
   const auto interval =
@@ -26,7 +26,7 @@ void Pacer::sent(TimePoint now) {
   next_by_rate_ = std::max(next_by_rate_ + interval, now);
 }
 
-void Pacer::answered(Nanoseconds response) {
+void CameraPacer::answered(Nanoseconds response) {
   if (!any_answer_) {
     any_answer_ = true;
     mean_response_ = response;
@@ -37,7 +37,7 @@ void Pacer::answered(Nanoseconds response) {
   mean_response_ = (7 * mean_response_ + response) / 8;
 }
 
-Nanoseconds Pacer::answer_patience() const {
+Nanoseconds CameraPacer::answer_patience() const {
   return any_answer_ ? std::max(kLeastPatience, mean_response_ + 4 * mean_deviation_) : kFirstPatience;
 }
 

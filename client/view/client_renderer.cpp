@@ -1,4 +1,4 @@
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 
 #include <utility>
 
@@ -13,18 +13,19 @@ constexpr uint32_t kTrialStep = 4;  // pixels, each way: predictions are compare
 
 }  // namespace
 
-Result<OwnView> OwnView::create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device) {
+Result<ClientRenderer> ClientRenderer::create(const scenes::ScenePtr& scene, const ViewSize& size,
+                                              const std::string& device) {
   gpu::RendererOptions options;
   options.device = device;
   auto view = gpu::ReferenceView::create(options, scene);
   if (!view) return view.error();
-  OwnView own;
+  ClientRenderer own;
   own.view_ = std::move(*view);
   own.size_ = size;
   return own;
 }
 
-Result<PictureView> OwnView::draw(const Showing& showing) {
+Result<PictureView> ClientRenderer::draw(const Showing& showing) {
   if (!exposure_) {
     const auto exposure = view_->suggest_exposure(gpu::from_wire(showing.camera));
     if (!exposure) return exposure.error();
@@ -35,13 +36,13 @@ Result<PictureView> OwnView::draw(const Showing& showing) {
   return render(showing, options);
 }
 
-Result<Picture> OwnView::shade(const Showing& showing) {
+Result<Picture> ClientRenderer::shade(const Showing& showing) {
   const auto drawn = draw(showing);
   if (!drawn) return drawn.error();
   return copied(*drawn);
 }
 
-Result<std::vector<Picture>> OwnView::seen_by_lights(const Showing& showing) {
+Result<std::vector<Picture>> ClientRenderer::seen_by_lights(const Showing& showing) {
   gpu::ShadeOptions options;
   options.view = gpu::ShadeOptions::View::material;
   options.tonemap = gpu::ShadeOptions::Tonemap::clamp;
@@ -55,7 +56,7 @@ Result<std::vector<Picture>> OwnView::seen_by_lights(const Showing& showing) {
   return pictures;
 }
 
-Result<PictureView> OwnView::render(const Showing& showing, gpu::ShadeOptions options) {
+Result<PictureView> ClientRenderer::render(const Showing& showing, gpu::ShadeOptions options) {
   if (auto taken = take(showing.seen); !taken) return taken.error();
   options.time = scenes::SceneTime(masks_->mask.moment.scene_time_us);
   const TileGrid& grid = masks_->mask.grid;
@@ -78,12 +79,12 @@ Result<PictureView> OwnView::render(const Showing& showing, gpu::ShadeOptions op
   return crop(view_of(*shown), place.left, place.top, size_.width, size_.height);
 }
 
-Result<void> OwnView::take(const ReceivedPtr& received) {
+Result<void> ClientRenderer::take(const ReceivedPtr& received) {
   if (masks_ && masks_->index == received->index) return {};
   if (auto taken = take_lights(received->lights); !taken) return taken;
   ReceivedPtr next = received;
   if (!received->mask.complete()) {
-    auto completed = std::make_shared<Received>(*received);
+    auto completed = std::make_shared<ReceivedMasks>(*received);
     if (auto covered = cover(*completed); !covered) return covered;
     next = std::move(completed);
   }
@@ -92,7 +93,7 @@ Result<void> OwnView::take(const ReceivedPtr& received) {
   return {};
 }
 
-Result<void> OwnView::take_lights(const std::vector<protocol::LightInfo>& given) {
+Result<void> ClientRenderer::take_lights(const std::vector<protocol::LightInfo>& given) {
   if (given == lights_ || given.empty()) return {};
   std::vector<scenes::Light> lights;
   for (const protocol::LightInfo& light : given) lights.push_back(gpu::from_wire(light));
@@ -102,7 +103,7 @@ Result<void> OwnView::take_lights(const std::vector<protocol::LightInfo>& given)
 }
 
 // Reprojects missing tiles from the previous masks. Without any, they are lit, as the assembler left them.
-Result<void> OwnView::cover(Received& received) {
+Result<void> ClientRenderer::cover(ReceivedMasks& received) {
   AssembledFrame& mask = received.mask;
   if (!masks_ || masks_->mask.grid.lights != mask.grid.lights) return {};
   const auto before = seen();
@@ -122,7 +123,7 @@ Result<void> OwnView::cover(Received& received) {
   return {};
 }
 
-Result<const gpu::SeenMasks*> OwnView::seen() {
+Result<const gpu::SeenMasks*> ClientRenderer::seen() {
   if (seen_) return &*seen_;
   const auto reprojection = view_->reprojection();
   if (!reprojection) return reprojection.error();
@@ -134,7 +135,7 @@ Result<const gpu::SeenMasks*> OwnView::seen() {
   return &*seen_;
 }
 
-Result<std::optional<OwnView::Outcome>> OwnView::outcome(const Showing& showing) {
+Result<std::optional<ClientRenderer::Outcome>> ClientRenderer::outcome(const Showing& showing) {
   if (auto taken = take(showing.seen); !taken) return taken.error();
   if (!trial_) {
     const auto now = seen();

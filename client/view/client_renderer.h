@@ -14,10 +14,11 @@
 namespace gnomon::client {
 
 // One thread. Calls block.
-class OwnView {
+class ClientRenderer {
  public:
   // `device`: as gpu::RendererOptions::device; empty: the best one.
-  static Result<OwnView> create(const scenes::ScenePtr& scene, const ViewSize& size, const std::string& device);
+  static Result<ClientRenderer> create(const scenes::ScenePtr& scene, const ViewSize& size,
+                                       const std::string& device);
 
   // The picture, without the border, in the memory that the device wrote: valid until the next call. The exposure is
   // chosen for the first frame and kept.
@@ -38,7 +39,7 @@ class OwnView {
   uint64_t covered_words() const { return covered_words_; }  // words that did not arrive and were reprojected
 
  private:
-  using ReceivedPtr = std::shared_ptr<const Received>;
+  using ReceivedPtr = std::shared_ptr<const ReceivedMasks>;
   struct Trial {
     gpu::SeenMasks seen;
     ReceivedPtr masks;   // the same
@@ -48,7 +49,7 @@ class OwnView {
   Result<PictureView> render(const Showing& showing, gpu::ShadeOptions options);
   Result<void> take(const ReceivedPtr& received);
   Result<void> take_lights(const std::vector<protocol::LightInfo>& lights);
-  Result<void> cover(Received& received);
+  Result<void> cover(ReceivedMasks& received);
   Result<const gpu::SeenMasks*> seen();
 
   std::unique_ptr<gpu::ReferenceView> view_;

@@ -1,12 +1,12 @@
 // The policies that choose x: the dissertation's thresholds and dwell time, and ours.
-#include "client/prediction/ahead.h"
+#include "client/prediction/prediction_policy.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "client/prediction/balance.h"
+#include "client/prediction/error_balance.h"
 #include "client/prediction/switching.h"
 
 namespace gnomon::client {
@@ -18,8 +18,8 @@ constexpr ViewSize kSize{.width = 320, .height = 180, .border_x = 16, .border_y 
 constexpr Nanoseconds kFrame = 16ms;
 
 // `count` cameras, each turned by `step` from the one before it.
-std::deque<AskedCamera> turning(size_t count, float step) {
-  std::deque<AskedCamera> cameras;
+std::deque<RequestedCamera> turning(size_t count, float step) {
+  std::deque<RequestedCamera> cameras;
   for (size_t i = 0; i < count; ++i) {
     scenes::CameraPose pose;
     pose.vertical_fov = 0.9f;
@@ -29,16 +29,17 @@ std::deque<AskedCamera> turning(size_t count, float step) {
   return cameras;
 }
 
-size_t choose(Ahead& ahead, const std::deque<AskedCamera>& cameras, size_t least = 0, Nanoseconds latency = 50ms) {
+size_t choose(PredictionPolicy& ahead, const std::deque<RequestedCamera>& cameras, size_t least = 0,
+              Nanoseconds latency = 50ms) {
   return ahead.choose({cameras, least, latency, cameras.back().asked});
 }
 
-TEST(FixedAhead, IsLimitedByWhatThereIs) {
-  FixedAhead four(4);
+TEST(FixedPrediction, IsLimitedByWhatThereIs) {
+  FixedPrediction four(4);
   EXPECT_EQ(choose(four, turning(10, 0)), 4u);
   EXPECT_EQ(choose(four, turning(3, 0)), 2u);
   EXPECT_EQ(choose(four, turning(10, 0), 7), 7u);
-  FixedAhead all(1000);
+  FixedPrediction all(1000);
   EXPECT_EQ(choose(all, turning(50, 0)), kMostAhead);
 }
 
@@ -78,14 +79,14 @@ TEST(Switching, LatencySpeaksAgainstSequential) {
   EXPECT_EQ(choose(far, turning(10, 0.08f), 0, 200ms), 9u);
 }
 
-TEST(Balance, ShowsTheNewestWhileTheCameraRests) {
-  Balance balance({.size = kSize});
+TEST(ErrorBalance, ShowsTheNewestWhileTheCameraRests) {
+  ErrorBalance balance({.size = kSize});
   EXPECT_EQ(choose(balance, turning(10, 0)), 9u);
 }
 
-TEST(Balance, GoesLessFarTheMoreItCosts) {
+TEST(ErrorBalance, GoesLessFarTheMoreItCosts) {
   const auto chosen = [](float step, double cost_per_s) {
-    Balance balance({.size = kSize, .cost_per_s = cost_per_s});
+    ErrorBalance balance({.size = kSize, .cost_per_s = cost_per_s});
     return choose(balance, turning(15, step));
   };
   EXPECT_EQ(chosen(0.05f, 0), 0u) << "time costs nothing";
@@ -94,8 +95,8 @@ TEST(Balance, GoesLessFarTheMoreItCosts) {
   EXPECT_LE(chosen(0.05f, 0.1), chosen(0.05f, 1.0));
 }
 
-TEST(Balance, NeverGoesBack) {
-  Balance balance({.size = kSize, .cost_per_s = 0});
+TEST(ErrorBalance, NeverGoesBack) {
+  ErrorBalance balance({.size = kSize, .cost_per_s = 0});
   EXPECT_EQ(choose(balance, turning(15, 0.1f), 6), 6u);
 }
 

@@ -1,4 +1,4 @@
-#include "client/view/ideal_view.h"
+#include "client/view/ground_truth_renderer.h"
 
 #include <future>
 
@@ -11,11 +11,13 @@ constexpr SceneId kScene{1};
 
 }  // namespace
 
-Result<std::unique_ptr<IdealView>> IdealView::create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                                     const std::string& device, const std::string& cache) {
-  auto view = OwnView::create(scene, size, device);
+Result<std::unique_ptr<GroundTruthRenderer>> GroundTruthRenderer::create(const scenes::ScenePtr& scene,
+                                                                         const ViewSize& size,
+                                                                         const std::string& device,
+                                                                         const std::string& cache) {
+  auto view = ClientRenderer::create(scene, size, device);
   if (!view) return view.error();
-  std::unique_ptr<IdealView> ideal(new IdealView(std::move(*view), size));
+  std::unique_ptr<GroundTruthRenderer> ideal(new GroundTruthRenderer(std::move(*view), size));
   gpu::RendererOptions options;
   options.device = device;
   options.tracer_options.cache_folder = cache;
@@ -26,7 +28,7 @@ Result<std::unique_ptr<IdealView>> IdealView::create(const scenes::ScenePtr& sce
   return ideal;
 }
 
-Result<AssembledFrame> IdealView::masks(const protocol::CameraView& camera, scenes::SceneTime time) {
+Result<AssembledFrame> GroundTruthRenderer::masks(const protocol::CameraView& camera, scenes::SceneTime time) {
   gpu::RenderJob job;
   job.id = JobId{++pictures_};
   job.scene = kScene;
@@ -47,10 +49,10 @@ Result<AssembledFrame> IdealView::masks(const protocol::CameraView& camera, scen
   return frame;
 }
 
-Result<Picture> IdealView::picture(const protocol::CameraView& camera, scenes::SceneTime time) {
+Result<Picture> GroundTruthRenderer::picture(const protocol::CameraView& camera, scenes::SceneTime time) {
   auto traced = masks(camera, time);
   if (!traced) return traced.error();
-  auto seen = std::make_shared<Received>();
+  auto seen = std::make_shared<ReceivedMasks>();
   seen->index = pictures_;
   seen->camera = camera;
   seen->mask = std::move(*traced);

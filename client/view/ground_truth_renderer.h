@@ -5,27 +5,28 @@
 #include <memory>
 #include <string>
 
-#include "client/view/own_view.h"
+#include "client/view/client_renderer.h"
 #include "gpu/vulkan_renderer.h"
 
 namespace gnomon::client {
 
 // One thread. Calls block.
-class IdealView {
+class GroundTruthRenderer {
  public:
   // `device`: as gpu::RendererOptions::device. `cache`: folder for light buffers; empty: none are kept.
-  static Result<std::unique_ptr<IdealView>> create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                                   const std::string& device, const std::string& cache = {});
+  static Result<std::unique_ptr<GroundTruthRenderer>> create(const scenes::ScenePtr& scene, const ViewSize& size,
+                                                             const std::string& device,
+                                                             const std::string& cache = {});
 
   // `camera` is of the traced buffer, from which the picture is cut, as a client does with masks of the camera itself.
   // Lights are where the scene has them at `time`. The exposure is chosen for the first picture and kept.
   Result<Picture> picture(const protocol::CameraView& camera, scenes::SceneTime time = {});
 
  private:
-  explicit IdealView(OwnView view, const ViewSize& size) : view_(std::move(view)), size_(size) {}
+  explicit GroundTruthRenderer(ClientRenderer view, const ViewSize& size) : view_(std::move(view)), size_(size) {}
   Result<AssembledFrame> masks(const protocol::CameraView& camera, scenes::SceneTime time);
 
-  OwnView view_;
+  ClientRenderer view_;
   ViewSize size_;
   std::unique_ptr<gpu::Renderer> renderer_;
   uint32_t pictures_ = 0;

@@ -1,4 +1,4 @@
-#include "daemon/metrics/process_figures.h"
+#include "daemon/metrics/process_stats.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,8 +7,8 @@
 
 namespace gnomon::daemon {
 
-ProcessFigures process_figures() {
-  ProcessFigures figures;
+ProcessStats process_stats() {
+  ProcessStats figures;
   std::ifstream status("/proc/self/status");
   for (std::string key; status >> key;) {
     double value = 0;

@@ -15,9 +15,9 @@
 
 namespace gnomon::log {
 
-class Repeats {
+class LogRateLimiter {
  public:
-  Repeats(double burst, double per_second) : burst_(burst), per_second_(per_second) {}
+  LogRateLimiter(double burst, double per_second) : burst_(burst), per_second_(per_second) {}
 
   // Returns how many lines of this event were suppressed since the last admitted one; nullopt if this line is to be
   // suppressed too.
