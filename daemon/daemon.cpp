@@ -35,6 +35,18 @@ Result<void> wait_for_scenes(const std::vector<SceneFile>& scenes, SceneHost::Fe
   return {};
 }
 
+// `asked`: the number of threads; 0: as many as suit the machine.
+std::unique_ptr<EncodePool> open_encoders(uint32_t asked, const std::vector<PooledDevice>& devices,
+                                          Metrics& metrics, FrameSink& sink) {
+  const Cores usable = usable_cores();
+  std::vector<Cores> near;
+  for (const PooledDevice& device : devices) near.push_back(cores_near(device.pci_address, usable));
+  const uint32_t threads = asked > 0 ? asked : default_encode_threads(usable);
+  log::info("encoders open",
+            {{"threads", threads}, {"cores", usable.size()}, {"cores_near_device_0", near.front().size()}});
+  return std::make_unique<EncodePool>(threads, std::move(near), metrics, sink);
+}
+
 }  // namespace
 
 Daemon::Daemon(Options options, SceneCatalog catalog)
@@ -127,7 +139,9 @@ Result<void> Daemon::open_devices() {
   auto started = devices_.start(options_.make_renderers, sharing_policy_of(options_.config), motion, *this, failed);
   if (!started) return started;
   tracer_ = devices_.report().front().tracer;
-  open_encoders();
+  // After the devices are open, as the pool needs their PCI addresses, and before the first session.
+  encode_pool_ =
+      open_encoders(options_.config.encode.threads, devices_.report(), metrics_, static_cast<FrameSink&>(*this));
   return {};
 }
 
@@ -140,18 +154,6 @@ void Daemon::on_degraded(const SessionDegraded& session) { server_->notify(sessi
 void Daemon::on_lights(const LightsUpdate& lights) {
   scenes_->keep_lights(lights);
   server_->announce_lights(lights);
-}
-
-// Called after the devices are open, as their PCI addresses are needed, and before the first session.
-void Daemon::open_encoders() {
-  const Cores usable = usable_cores();
-  std::vector<Cores> near;
-  for (const PooledDevice& device : devices_.report()) near.push_back(cores_near(device.pci_address, usable));
-  const uint32_t asked = options_.config.encode.threads;
-  const uint32_t threads = asked > 0 ? asked : default_encode_threads(usable);
-  log::info("encoders open",
-            {{"threads", threads}, {"cores", usable.size()}, {"cores_near_device_0", near.front().size()}});
-  encode_pool_ = std::make_unique<EncodePool>(threads, std::move(near), metrics_, static_cast<FrameSink&>(*this));
 }
 
 std::string Daemon::summary() const {

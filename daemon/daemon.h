@@ -70,7 +70,6 @@ class Daemon final : private FrameSink {
   void on_encoded(EncodedFrame frame) override;
   void on_degraded(const SessionDegraded& session) override;
   void on_lights(const LightsUpdate& lights) override;
-  void open_encoders();
   Result<void> open_store();
   Result<void> open_admin();
   void stop();
