@@ -33,11 +33,11 @@ int fail(const Error& error) {
   return EXIT_FAILURE;
 }
 
-// Build trees and installed trees have the same layout: bin/gnomond and share/gnomon/scenes.
-std::filesystem::path share_folder() {
+// Build trees and installed trees have the same layout: bin/gnomond, libexec/gnomon and share/gnomon/scenes.
+std::filesystem::path installed(const char* below) {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return program.parent_path().parent_path() / "share" / "gnomon" / "scenes";
+  return program.parent_path().parent_path() / below;
 }
 
 int check_scene(const std::filesystem::path& file) {
@@ -53,7 +53,7 @@ Result<Config> load_config(const Arguments& arguments) {
   auto config = read_config(arguments.config, arguments.overrides);
   if (!config) return config;
   const auto folder = std::filesystem::absolute(arguments.config).parent_path();
-  if (auto found = find_files(*config, folder, share_folder()); !found) return found.error();
+  if (auto found = find_files(*config, folder, installed("share/gnomon/scenes")); !found) return found.error();
   if (config->render.passes.empty()) config->render.passes = gpu::RendererOptions{}.passes;
   return config;
 }
@@ -115,7 +115,8 @@ int serve(const Config& config, const Arguments& arguments) {
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
     asio::post(events, [&, answer] { answer(reload(*running, arguments)); });
   };
-  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed, ask_for_reload});
+  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed, ask_for_reload,
+                               installed("libexec/gnomon/gnomon-scene-worker")});
   if (!daemon) return fail(daemon.error());
   running = daemon->get();
   asio::signal_set signals(events, SIGTERM, SIGINT);  // a signal before this, while scenes load, ends the process

@@ -4,8 +4,23 @@
 #include "common/log.h"
 
 namespace gnomon::scenes {
+namespace {
 
-Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits) : limits_(limits) {
+// The earliest time there is for a file that cannot be looked at.
+std::filesystem::file_time_type changed_at(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto changed = std::filesystem::last_write_time(file, error);
+  return error ? std::filesystem::file_time_type::min() : changed;
+}
+
+}  // namespace
+
+Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits) {
+  return load_scene(source.file, limits, source.motions);
+}
+
+Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read)
+    : limits_(limits), read_(std::move(read)) {
   uint32_t index = 0;
   for (SceneSource& source : sources) {
     Entry& entry = entries_[source.name];
@@ -19,27 +34,47 @@ Result<LoadedScene> Registry::get(const std::string& name) {
   if (found == entries_.end()) return Error{"there is no scene named '" + name + "'"};
   Entry& entry = found->second;
   std::lock_guard loading(entry.loading);
+  const auto changed = changed_at(entry.source.file);
   {
     std::lock_guard lock(mutex_);
     if (entry.loaded) return *entry.loaded;
+    const auto& refusal = entry.refusal;
+    if (refusal && refusal->changed == changed && Clock::now() - refusal->at < kRefusalLasts) return refusal->why;
   }
+  auto loaded = load(entry);
+  std::lock_guard lock(mutex_);
+  if (loaded) {
+    entry.loaded = *loaded;
+  } else {
+    entry.refusal = Refusal{loaded.error(), Clock::now(), changed};
+  }
+  return loaded;
+}
+
+Result<LoadedScene> Registry::load(Entry& entry) {
   const TimePoint start = Clock::now();
-  Result<ScenePtr> scene = load_scene(entry.source.file, limits_, entry.source.motions);
+  const Result<ScenePtr> scene = read_(entry.source, limits_);
   if (!scene) return scene.error();
   const LoadedScene loaded{entry.id, *scene, to_seconds(Clock::now() - start), (*scene)->memory_bytes()};
-  log::info("scene loaded", {{"scene", name},
+  log::info("scene loaded", {{"scene", entry.source.name},
                              {"triangles", loaded.scene->triangle_count},
                              {"lights", loaded.scene->lights.size()},
                              {"seconds", loaded.load_seconds},
                              {"bytes", loaded.memory_bytes}});
-  std::lock_guard lock(mutex_);
-  entry.loaded = loaded;
   return loaded;
 }
 
 void Registry::forget(const std::string& name) {
   std::lock_guard lock(mutex_);
-  if (const auto found = entries_.find(name); found != entries_.end()) found->second.loaded.reset();
+  const auto found = entries_.find(name);
+  if (found == entries_.end()) return;
+  found->second.loaded.reset();
+  found->second.refusal.reset();
+}
+
+void Registry::retry(const std::string& name) {
+  std::lock_guard lock(mutex_);
+  if (const auto found = entries_.find(name); found != entries_.end()) found->second.refusal.reset();
 }
 
 bool Registry::knows(const std::string& name) const { return entries_.count(name) != 0; }

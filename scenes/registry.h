@@ -3,12 +3,14 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/clock.h"
 #include "common/ids.h"
 #include "common/result.h"
 #include "scenes/loader.h"
@@ -29,31 +31,51 @@ struct LoadedScene {
   uint64_t memory_bytes = 0;  // of host memory
 };
 
+// How a scene is read: load_scene() in this process, or what reads it in another one. Blocks; called by any thread.
+using SceneReader = std::function<Result<ScenePtr>(const SceneSource& source, const LoadLimits& limits)>;
+Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits);
+
 // Any thread. The first caller of get() loads the scene and blocks; concurrent callers wait for it and share the scene.
 class Registry {
  public:
-  Registry(std::vector<SceneSource> sources, LoadLimits limits);
+  // How long a scene that could not be loaded is refused for the same reason without reading it again, if its file has
+  // not changed. A file that is slow to refuse costs its time once.
+  static constexpr Nanoseconds kRefusalLasts = std::chrono::minutes(1);
 
-  // Error: there is no such scene, or it could not be loaded; a later call tries again.
+  Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read = read_here);
+
+  // Error: there is no such scene, or it could not be loaded.
   Result<LoadedScene> get(const std::string& name);
 
-  // Makes the next get() read the file again. Scenes that were returned before stay valid.
+  // Makes the next get() read the file again, also if it was refused. Scenes that were returned before stay valid.
   void forget(const std::string& name);
+
+  // Makes the next get() read the file again if it was refused.
+  void retry(const std::string& name);
 
   bool knows(const std::string& name) const;
   std::vector<std::string> names() const;
   std::vector<LoadedScene> loaded() const;
 
  private:
+  struct Refusal {
+    Error why;
+    TimePoint at;
+    std::filesystem::file_time_type changed;  // the file's, when it was read
+  };
   struct Entry {
     SceneSource source;
     SceneId id;
     std::mutex loading;
     std::optional<LoadedScene> loaded;
+    std::optional<Refusal> refusal;
   };
 
-  LoadLimits limits_;
-  mutable std::mutex mutex_;  // guards every Entry::loaded
+  Result<LoadedScene> load(Entry& entry);
+
+  const LoadLimits limits_;
+  const SceneReader read_;
+  mutable std::mutex mutex_;  // guards every Entry::loaded and Entry::refusal
   std::map<std::string, Entry> entries_;
 };
 

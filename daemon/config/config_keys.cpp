@@ -170,6 +170,8 @@ Keys<ScenesConfig> scenes_keys() {
       scalars("allow_files", &ScenesConfig::allow_files, "a list of folders", parse_path),
       integer("clock_hz", &ScenesConfig::clock_hz, 1, 1000),
       integer("light_rest_ms", &ScenesConfig::light_rest, 0, kHourMs),
+      integer("worker_memory_mb", &ScenesConfig::worker_memory_mb, 256, 1 << 20),
+      integer("worker_time_s", &ScenesConfig::worker_time, 1, 86'400),
   };
 }
 

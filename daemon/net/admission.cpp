@@ -129,7 +129,7 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
   SessionGrant& grant = applicant.grant;
   hold(applicant.stream);
   const Ask<Result<SceneForUse>> fetch = [&](auto on_answer) {
-    shared_.scenes.fetch(grant.scene_name, std::move(on_answer));
+    shared_.scenes.fetch(grant.scene_name, std::move(on_answer), grant.tenant);
   };
   auto fetched = co_await answer_of(io_, fetch);
   if (has_departed(applicant)) co_return departed();

@@ -1,24 +1,51 @@
 #include "daemon/scenes/scene_host.h"
 
 namespace gnomon::daemon {
+namespace {
 
-SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics)
-    : registry_(catalog.sources(), {}), devices_(devices), metrics_(metrics), loader_([this] {
-        std::vector<Request> batch;
-        for (requests_.take(batch); !batch.empty(); requests_.take(batch)) {
-          for (Request& request : batch) {
-            if (requests_.closed()) break;
-            load(std::move(request));
-          }
-        }
-      }) {}
+// A scene that is slow to read delays nobody as long as there are fewer of them than loaders.
+constexpr int kLoaders = 4;
 
-SceneHost::~SceneHost() {
-  requests_.close();
-  loader_.join();
+}  // namespace
+
+SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read)
+    : registry_(catalog.sources(), {}, std::move(read)), devices_(devices), metrics_(metrics) {
+  for (int i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
 }
 
-void SceneHost::fetch(const std::string& name, Ready ready) {
+SceneHost::~SceneHost() {
+  {
+    std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& loader : loaders_) loader.join();
+}
+
+void SceneHost::serve_requests() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return ending_ || !requests_.empty(); });
+    if (ending_) return;
+    Request request = requests_.pop();
+    const std::string name = request.name;
+    const auto [others, first] = reading_.try_emplace(name);
+    if (!first) {
+      others->second.push_back(std::move(request));  // one loader is enough for a scene
+      continue;
+    }
+    lock.unlock();
+    load(std::move(request));
+    lock.lock();
+    std::vector<Request> waiting = std::move(others->second);
+    reading_.erase(others);
+    lock.unlock();
+    for (Request& other : waiting) load(std::move(other));  // the registry has the scene, or remembers the refusal
+    lock.lock();
+  }
+}
+
+void SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker) {
   {
     std::unique_lock lock(mutex_);
     if (const auto found = resident_.find(name); found != resident_.end()) {
@@ -26,11 +53,13 @@ void SceneHost::fetch(const std::string& name, Ready ready) {
       lock.unlock();
       return ready(std::move(scene));
     }
+    requests_.push(asker, {name, std::move(ready), asker});
   }
-  requests_.push({name, std::move(ready)});
+  changed_.notify_one();
 }
 
 void SceneHost::load(Request request) {
+  if (!request.asker) registry_.retry(request.name);
   auto loaded = registry_.get(request.name);
   if (!loaded) return request.ready(loaded.error());
   if (loaded->scene->lights.empty()) return request.ready(Error{"it has no lights: there is nothing to trace"});

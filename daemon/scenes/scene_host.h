@@ -1,6 +1,7 @@
-// Brings scenes from disk to the devices, each once: read on the loader's thread, made resident on the render threads.
+// Brings scenes from disk to the devices, each once: read on the loaders' threads, made resident on the render threads.
 #pragma once
 
+#include <condition_variable>
 #include <functional>
 #include <future>
 #include <map>
@@ -10,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "common/inbox.h"
 #include "daemon/frame/scene_use.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/render/scene_motion.h"
+#include "daemon/scenes/load_queue.h"
 #include "daemon/scenes/scene_catalog.h"
 
 namespace gnomon::daemon {
@@ -35,13 +36,13 @@ class SceneHost {
  public:
   using Ready = std::function<void(Result<SceneForUse>)>;
 
-  // All references outlive the host.
-  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics);
+  // All references outlive the host. `read`: called by several threads at a time.
+  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read);
   ~SceneHost();  // requests that still wait are not answered
 
-  // Any thread. Makes the scene resident if it is not. `ready` is called once, on the caller's, the loader's or a
-  // render thread.
-  void fetch(const std::string& name, Ready ready);
+  // Any thread. Makes the scene resident if it is not. `ready` is called once, on the caller's, a loader's or a render
+  // thread.
+  void fetch(const std::string& name, Ready ready, SceneAsker asker = std::nullopt);
 
   // As fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
   // Precondition: the render threads run.
@@ -62,8 +63,10 @@ class SceneHost {
   struct Request {
     std::string name;
     Ready ready;
+    SceneAsker asker;
   };
 
+  void serve_requests();  // a loader's thread
   void load(Request request);
   void refuse(const Request& request, const Error& why);
   SceneForUse keep(const std::string& name, HostedScene scene);
@@ -78,8 +81,11 @@ class SceneHost {
   };
   std::map<std::string, Resident> resident_;  // guarded by mutex_
   std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
-  Inbox<Request> requests_;
-  std::thread loader_;
+  std::condition_variable changed_;           // of the two below
+  LoadQueue<Request> requests_;               // guarded by mutex_
+  std::map<std::string, std::vector<Request>> reading_;  // those that ask meanwhile; guarded by mutex_
+  bool ending_ = false;                                  // guarded by mutex_
+  std::vector<std::thread> loaders_;
 };
 
 }  // namespace gnomon::daemon

@@ -9,6 +9,7 @@
 #include "protocol/codec.h"
 #include "protocol/feedback.h"
 #include "protocol/parity.h"
+#include "scenes/packed/packed_scene.h"
 #include "tests/unit/protocol/random_messages.h"
 
 namespace {
@@ -52,6 +53,41 @@ void datagrams(const fs::path& folder, tests::Random& random) {
   write(folder, "feedback", feedback);
   write(folder, "parity", parity);
   write(folder, "sealed", header);
+}
+
+void write_outcome(const fs::path& folder, const std::string& name, const Result<scenes::ScenePtr>& scene) {
+  char* data = nullptr;
+  size_t size = 0;
+  std::FILE* file = open_memstream(&data, &size);
+  (void)scenes::write_outcome(scene, file);  // into memory
+  std::fclose(file);
+  write(folder, name, Bytes(data, data + size));
+  std::free(data);
+}
+
+// A scene with one of everything.
+void packed_scenes(const fs::path& folder) {
+  const auto scene = std::make_shared<scenes::Scene>();
+  scenes::Channel slide;
+  slide.times = {0, 1};
+  slide.values = {glm::vec4(0), glm::vec4(1)};
+  scene->textures.emplace_back().rgba = {255, 255, 255, 255};
+  scene->textures[0].width = scene->textures[0].height = 1;
+  scene->materials.emplace_back().base_color_texture = 0;
+  scenes::Primitive& triangle = scene->meshes.emplace_back().primitives.emplace_back();
+  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.triangles = {{0, 1, 2}};
+  scene->moving_nodes.emplace_back().channels = {slide};
+  scene->instances.emplace_back().moved_by = 0;
+  scene->lights.emplace_back().name = "lamp";
+  scene->cameras.emplace_back().name = "eye";
+  scenes::CameraPath& path = scene->paths.emplace_back();
+  path.chain.emplace_back();
+  path.channels = {slide};
+  scene->period = std::chrono::seconds(1);
+  scene->triangle_count = 1;
+  write_outcome(folder, "scene", scenes::ScenePtr(scene));
+  write_outcome(folder, "reason", Error{"it has too many triangles"});
 }
 
 // Straight borders and some noise.
@@ -104,5 +140,6 @@ int main(int argc, char** argv) {
   slices(folder / "slices", random);
   masks(folder / "codecs", random);
   masks(folder / "parity", random);
+  packed_scenes(folder / "packed_scene");
   return 0;
 }

@@ -48,6 +48,24 @@ TEST(Registry, KnowsItsNames) {
   EXPECT_NE(unknown.error().message.find("'c'"), std::string::npos);
 }
 
+TEST(Registry, ARefusalIsRememberedWhileTheFileStaysTheSame) {
+  const ScratchFolder folder;
+  const auto file = folder.write("slow.gltf", std::string("{}"));
+  int reads = 0;
+  Registry registry({{"slow", file}}, {}, [&](const SceneSource&, const LoadLimits&) -> Result<ScenePtr> {
+    ++reads;
+    return Error{"it is a bomb"};
+  });
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(registry.get("slow").error().message, "it is a bomb");
+  EXPECT_EQ(reads, 1);
+  registry.retry("slow");
+  EXPECT_FALSE(registry.get("slow"));
+  EXPECT_EQ(reads, 2) << "an operator may insist";
+  std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(1));
+  EXPECT_FALSE(registry.get("slow"));
+  EXPECT_EQ(reads, 3) << "the file is another one";
+}
+
 TEST(Registry, AFailureIsTriedAgain) {
   const ScratchFolder folder;
   const auto file = folder.path() / "late.gltf";

@@ -1,0 +1,29 @@
+// Reads a scene in a process of its own, so that no file can take the daemon's memory, time or life.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <stop_token>
+
+#include "common/log.h"
+#include "common/result.h"
+#include "scenes/loader.h"
+#include "scenes/registry.h"
+
+namespace gnomon::daemon {
+
+struct SceneWorkerOptions {
+  std::filesystem::path program;                  // gnomon-scene-worker
+  uint64_t max_memory_bytes = uint64_t{4} << 30;  // of address space
+  std::chrono::seconds max_time{120};             // of processor time, and of twice as much real time
+  log::Level log_level = log::Level::warning;     // of what the worker writes to standard error
+  log::Format log_format = log::Format::key_value;
+};
+
+// Blocks until the scene is there, or the worker has failed, exceeded a limit, or been stopped through `stop`. Any
+// thread. The error says why there is no scene: the loader's own reason, or which limit the worker met.
+Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const scenes::SceneSource& source,
+                                        const scenes::LoadLimits& limits, std::stop_token stop);
+
+}  // namespace gnomon::daemon

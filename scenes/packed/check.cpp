@@ -1,0 +1,146 @@
+#include "scenes/packed/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace gnomon::scenes {
+namespace {
+
+bool finite(float value) { return std::isfinite(value); }
+
+template <glm::length_t N, class T>
+bool finite(const glm::vec<N, T>& v) {
+  for (glm::length_t i = 0; i < N; ++i) {
+    if (!std::isfinite(v[i])) return false;
+  }
+  return true;
+}
+
+template <class T>
+bool finite(const glm::mat<4, 4, T>& m) {
+  return finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(m[3]);
+}
+
+bool finite(const glm::quat& q) { return finite(glm::vec4(q.x, q.y, q.z, q.w)); }
+
+template <class T>
+bool all_finite(const std::vector<T>& values) {
+  return std::all_of(values.begin(), values.end(), [](const T& value) { return finite(value); });
+}
+
+bool is_index(uint32_t index, size_t size) { return index < size; }
+bool is_index_or_none(uint32_t index, size_t size) { return index == kNone || index < size; }
+
+bool sound(const Texture& t) {
+  return t.width > 0 && t.height > 0 && t.rgba.size() == uint64_t{4} * t.width * t.height;
+}
+
+bool sound(const Material& m, const Scene& scene) {
+  return finite(m.base_color) && finite(m.emissive) && finite(m.alpha_cutoff) &&
+         is_index_or_none(m.base_color_texture, scene.textures.size());
+}
+
+bool sound(const Primitive& p, const Scene& scene) {
+  const size_t vertices = p.positions.size();
+  const auto fits = [&](size_t size) { return size == 0 || size == vertices; };
+  const auto in_range = [&](const glm::uvec3& t) { return t.x < vertices && t.y < vertices && t.z < vertices; };
+  return vertices > 0 && is_index(p.material, scene.materials.size()) && fits(p.normals.size()) &&
+         fits(p.uvs.size()) && all_finite(p.positions) && all_finite(p.normals) && all_finite(p.uvs) &&
+         std::all_of(p.triangles.begin(), p.triangles.end(), in_range);
+}
+
+bool sound(const Mesh& m, const Scene& scene) {
+  return !m.primitives.empty() &&
+         std::all_of(m.primitives.begin(), m.primitives.end(), [&](const Primitive& p) { return sound(p, scene); });
+}
+
+bool sound(const Instance& i, const Scene& scene) {
+  return is_index(i.mesh, scene.meshes.size()) && finite(i.object_to_world) &&
+         is_index_or_none(i.moved_by, scene.moving_nodes.size());
+}
+
+bool sound(const Light& l, const Scene& scene) {
+  return finite(l.position) && finite(l.direction) && finite(l.color) && finite(l.intensity) && finite(l.range) &&
+         finite(l.inner_cone_cos) && finite(l.outer_cone_cos) &&
+         is_index_or_none(l.moved_by, scene.moving_nodes.size());
+}
+
+bool sound(const Camera& c) {
+  return finite(c.rest.position) && finite(c.rest.orientation) && c.rest.vertical_fov > 0 &&
+         c.rest.vertical_fov < 3.15f;
+}
+
+bool sound(const Channel& c) {
+  const size_t values = (c.interpolation == Interpolation::cubic_spline ? 3 : 1) * c.times.size();
+  return !c.times.empty() && c.values.size() == values && all_finite(c.times) && all_finite(c.values) &&
+         std::adjacent_find(c.times.begin(), c.times.end(), std::greater_equal<>()) == c.times.end();
+}
+
+bool sound(const NodeTransform& t) {
+  return finite(t.translation) && finite(t.rotation) && finite(t.scale) && finite(t.matrix);
+}
+
+bool sound(const std::vector<Channel>& channels) {
+  return std::all_of(channels.begin(), channels.end(), [](const Channel& c) { return sound(c); });
+}
+
+bool sound(const CameraPath& p, const Scene& scene) {
+  return is_index(p.camera, scene.cameras.size()) && finite(p.duration_seconds) && p.duration_seconds >= 0 &&
+         std::all_of(p.chain.begin(), p.chain.end(), [](const NodeTransform& t) { return sound(t); }) &&
+         sound(p.channels) && std::all_of(p.channels.begin(), p.channels.end(), [&](const Channel& c) {
+           return is_index(c.node, p.chain.size());
+         });
+}
+
+bool sound(const MovingNode& n, size_t number) {
+  return is_index_or_none(n.parent, number) && finite(n.parent_to_world) && sound(n.local) && sound(n.channels);
+}
+
+// The triangles in the world, or nullopt if they are more than `most`. Precondition: the instances' meshes exist.
+std::optional<uint64_t> triangles(const Scene& scene, uint64_t most) {
+  std::vector<uint64_t> of_mesh;
+  for (const Mesh& mesh : scene.meshes) {
+    uint64_t& count = of_mesh.emplace_back(0);
+    for (const Primitive& p : mesh.primitives) count += p.triangles.size();
+  }
+  uint64_t sum = 0;
+  for (const Instance& instance : scene.instances) {
+    sum += of_mesh[instance.mesh];
+    if (sum > most) return std::nullopt;
+  }
+  return sum;
+}
+
+template <class List, class... More>
+bool all_sound(const List& list, const More&... more) {
+  return std::all_of(list.begin(), list.end(), [&](const auto& element) { return sound(element, more...); });
+}
+
+}  // namespace
+
+Result<void> check(const Scene& scene, const LoadLimits& limits) {
+  const auto broken = [](const char* what) { return Error{std::string("its ") + what + " are broken"}; };
+  uint64_t texels = 0;
+  for (const Texture& t : scene.textures) texels += uint64_t{t.width} * t.height;
+  if (!all_sound(scene.textures) || texels > limits.max_texels) return broken("textures");
+  if (scene.materials.empty() || !all_sound(scene.materials, scene)) return broken("materials");
+  if (!all_sound(scene.meshes, scene)) return broken("meshes");
+  for (size_t i = 0; i < scene.moving_nodes.size(); ++i) {
+    if (!sound(scene.moving_nodes[i], i)) return broken("animations");
+  }
+  if (scene.instances.size() > limits.max_instances || !all_sound(scene.instances, scene)) {
+    return broken("instances");
+  }
+  if (scene.lights.size() > limits.max_lights || !all_sound(scene.lights, scene)) return broken("lights");
+  if (scene.cameras.empty() || !all_sound(scene.cameras) || !all_sound(scene.paths, scene)) {
+    return broken("cameras");
+  }
+  if (triangles(scene, limits.max_triangles) != scene.triangle_count) return broken("counts");
+  if (scene.period.count() < 0 || !finite(scene.bounds.min) || !finite(scene.bounds.max)) return broken("bounds");
+  return {};
+}
+
+}  // namespace gnomon::scenes

@@ -1,0 +1,25 @@
+// What a process that reads untrusted files gives up before it opens one: memory, time, the network, every file but
+// those of one folder, and every system call that reading and computing do not need.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "common/result.h"
+
+namespace gnomon::scenes {
+
+struct Confinement {
+  std::filesystem::path folder;   // what may be read: its files and those of its subfolders
+  uint64_t max_memory_bytes = 0;  // of address space; 0: unlimited
+  uint32_t max_cpu_seconds = 0;   // of processor time; 0: unlimited
+  uint64_t max_file_bytes = 0;    // of a file that is written; 0: unlimited
+};
+
+// Confines the calling process, for good. Precondition: it has one thread. Landlock holds the folder where the kernel
+// has it (5.13; the log says so where not); the limits and seccomp hold everywhere. A forbidden call ends the process
+// with SIGSYS, as memory beyond its limit fails to be allocated and processor time beyond it ends in SIGXCPU. Error:
+// the kernel refused a part of it, named in the message.
+Result<void> confine(const Confinement& to);
+
+}  // namespace gnomon::scenes
