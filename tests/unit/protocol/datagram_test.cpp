@@ -86,7 +86,8 @@ TEST(Datagram, PaddingIsNoPayload) {
   header.flags = kSliceIsPadded;
   header.padding = 3;
   const Bytes payload{1, 2, 0, 0, 0};
-  const auto slice = decode_frame_slice(bytes_of(header, payload));
+  const Bytes padded = bytes_of(header, payload);  // the slice refers to it
+  const auto slice = decode_frame_slice(padded);
   ASSERT_TRUE(slice);
   EXPECT_EQ(Bytes(slice->payload.begin(), slice->payload.end()), (Bytes{1, 2}));
   header.padding = 6;

@@ -26,7 +26,7 @@ constexpr bool kSanitized = false;
 #endif
 constexpr rlim_t kAddressSpace = rlim_t{2} << 30;
 constexpr long kPeakKilobytes = (kSanitized ? 2048 : 400) << 10;  // most of the files are of a few kilobytes
-constexpr unsigned kMaxSeconds = 10;                              // long enough that only a hang exceeds it
+constexpr unsigned kMaxSeconds = kSanitized ? 120 : 10;           // long enough that only a hang exceeds it
 
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
