@@ -59,8 +59,8 @@ Result<void> allow_folder(const std::filesystem::path& folder) {
   rules.handled_access_fs = kAllAccess;
   const Descriptor ruleset{static_cast<int>(syscall(SYS_landlock_create_ruleset, &rules, sizeof rules, 0))};
   if (ruleset.fd < 0) {
-    log::debug("no Landlock: scenes are read with the daemon's own access to files",
-               {{"why", std::strerror(errno)}});
+    log::warning("this kernel has no Landlock: scenes are read with the daemon's own access to files",
+                 {{"why", std::strerror(errno)}});
     return {};
   }
   const Descriptor opened{open(folder.c_str(), O_PATH | O_CLOEXEC)};
@@ -101,8 +101,13 @@ Result<void> allow_calls() {
       return because("seccomp", -done);
     }
   }
-  if (const int done = seccomp_load(filter.get()); done != 0) return because("seccomp", -done);
-  return {};
+  const int done = seccomp_load(filter.get());
+  // Limits, a process of its own and Landlock still hold where a kernel was built without seccomp.
+  if (done == -EINVAL || done == -ENOSYS) {
+    log::warning("this kernel has no seccomp: a scene's reader may call whatever the daemon may");
+    return {};
+  }
+  return done == 0 ? Result<void>() : because("seccomp", -done);
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ struct Confinement {
 };
 
 // Confines the calling process, for good. Precondition: it has one thread. Landlock holds the folder where the kernel
-// has it (5.13; the log says so where not); the limits and seccomp hold everywhere. A forbidden call ends the process
-// with SIGSYS, as memory beyond its limit fails to be allocated and processor time beyond it ends in SIGXCPU. Error:
-// the kernel refused a part of it, named in the message.
+// has it (5.13), and seccomp the calls; the log says where a kernel lacks one of them. Limits hold everywhere. A
+// forbidden call ends the process with SIGSYS, memory beyond its limit fails to be allocated, and processor time beyond
+// it ends in SIGXCPU. Error: the kernel refused a part of it, named in the message.
 Result<void> confine(const Confinement& to);
 
 }  // namespace gnomon::scenes
