@@ -26,10 +26,11 @@ DatagramKind kind_of(Cargo cargo) {
 
 }  // namespace
 
-LinkSender::LinkSender(uint64_t features, bool resumed)
+LinkSender::LinkSender(uint64_t features, std::optional<uint64_t> resumed_after)
     : feedback_((features & protocol::kFeatureFeedback) != 0),
       parity_((features & protocol::kFeatureParity) != 0),
-      counts_from_here_(resumed) {}
+      counts_from_here_(resumed_after.has_value()),
+      loss_detection_(resumed_after.value_or(0)) {}
 
 size_t LinkSender::slice_body_bytes() const {
   return datagram_bytes() - kSealBytes - (parity_ ? protocol::kParityOverhead : 0);
@@ -96,11 +97,13 @@ std::optional<Outgoing> LinkSender::next(TimePoint now) {
   return std::nullopt;
 }
 
-double LinkSender::pace() const { return std::min(rate(), std::max(spread_rate_, RateController::kLeastRate)); }
-
 void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
   ++counters_.sent;
-  if (!offered_) return;
+  allowance_.sent();
+  if (!offered_) {
+    if (feedback_) loss_detection_.sent_beside(sequence);
+    return;
+  }
   const QueuedDatagram datagram = *offered_;
   offered_.reset();
   if (datagram.cargo == Cargo::probe) {
@@ -116,7 +119,8 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
     queue_.pop(false, true);
   }
   if (!feedback_) return;
-  pacer_.sent(datagram_bytes, pace(), now);
+  const double pace = std::min(rate(), std::max(spread_rate_, RateController::kLeastRate));
+  pacer_.sent(datagram_bytes, pace, now);
   loss_detection_.sent(sequence, {.at = now,
                                   .bytes = static_cast<uint32_t>(datagram_bytes),
                                   .cargo = datagram.cargo,
@@ -124,7 +128,13 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
                                   .number = datagram.number});
 }
 
-void LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
+void LinkSender::omitted(uint64_t sequence) {
+  if (feedback_) loss_detection_.omitted(sequence);
+}
+
+FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
+  if (!allowance_.take(now)) return FeedbackVerdict::too_many;
+  if (loss_detection_.is_invented(said)) return FeedbackVerdict::invented;
   if (std::exchange(counts_from_here_, false)) {
     recovered_before_ = said.recovered;
     incomplete_before_ = said.incomplete;
@@ -145,6 +155,7 @@ void LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
   report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
   rate_.observe(report, now);
+  return FeedbackVerdict::taken;
 }
 
 void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now) {
@@ -152,7 +163,7 @@ void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint 
     ++counters_.arrived;
     newest_arrived_sent_ = std::max(newest_arrived_sent_, a.sent.at);
     queue_delay_.add(a.one_way, now);
-    delivery_.arrived(a.sent.at.time_since_epoch() + a.one_way, a.sent.bytes);
+    delivery_.arrived(a.sent.at + a.one_way, a.sent.bytes);
     if (a.sent.cargo == Cargo::probe) {
       mtu_.probe_arrived(a.sent.bytes, now);
       continue;

@@ -30,6 +30,7 @@ size_t FrameSender::fill(Session& session, TimePoint now) {
     const auto out = link.next(now);
     if (!out) return count;
     std::vector<uint8_t>& datagram = datagrams_[count++];
+    session.omit_number();
     const uint64_t sequence = session.seal().seal(out->kind, out->body, datagram);
     link.sent(sequence, datagram.size(), now);
     if (out->kind == protocol::DatagramKind::probe) return count;
@@ -37,9 +38,11 @@ size_t FrameSender::fill(Session& session, TimePoint now) {
   return kBatch;
 }
 
-void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to) {
+void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to,
+                              TimePoint now) {
   static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
-  session.seal().seal(protocol::DatagramKind::pong, kZeros, datagrams_[0]);
+  const uint64_t sequence = session.seal().seal(protocol::DatagramKind::pong, kZeros, datagrams_[0]);
+  session.link().sent(sequence, datagrams_[0].size(), now);
   asio::error_code ignored;
   socket.send(std::span(datagrams_).first(1), to, ignored);
 }

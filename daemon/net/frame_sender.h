@@ -22,7 +22,7 @@ class FrameSender {
   std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
   // Sends one datagram at once; it is lost if the kernel does not take it.
-  void answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to);
+  void answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to, TimePoint now);
 
  private:
   size_t fill(Session& session, TimePoint now);

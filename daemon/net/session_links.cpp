@@ -28,18 +28,28 @@ void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::ud
   if (!header) return metrics.report(Fault::datagram_header);
   Session* session = sessions_.find(header->session);
   if (!session) return metrics.report(Fault::datagram_session);
-  const DatagramOutcome received = session->receive(datagram, from, Clock::now());
-  if (received.fault) return metrics.report(session->grant().tenant, session->id(), *received.fault);
-  if (received.ping) return sender_.answer_ping(*session, *data_, from);
+  const TimePoint now = Clock::now();
+  const DatagramOutcome received = session->receive(datagram, from, now);
+  if (handle_fault(*session, received)) return;
+  if (received.ping) return sender_.answer_ping(*session, *data_, from, now);
   if (received.view) request(*session, *received.view);
   serve(*session);
 }
 
 void SessionLinks::receive(Session& session, const protocol::Data& data) {
   const DatagramOutcome received = session.receive(data, Clock::now());
-  if (received.fault) shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
+  handle_fault(session, received);
+  if (received.ends_session()) return;
   if (received.view) request(session, *received.view);
   serve(session);
+}
+
+// Returns whether there was a fault. The session may have been closed then.
+bool SessionLinks::handle_fault(const Session& session, const DatagramOutcome& received) {
+  if (!received.fault) return false;
+  shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
+  if (received.ends_session() && ends_) ends_(session.id(), row_of(*received.fault).event);
+  return true;
 }
 
 void SessionLinks::request(const Session& session, const ViewRequest& view) {
@@ -52,7 +62,7 @@ void SessionLinks::send(EncodedFrame& frame) {
   const FrameRoute& route = frame.meta.route;
   Session* session = sessions_.find(route.session);
   const bool wanted = session && sessions_.is_reachable(*session) &&
-                      (sessions_.stream_of(route.session) || session->expects(frame.meta.spec.grid));
+                      (sessions_.stream_of(route.session) || session->notified_size().is_of(frame.meta.spec.grid));
   if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->under_way().add(frame.meta, bytes);

@@ -13,6 +13,15 @@ bool is_sound(const DatagramOutcome& received) {
   return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;
 }
 
+std::optional<Fault> fault_of(FeedbackVerdict verdict) {
+  switch (verdict) {
+    case FeedbackVerdict::taken: break;
+    case FeedbackVerdict::too_many: return Fault::feedback_too_often;
+    case FeedbackVerdict::invented: return Fault::feedback_invented;
+  }
+  return std::nullopt;
+}
+
 Fault fault_of(protocol::Rejection why) {
   switch (why) {
     case protocol::Rejection::header: return Fault::datagram_header;
@@ -31,11 +40,11 @@ Session::Session(SessionParts parts, TimePoint now)
       scene_use_(std::move(parts.scene_use)),
       stored_(std::move(parts.stored)),
       permit_(std::move(parts.permit)),
-      notified_width_(grant_.width),
-      notified_height_(grant_.height),
+      notified_size_{grant_.width, grant_.height},
       seal_(std::move(parts.seal)),
       last_received_(now),
-      link_(grant_.features, generation() > 0) {
+      link_(grant_.features, generation() > 0 ? std::optional(seal_->taken()) : std::nullopt),
+      omitted_(std::move(parts.random)) {
   if (grant_.has(protocol::kFeatureReferences)) references_ = std::make_shared<SessionReferences>();
   // Cameras from before the resumption are not answered again: slices of two answers to one camera must not be mixed.
   if (stored_ && stored_.record().newest_frame != 0) newest_ = FrameId{stored_.record().newest_frame};
@@ -78,11 +87,11 @@ DatagramOutcome Session::on_body(protocol::DatagramKind kind, std::span<const ui
       return on_body(*update, now);
     }
     case protocol::DatagramKind::feedback: {
+      if (!grant_.has(protocol::kFeatureFeedback)) return {std::nullopt, Fault::datagram_kind};
       const auto feedback = protocol::decode_feedback(body);
       if (!feedback) return {std::nullopt, Fault::datagram_body};
       last_received_ = now;
-      link_.on_feedback(*feedback, now);
-      return {};
+      return {std::nullopt, fault_of(link_.on_feedback(*feedback, now))};
     }
     default: return {std::nullopt, Fault::datagram_kind};
   }
@@ -101,6 +110,10 @@ DatagramOutcome Session::on_body(const protocol::CameraUpdate& update, TimePoint
   ViewRequest view{id_, update.frame, update.camera, now, deadline};
   view.tenant = grant_.tenant;
   return {views_.offer(view, now), std::nullopt};
+}
+
+void Session::omit_number() {
+  if (grant_.has(protocol::kFeatureFeedback) && omitted_.omit_next()) link_.omitted(seal_->skip());
 }
 
 LinkReport Session::take_link_report() {

@@ -13,8 +13,10 @@
 #include "daemon/frame/grant.h"
 #include "daemon/frame/scene_use.h"
 #include "daemon/frame/session_references.h"
+#include "daemon/link/omitted_numbers.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
+#include "daemon/security/random_bytes.h"
 #include "daemon/session/frames_under_way.h"
 #include "daemon/session/handshake.h"
 #include "daemon/session/session_limits.h"
@@ -31,6 +33,9 @@ struct DatagramOutcome {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
   bool ping = false;  // the datagram has to be answered to the address that it came from
+
+  // The client has said what cannot be true: its session is to be closed.
+  bool ends_session() const { return fault == Fault::feedback_invented; }
 };
 
 // What a session is made of.
@@ -41,6 +46,13 @@ struct SessionParts {
   SessionPermit permit;
   StoredSession stored = {};  // record from which the seal continues; empty if the session cannot be resumed
   SceneUse scene_use = {};    // keeps the scene from being unloaded
+  std::function<uint64_t()> random = random_number;  // unpredictable
+};
+
+// The size of frames that the client has been notified of.
+struct NotifiedSize {
+  uint32_t width = 0, height = 0;
+  bool is_of(const TileGrid& grid) const { return grid.width == width && grid.height == height; }
 };
 
 // Belongs to the net thread that owns it.
@@ -53,6 +65,9 @@ class Session {
   const SessionGrant& grant() const { return grant_; }
   protocol::Seal& seal() { return *seal_; }
   LinkSender& link() { return link_; }
+  // Leaves out a sequence number now and then, so that invented Feedback is found out. Called before a number is taken
+  // for a datagram.
+  void omit_number();
 
   // Whether the client's last view or feedback came over its control connection; frames are sent over it then.
   bool by_control() const { return by_control_; }
@@ -81,11 +96,7 @@ class Session {
   // Counts how often the session was resumed. Notifications carrying an older generation are ignored.
   uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 
-  // The size of frames that the client has been notified of.
-  void on_size_notified(uint16_t width, uint16_t height) { notified_width_ = width, notified_height_ = height; }
-  bool expects(const TileGrid& grid) const {
-    return grid.width == notified_width_ && grid.height == notified_height_;
-  }
+  NotifiedSize& notified_size() { return notified_size_; }
   void forget();  // the session cannot be resumed any more, and nothing is sealed any more
 
   LinkReport take_link_report();
@@ -99,7 +110,7 @@ class Session {
   SceneUse scene_use_;
   StoredSession stored_;  // destroyed after the permit, which the connection that resumes the session takes
   SessionPermit permit_;
-  uint32_t notified_width_, notified_height_;
+  NotifiedSize notified_size_;
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
   std::optional<asio::ip::udp::endpoint> address_;
@@ -108,6 +119,7 @@ class Session {
   SessionReferencesPtr references_;
   TimePoint last_received_;
   LinkSender link_;
+  OmittedNumbers omitted_;
   ViewBuffer views_{link_};
   SessionTotals totals_;
   FramesUnderWay under_way_{link_};

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "protocol/codec.h"
+#include "protocol/feedback.h"
 #include "protocol/messages.h"
 #include "protocol/pin.h"
 #include "protocol/seal_exporter.h"
@@ -132,6 +133,13 @@ class TestClient {
     data_.send_to(asio::buffer(datagram), {asio::ip::address_v4::loopback(), welcome_.data_port});
   }
   void send_view(uint32_t frame, float x) { send_datagram(sealed_view(frame, x)); }
+
+  void send_feedback(const protocol::Feedback& feedback) {
+    std::vector<uint8_t> body, datagram;
+    protocol::append_feedback(body, feedback);
+    seal_->seal(protocol::DatagramKind::feedback, body, datagram);
+    send_datagram(datagram);
+  }
 
   // As send_view(), over the control connection.
   void send_view_by_control(uint32_t frame, float x) {
