@@ -79,7 +79,13 @@ std::optional<Outgoing> LinkSender::offer(const QueuedDatagram& datagram, TimePo
 
 std::optional<Outgoing> LinkSender::next(TimePoint now) {
   offered_.reset();
-  if (const auto tail = loss_detection_.take_tail(now)) handle_tail(*tail, now);
+  if (const auto tail = loss_detection_.take_tail(now)) {
+    // The datagram may have arrived, so that no counter takes it for lost.
+    if (tail->cargo == Cargo::probe)
+      mtu_.probe_lost(now);
+    else
+      send_again(*tail, now);
+  }
   if (feedback_ && !pacer_.may_send(now)) {
     limited_ = limited_ || (queue_.bytes() > 0 && rate() <= spread_rate_);
     return std::nullopt;
@@ -132,6 +138,17 @@ void LinkSender::omitted(uint64_t sequence) {
   if (feedback_) loss_detection_.omitted(sequence);
 }
 
+void LinkSender::begin_path(TimePoint now) {
+  path_began_ = now;
+  pacer_ = {};
+  queue_delay_ = {};
+  rate_ = {};
+  mtu_ = {};
+  delivery_ = {};
+  limited_ = false;
+  loss_detection_.begin_path(now);
+}
+
 FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
   if (!allowance_.take(now)) return FeedbackVerdict::too_many;
   if (loss_detection_.is_invented(said)) return FeedbackVerdict::invented;
@@ -150,8 +167,10 @@ FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoin
   report.rtt = loss_detection_.rtt();
   report.queue = queue_delay_.now();
   report.delivered = delivery_.bytes_per_second();
-  report.arrived = static_cast<uint32_t>(update.arrived.size());
-  for (const SentDatagram& datagram : update.lost) report.lost += datagram.cargo != Cargo::probe;
+  for (const Arrival& arrival : update.arrived) report.arrived += arrival.sent.at >= path_began_;
+  for (const SentDatagram& datagram : update.lost) {
+    report.lost += datagram.cargo != Cargo::probe && datagram.at >= path_began_;
+  }
   report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
   rate_.observe(report, now);
@@ -161,6 +180,9 @@ FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoin
 void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now) {
   for (const Arrival& a : arrived) {
     ++counters_.arrived;
+    StoredFrame* frame = frames_.find(a.sent.answer);
+    if (frame && a.sent.cargo == Cargo::slice) frame->slice_arrived(a.sent.number);
+    if (a.sent.at < path_began_) continue;
     newest_arrived_sent_ = std::max(newest_arrived_sent_, a.sent.at);
     queue_delay_.add(a.one_way, now);
     delivery_.arrived(a.sent.at + a.one_way, a.sent.bytes);
@@ -169,27 +191,20 @@ void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint 
       continue;
     }
     mtu_.arrived(a.sent.bytes);
-    StoredFrame* frame = frames_.find(a.sent.answer);
-    if (frame && a.sent.cargo == Cargo::slice) frame->slice_arrived(a.sent.number);
   }
 }
 
 void LinkSender::handle_losses(const std::vector<SentDatagram>& lost, TimePoint now) {
   for (const SentDatagram& datagram : lost) {
+    const bool of_path = datagram.at >= path_began_;
     if (datagram.cargo == Cargo::probe) {
-      mtu_.probe_lost(now);
+      if (of_path) mtu_.probe_lost(now);
       continue;
     }
     ++counters_.lost;
-    mtu_.lost(datagram.bytes, now);
+    if (of_path) mtu_.lost(datagram.bytes, now);
     send_again(datagram, now);
   }
-}
-
-// The datagram may have arrived, so that no counter takes it for lost.
-void LinkSender::handle_tail(const SentDatagram& tail, TimePoint now) {
-  if (tail.cargo == Cargo::probe) return mtu_.probe_lost(now);
-  send_again(tail, now);
 }
 
 void LinkSender::send_again(const SentDatagram& datagram, TimePoint now) {

@@ -71,6 +71,10 @@ class LinkSender {
 
   FeedbackVerdict on_feedback(const protocol::Feedback& feedback, TimePoint now);
 
+  // Datagrams go to another host from now on: what is known of the path is forgotten. Reports of what was sent before
+  // still tell what has arrived, but nothing of the new path.
+  void begin_path(TimePoint now);
+
   // The next body that may be sent now, retransmissions first; nullopt if there is none. sent() follows it.
   std::optional<Outgoing> next(TimePoint now);
   // Also of datagrams that next() has not offered. Sequence numbers increase from call to call, omitted() included.
@@ -102,12 +106,12 @@ class LinkSender {
   bool worth_parity(TimePoint deadline, TimePoint now) const;
   std::optional<Outgoing> offer(const QueuedDatagram& datagram, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
-  void handle_tail(const SentDatagram& tail, TimePoint now);
   void send_again(const SentDatagram& datagram, TimePoint now);  // if it can still arrive in time
   void handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now);
 
   bool feedback_, parity_;  // the features
   TimePoint newest_arrived_sent_{};
+  TimePoint path_began_{};
   bool counts_from_here_;  // the client's counters in its next report are the base of those after it
   uint32_t recovered_before_ = 0, incomplete_before_ = 0;
   StoredFrames frames_;

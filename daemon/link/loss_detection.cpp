@@ -46,6 +46,12 @@ void LossDetection::append(uint64_t sequence, const Entry& entry) {
   settle();
 }
 
+void LossDetection::begin_path(TimePoint now) {
+  path_began_ = now;
+  smoothed_ = variance_ = {};
+  tails_ = 0;
+}
+
 bool LossDetection::is_invented(const protocol::Feedback& feedback) const {
   for (uint64_t i = 0; i < feedback.count; ++i) {
     const uint64_t sequence = feedback.first + i;
@@ -72,7 +78,7 @@ PathUpdate LossDetection::take(const protocol::Feedback& feedback, TimePoint now
     newest_ = feedback.first + i;
     newest_ordinal_ = entry->ordinal;
     newest_sent_ = datagram.at;
-    if (age == protocol::kOldest) continue;
+    if (age == protocol::kOldest || datagram.at < path_began_) continue;
     update.rtt = std::clamp<Nanoseconds>(now - datagram.at - waited(age), 1us, kLongestRtt);
   }
   if (!update.arrived.empty()) {

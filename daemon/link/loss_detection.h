@@ -55,6 +55,9 @@ class LossDetection {
   // to be remembered are not judged.
   bool is_invented(const protocol::Feedback& feedback) const;
 
+  // The path is another one from now on: its round trip is not known, and what was sent before does not measure it.
+  void begin_path(TimePoint now);
+
   PathUpdate take(const protocol::Feedback& feedback, TimePoint now);
   // Returns the newest unacknowledged datagram once tail_due() has passed, and marks it as lost; nullopt otherwise.
   std::optional<SentDatagram> take_tail(TimePoint now);
@@ -97,6 +100,7 @@ class LossDetection {
   uint64_t tracked_ = 0;  // number of datagrams
   uint64_t unheard_ = 0;  // of them, sent after the newest arrival
   TimePoint last_sent_{};
+  TimePoint path_began_{};
   TimePoint silent_since_{};
   TimePoint last_tail_{};
   uint32_t tails_ = 0;  // tail probes since the newest arrival

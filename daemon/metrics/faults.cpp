@@ -25,6 +25,7 @@ constexpr std::array kTable{
              "more Feedback than a client needs"},
     FaultRow{Fault::feedback_invented, kDatagram, "invented_arrival", Level::warning,
              "client reports the arrival of a datagram that was never sent"},
+    FaultRow{Fault::path_unproven, kDatagram, "path_unproven", Level::debug, "address that answered no challenge"},
 
     FaultRow{Fault::view_out_of_order, kFrame, "out_of_order", Level::debug, "view older than the newest"},
     FaultRow{Fault::view_queue_full, kFrame, "view_queue_full", Level::debug, "too many views waiting"},

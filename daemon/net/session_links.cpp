@@ -30,8 +30,9 @@ void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::ud
   if (!session) return metrics.report(Fault::datagram_session);
   const TimePoint now = Clock::now();
   const DatagramOutcome received = session->receive(datagram, from, now);
-  if (handle_fault(*session, received)) return;
-  if (received.ping) return sender_.answer_ping(*session, *data_, from, now);
+  handle_fault(*session, received);
+  if (!received.opened || received.ends_session()) return;
+  if (received.ping) sender_.answer_ping(*session, *data_, from, now);
   if (received.view) request(*session, *received.view);
   serve(*session);
 }
@@ -44,12 +45,11 @@ void SessionLinks::receive(Session& session, const protocol::Data& data) {
   serve(session);
 }
 
-// Returns whether there was a fault. The session may have been closed then.
-bool SessionLinks::handle_fault(const Session& session, const DatagramOutcome& received) {
-  if (!received.fault) return false;
+// The session may have been closed afterwards.
+void SessionLinks::handle_fault(const Session& session, const DatagramOutcome& received) {
+  if (!received.fault) return;
   shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
   if (received.ends_session() && ends_) ends_(session.id(), row_of(*received.fault).event);
-  return true;
 }
 
 void SessionLinks::request(const Session& session, const ViewRequest& view) {
@@ -61,7 +61,8 @@ void SessionLinks::request(const Session& session, const ViewRequest& view) {
 void SessionLinks::send(EncodedFrame& frame) {
   const FrameRoute& route = frame.meta.route;
   Session* session = sessions_.find(route.session);
-  const bool wanted = session && sessions_.is_reachable(*session) &&
+  // A frame may be ready before the client has proved its address: it waits in the link.
+  const bool wanted = session && (sessions_.is_reachable(*session) || session->path().is_pending()) &&
                       (sessions_.stream_of(route.session) || session->notified_size().is_of(frame.meta.spec.grid));
   if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
@@ -69,17 +70,26 @@ void SessionLinks::send(EncodedFrame& frame) {
   serve(*session);
 }
 
-// Called after each change: sends what the link releases, requests a view that was held back, and sets the time of the
-// next call.
+// Called after each change: sends challenges and what the link releases, requests a view that was held back, and sets
+// the time of the next call.
 void SessionLinks::serve(Session& session) {
   const TimePoint now = Clock::now();
   ControlStream* const stream = session.by_control() ? sessions_.stream_of(session.id()) : nullptr;
-  if (!sessions_.is_reachable(session)) return pause(session.id());
+  sender_.send_challenges(session, *data_, now);
+  if (session.path().take_failure(now)) {
+    shared_.metrics.report(session.grant().tenant, session.id(), Fault::path_unproven);
+  }
+  if (!sessions_.is_reachable(session)) return wake(session.id(), session.path().wake_at());
   const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
   if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
   while (const auto ended = session.under_way().take_ended()) finish(session, *ended, now);
   if (const auto view = session.views().take(now)) request(session, *view);
-  timers_.set(session.id(), std::min(session.link().wake_at(now), session.views().take_at(now)));
+  wake(session.id(),
+       std::min({session.link().wake_at(now), session.views().take_at(now), session.path().wake_at()}));
+}
+
+void SessionLinks::wake(SessionId id, TimePoint when) {
+  timers_.set(id, when);
   arm_timer();
 }
 

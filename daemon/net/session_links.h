@@ -42,10 +42,11 @@ class SessionLinks {
 
  private:
   void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
-  bool handle_fault(const Session& session, const DatagramOutcome& received);
+  void handle_fault(const Session& session, const DatagramOutcome& received);
   void request(const Session& session, const ViewRequest& view);
   void serve(Session& session);
   void finish(Session& session, const FramesUnderWay::Ended& ended, TimePoint now);
+  void wake(SessionId id, TimePoint when);  // serve() is called then; never for TimePoint::max()
   void arm_timer();
   void serve_due();
 

@@ -19,6 +19,7 @@
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/frames_under_way.h"
 #include "daemon/session/handshake.h"
+#include "daemon/session/path_validation.h"
 #include "daemon/session/session_limits.h"
 #include "daemon/session/session_store.h"
 #include "daemon/session/session_totals.h"
@@ -32,7 +33,8 @@ namespace gnomon::daemon {
 struct DatagramOutcome {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
-  bool ping = false;  // the datagram has to be answered to the address that it came from
+  bool ping = false;   // the datagram has to be answered to the address that it came from
+  bool opened = true;  // false if the datagram is not authentic
 
   // The client has said what cannot be true: its session is to be closed.
   bool ends_session() const { return fault == Fault::feedback_invented; }
@@ -59,7 +61,6 @@ struct NotifiedSize {
 class Session {
  public:
   Session(SessionParts parts, TimePoint now);
-  Session(Session&&) = delete;
 
   SessionId id() const { return id_; }
   const SessionGrant& grant() const { return grant_; }
@@ -72,8 +73,8 @@ class Session {
   // Whether the client's last view or feedback came over its control connection; frames are sent over it then.
   bool by_control() const { return by_control_; }
 
-  // Where the last valid datagram came from, which is where frames are sent; nullopt if none has arrived.
-  const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
+  // Where datagrams go. After each datagram that was received, challenges may be due.
+  PathValidation& path() { return path_; }
 
   // Receives a message that replaces a datagram.
   DatagramOutcome receive(const protocol::Data& data, TimePoint now);
@@ -104,6 +105,7 @@ class Session {
  private:
   DatagramOutcome on_body(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now);
   DatagramOutcome on_body(const protocol::CameraUpdate& update, TimePoint now);
+  DatagramOutcome release(DatagramOutcome received, TimePoint now);
 
   SessionId id_;
   SessionGrant grant_;
@@ -113,8 +115,10 @@ class Session {
   NotifiedSize notified_size_;
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
-  std::optional<asio::ip::udp::endpoint> address_;
+  PathValidation path_;
   bool by_control_ = false;
+  bool asked_early_ = false;  // a view was rendered before the client had an address
+  bool moved_ = false;        // since then no view came again: its frame may have gone to the address before
   std::optional<FrameId> newest_;
   SessionReferencesPtr references_;
   TimePoint last_received_;

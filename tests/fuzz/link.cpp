@@ -31,13 +31,15 @@ class Steps {
 
  private:
   void step() {
-    switch (take_number(input_, 7)) {
+    switch (take_number(input_, 8)) {
       case 0: now_ += std::chrono::microseconds(take_number(input_, 65535)); break;
       case 1: now_ += std::chrono::milliseconds(take_number(input_, 65535)); break;
       case 2: add(); break;
       case 3: omit(); break;
       case 4: pong(); break;
       case 5: link_.take_lost(FrameId{frame_}, now_); break;
+      case 6: report(); break;
+      case 7: link_.begin_path(now_); break;
       default: report(); break;
     }
     send();

@@ -216,6 +216,62 @@ TEST(LinkSender, AClientsClockNeitherCostsNorKeepsAnything) {
   }
 }
 
+// Fills the link with frames whose datagrams arrive 20 ms later, and returns the number of the last datagram.
+uint64_t fly_until_known(LinkSender& link, TimePoint& now) {
+  uint64_t sent = 0;
+  for (uint32_t frame = 1; frame <= 200; ++frame) {
+    link.add(frame_of(frame, 40, 1000), TimePoint::max(), now);
+    link.may_request(now);
+    const uint64_t first = sent + 1;
+    for (const TimePoint until = now + 16ms; now < until; now += 1ms) {
+      while (const auto out = link.next(now)) link.sent(++sent, out->body.size() + 36, now);
+      link.may_request(now);
+    }
+    if (sent < first) continue;
+    const auto time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+    EXPECT_EQ(link.on_feedback(all_arrived(first, sent, time_us), now + 4ms), FeedbackVerdict::taken);
+  }
+  return sent;
+}
+
+// RFC 9000, 9.4: rate and round trip begin anew, and datagrams to the former path count for nothing.
+TEST(LinkSender, AnotherPathBeginsAnew) {
+  LinkSender link(protocol::kFeatureFeedback);
+  TimePoint now = kStart;
+  uint64_t sent = fly_until_known(link, now);
+  ASSERT_GT(link.rate(), 2 * RateController::kFirstRate);
+  ASSERT_GT(link.rtt(), 0ms);
+  ASSERT_GT(link.datagram_bytes(), protocol::kMaxDatagramBytes);
+  link.add(frame_of(1000, 4), TimePoint::max(), now);
+  const uint64_t before = sent + 1;
+  for (int i = 0; i < 10; ++i, now += 1ms) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  ASSERT_GE(sent, before);
+  link.begin_path(now);
+  EXPECT_EQ(link.rate(), RateController::kFirstRate);
+  EXPECT_EQ(link.rtt(), 0ms);
+  EXPECT_EQ(link.datagram_bytes(), protocol::kMaxDatagramBytes);
+  const uint64_t arrived = link.counters().arrived;
+  const auto time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+  EXPECT_EQ(link.on_feedback(all_arrived(before, sent, time_us), now + 900ms), FeedbackVerdict::taken);
+  EXPECT_GT(link.counters().arrived, arrived) << "they have arrived all the same";
+  EXPECT_EQ(link.rtt(), 0ms) << "and do not measure this path";
+
+  // The new path is 80 ms longer, which is no queue.
+  now += 1s;
+  link.add(frame_of(1001, 8), TimePoint::max(), now);
+  const uint64_t after = sent + 1;
+  for (int i = 0; i < 20; ++i, now += 1ms) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  ASSERT_GE(sent, after + 4);
+  const auto longer_us = static_cast<uint64_t>(to_microseconds((now + 80ms).time_since_epoch()));
+  EXPECT_EQ(link.on_feedback(all_arrived(after, sent, longer_us), now + 100ms), FeedbackVerdict::taken);
+  EXPECT_GT(link.rtt(), 0ms);
+  EXPECT_LT(link.queue_delay(), 20ms);
+}
+
 TEST(LinkSender, AFloodOfReportsIsNotTaken) {
   LinkSender link(protocol::kFeatureFeedback);
   int taken = 0;

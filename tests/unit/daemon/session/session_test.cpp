@@ -60,16 +60,16 @@ TEST_F(SessionTest, SilentOnesAreFoundBySilenceAlone) {
 
 TEST_F(SessionTest, OnlyWhatIsAuthenticCountsAsLifeAndMovesTheAddress) {
   Session& session = add(1, kStart);
-  EXPECT_FALSE(session.address());
+  EXPECT_FALSE(session.path().current());
   auto damaged = view(1, 1);
   damaged.back() ^= 1;
   EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_forged);
-  EXPECT_FALSE(session.address());
+  EXPECT_FALSE(session.path().current());
   EXPECT_EQ(session.last_received(), kStart);
   EXPECT_TRUE(session.receive(view(1, 2), here_, kStart + 4s).view);
-  EXPECT_EQ(session.address(), here_);
+  EXPECT_EQ(session.path().current(), here_);
   EXPECT_TRUE(session.receive(view(1, 3), there_, kStart + 5s).view);
-  EXPECT_EQ(session.address(), there_);
+  EXPECT_EQ(session.path().current(), there_);
   EXPECT_EQ(session.last_received(), kStart + 5s);
 }
 
@@ -98,7 +98,7 @@ TEST_F(SessionTest, AServersOwnKindOfDatagramIsRefused) {
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_kind);
   client->seal(protocol::DatagramKind::camera_update, {}, datagram);
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_body);
-  EXPECT_FALSE(session.address());
+  EXPECT_FALSE(session.path().current());
 }
 
 TEST_F(SessionTest, FeedbackWithoutTheFeatureIsNotRead) {
