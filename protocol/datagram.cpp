@@ -78,6 +78,14 @@ std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body) {
   return slice;
 }
 
+std::optional<uint64_t> decode_path_token(std::span<const uint8_t> body) {
+  Reader reader(body);
+  uint64_t token = 0;
+  reader(token);
+  if (!reader.ok()) return std::nullopt;
+  return token;
+}
+
 void write_header(std::span<uint8_t, kHeaderBytes> out, const Header& header) {
   out[0] = static_cast<uint8_t>(kVersion);
   out[1] = static_cast<uint8_t>(header.kind);
@@ -90,6 +98,11 @@ void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update)
   assert(update.ack_count <= kMaxAcks);
   Writer writer(out);
   fields(writer, update);
+}
+
+void append_path_token(std::vector<uint8_t>& out, uint64_t token) {
+  Writer writer(out);
+  writer(token);
 }
 
 void append_frame_slice(std::vector<uint8_t>& out, const SliceHeader& header, std::span<const uint8_t> payload) {

@@ -31,6 +31,9 @@ inline constexpr size_t kMaxSlicePayloadBytes = kMaxSliceBodyBytes - kSliceHeade
 // Body of ping and pong, whose datagrams have kMaxDatagramBytes: as long as the longest that every session uses.
 inline constexpr size_t kPingBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 
+// Body of path_challenge and path_response.
+inline constexpr size_t kPathTokenBytes = 8;
+
 enum class DatagramKind : uint8_t {
   camera_update = 1,
   frame_slice = 2,
@@ -39,10 +42,14 @@ enum class DatagramKind : uint8_t {
   probe = 5,         // zeros; tests whether the path carries a datagram of this size
   ping = 6,          // client to server, zeros; tests whether datagrams pass
   pong = 7,          // server to client, the answer, zeros
+  // With kFeaturePaths:
+  path_challenge = 8,  // server to client: a token
+  path_response = 9,   // client to server: the same token, sent back
 };
-inline constexpr std::array<DatagramKind, 7> kDatagramKinds{
-    DatagramKind::camera_update, DatagramKind::frame_slice, DatagramKind::feedback, DatagramKind::frame_parity,
-    DatagramKind::probe,         DatagramKind::ping,        DatagramKind::pong};
+inline constexpr std::array<DatagramKind, 9> kDatagramKinds{
+    DatagramKind::camera_update, DatagramKind::frame_slice,    DatagramKind::feedback,
+    DatagramKind::frame_parity,  DatagramKind::probe,          DatagramKind::ping,
+    DatagramKind::pong,          DatagramKind::path_challenge, DatagramKind::path_response};
 
 struct Header {
   DatagramKind kind = DatagramKind::camera_update;
@@ -103,11 +110,13 @@ struct FrameSlice {
 std::optional<Header> decode_header(std::span<const uint8_t> datagram);
 std::optional<CameraUpdate> decode_camera_update(std::span<const uint8_t> body);
 std::optional<FrameSlice> decode_frame_slice(std::span<const uint8_t> body);
+std::optional<uint64_t> decode_path_token(std::span<const uint8_t> body);
 
 void write_header(std::span<uint8_t, kHeaderBytes> out, const Header& header);
 
 // Append to `out`. Precondition: the camera is valid (is_valid); only decoding checks it.
 void append_camera_update(std::vector<uint8_t>& out, const CameraUpdate& update);
+void append_path_token(std::vector<uint8_t>& out, uint64_t token);
 void append_frame_slice(std::vector<uint8_t>& out, const SliceHeader& header, std::span<const uint8_t> payload);
 
 }  // namespace gnomon::protocol

@@ -74,6 +74,10 @@ class Seal {
   uint64_t skip();
   void pass(uint64_t sequence);
 
+  uint64_t taken() const { return state_.sent; }  // the newest sequence number of this side; 0 before the first
+
+  uint64_t newest_opened() const { return window_.newest(); }  // the other side's highest; 0 before the first
+
   // nullopt if the datagram is rejected: see rejection().
   std::optional<Opened> open(std::span<const uint8_t> datagram);
   Rejection rejection() const { return rejection_; }  // of the datagram rejected last

@@ -29,11 +29,16 @@ constexpr Nanoseconds kControlSilence = std::chrono::seconds(4);  // Stats come 
 
 protocol::Hello completed(protocol::Hello hello) {
   using enum protocol::CipherId;
-  hello.features |= protocol::kFeatureResume;
+  hello.features |= protocol::kFeatureResume | protocol::kFeaturePaths;
   if (!hello.ciphers.empty()) return hello;
   hello.ciphers = {aes_128_gcm, chacha20_poly1305};
   if (!protocol::has_aes_instructions()) std::swap(hello.ciphers[0], hello.ciphers[1]);
   return hello;
+}
+
+void ping(DataChannel& data) {
+  static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
+  data.send(protocol::DatagramKind::ping, kZeros);
 }
 
 }  // namespace
@@ -89,10 +94,18 @@ void Connection::send(protocol::DatagramKind kind, std::span<const uint8_t> body
   control_->send(protocol::Data{kind, ++sent_by_control_, {body.begin(), body.end()}});
 }
 
+void Connection::on_datagram(const protocol::Opened& datagram, TimePoint arrived) {
+  path_.heard(Clock::now());
+  if (datagram.header.kind == protocol::DatagramKind::path_challenge &&
+      protocol::decode_path_token(datagram.body)) {
+    data_->send(protocol::DatagramKind::path_response, datagram.body.first(protocol::kPathTokenBytes));
+  }
+  if (state_ == State::open && events_.datagram) events_.datagram(datagram, arrived);
+}
+
 void Connection::watch_path() {
   if (state_ != State::open) return;
-  static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
-  if (!lost_ && path_.ping_due(Clock::now())) data_->send(protocol::DatagramKind::ping, kZeros);
+  if (!lost_ && path_.ping_due(Clock::now())) ping(*data_);
   const bool resumable = (welcome_.features & protocol::kFeatureResume) != 0;
   if (!lost_ && resumable && Clock::now() - control_heard_ > kControlSilence) {
     lose_control(Error{"the server says nothing any more"});
@@ -160,12 +173,9 @@ void Connection::on_welcome(protocol::Welcome welcome) {
   const auto resumption = control_->resumption_secret(welcome.session);
   if (!resumption) return fail(resumption.error());
   auto seal = std::make_unique<protocol::Seal>(welcome.session, welcome.cipher, *secrets, protocol::Side::client);
-  auto data = DataChannel::open(loop_, {control_->server_ip(), welcome.data_port}, std::move(seal),
-                                [this](const protocol::Opened& datagram, TimePoint arrived) {
-                                  path_.heard(Clock::now());
-                                  if (state_ == State::open && events_.datagram)
-                                    events_.datagram(datagram, arrived);
-                                });
+  auto data = DataChannel::open(
+      loop_, {control_->server_ip(), welcome.data_port}, std::move(seal),
+      [this](const protocol::Opened& datagram, TimePoint arrived) { on_datagram(datagram, arrived); });
   if (!data) return fail(data.error());
   welcome_ = std::move(welcome);
   control_heard_ = Clock::now();
@@ -174,6 +184,9 @@ void Connection::on_welcome(protocol::Welcome welcome) {
   handshake_timer_.disarm();
   state_ = State::open;
   watch_path();
+  // The server challenges the address of a first Ping at once, so that it is validated by the time that the first frame
+  // is ready. Without a choice of transport none is sent above.
+  if ((welcome_.features & protocol::kFeaturePaths) != 0 && options_.transport == Transport::udp) ping(*data_);
   if (events_.opened) events_.opened();
 }
 
@@ -221,7 +234,10 @@ void Connection::on_resumed(protocol::Welcome welcome) {
   asked_to_resume_ = false;
   resumed_ = control_heard_ = Clock::now();
   handshake_timer_.disarm();
-  if (path_.by_udp()) path_ = PathWatch(options_.transport);  // its pings were not answered
+  if (path_.by_udp()) {
+    path_ = PathWatch(options_.transport);  // its pings were not answered
+    ping(*data_);                           // as at the start, for the server to validate the address anew
+  }
   if (events_.resumed) events_.resumed();
 }
 

@@ -84,6 +84,7 @@ class Connection {
   void ask_to_resume();
   void on_resumed(protocol::Welcome welcome);
   void on_data(const protocol::Data& data);
+  void on_datagram(const protocol::Opened& datagram, TimePoint arrived);
   void watch_path();
   void fail(Error error);
 

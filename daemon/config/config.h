@@ -40,7 +40,8 @@ struct ServerConfig {
   uint32_t max_half_open = 1024;  // connections without a session; a further one replaces the oldest
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
-  uint32_t connections_per_s = 100;  // of an address, in the long run; max_sessions_per_address in a burst
+  uint32_t connections_per_s = 100;     // of an address, in the long run; max_sessions_per_address in a burst
+  bool require_path_validation = true;  // clients without the feature are refused
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 

@@ -148,6 +148,7 @@ Keys<ServerConfig> server_keys() {
       integer("max_sessions", &S::max_sessions, 1, 1'000'000),
       integer("max_sessions_per_address", &S::max_sessions_per_address, 1, 1'000'000),
       integer("connections_per_s", &S::connections_per_s, 1, 1'000'000),
+      choice("require_path_validation", &S::require_path_validation, {{"false", false}, {"true", true}}),
   };
 }
 

@@ -26,10 +26,11 @@ DatagramKind kind_of(Cargo cargo) {
 
 }  // namespace
 
-LinkSender::LinkSender(uint64_t features, bool resumed)
+LinkSender::LinkSender(uint64_t features, std::optional<uint64_t> resumed_after)
     : feedback_((features & protocol::kFeatureFeedback) != 0),
       parity_((features & protocol::kFeatureParity) != 0),
-      counts_from_here_(resumed) {}
+      counts_from_here_(resumed_after.has_value()),
+      loss_detection_(resumed_after.value_or(0)) {}
 
 size_t LinkSender::slice_body_bytes() const {
   return datagram_bytes() - kSealBytes - (parity_ ? protocol::kParityOverhead : 0);
@@ -78,7 +79,13 @@ std::optional<Outgoing> LinkSender::offer(const QueuedDatagram& datagram, TimePo
 
 std::optional<Outgoing> LinkSender::next(TimePoint now) {
   offered_.reset();
-  if (const auto tail = loss_detection_.take_tail(now)) handle_tail(*tail, now);
+  if (const auto tail = loss_detection_.take_tail(now)) {
+    // The datagram may have arrived, so that no counter takes it for lost.
+    if (tail->cargo == Cargo::probe)
+      mtu_.probe_lost(now);
+    else
+      send_again(*tail, now);
+  }
   if (feedback_ && !pacer_.may_send(now)) {
     limited_ = limited_ || (queue_.bytes() > 0 && rate() <= spread_rate_);
     return std::nullopt;
@@ -96,11 +103,13 @@ std::optional<Outgoing> LinkSender::next(TimePoint now) {
   return std::nullopt;
 }
 
-double LinkSender::pace() const { return std::min(rate(), std::max(spread_rate_, RateController::kLeastRate)); }
-
 void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
   ++counters_.sent;
-  if (!offered_) return;
+  allowance_.sent();
+  if (!offered_) {
+    if (feedback_) loss_detection_.sent_beside(sequence);
+    return;
+  }
   const QueuedDatagram datagram = *offered_;
   offered_.reset();
   if (datagram.cargo == Cargo::probe) {
@@ -116,7 +125,8 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
     queue_.pop(false, true);
   }
   if (!feedback_) return;
-  pacer_.sent(datagram_bytes, pace(), now);
+  const double pace = std::min(rate(), std::max(spread_rate_, RateController::kLeastRate));
+  pacer_.sent(datagram_bytes, pace, now);
   loss_detection_.sent(sequence, {.at = now,
                                   .bytes = static_cast<uint32_t>(datagram_bytes),
                                   .cargo = datagram.cargo,
@@ -124,7 +134,24 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
                                   .number = datagram.number});
 }
 
-void LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
+void LinkSender::omitted(uint64_t sequence) {
+  if (feedback_) loss_detection_.omitted(sequence);
+}
+
+void LinkSender::begin_path(TimePoint now) {
+  path_began_ = now;
+  pacer_ = {};
+  queue_delay_ = {};
+  rate_ = {};
+  mtu_ = {};
+  delivery_ = {};
+  limited_ = false;
+  loss_detection_.begin_path(now);
+}
+
+FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
+  if (!allowance_.take(now)) return FeedbackVerdict::too_many;
+  if (loss_detection_.is_invented(said)) return FeedbackVerdict::invented;
   if (std::exchange(counts_from_here_, false)) {
     recovered_before_ = said.recovered;
     incomplete_before_ = said.incomplete;
@@ -140,45 +167,44 @@ void LinkSender::on_feedback(const protocol::Feedback& said, TimePoint now) {
   report.rtt = loss_detection_.rtt();
   report.queue = queue_delay_.now();
   report.delivered = delivery_.bytes_per_second();
-  report.arrived = static_cast<uint32_t>(update.arrived.size());
-  for (const SentDatagram& datagram : update.lost) report.lost += datagram.cargo != Cargo::probe;
+  for (const Arrival& arrival : update.arrived) report.arrived += arrival.sent.at >= path_began_;
+  for (const SentDatagram& datagram : update.lost) {
+    report.lost += datagram.cargo != Cargo::probe && datagram.at >= path_began_;
+  }
   report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
   rate_.observe(report, now);
+  return FeedbackVerdict::taken;
 }
 
 void LinkSender::handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now) {
   for (const Arrival& a : arrived) {
     ++counters_.arrived;
+    StoredFrame* frame = frames_.find(a.sent.answer);
+    if (frame && a.sent.cargo == Cargo::slice) frame->slice_arrived(a.sent.number);
+    if (a.sent.at < path_began_) continue;
     newest_arrived_sent_ = std::max(newest_arrived_sent_, a.sent.at);
     queue_delay_.add(a.one_way, now);
-    delivery_.arrived(a.sent.at.time_since_epoch() + a.one_way, a.sent.bytes);
+    delivery_.arrived(a.sent.at + a.one_way, a.sent.bytes);
     if (a.sent.cargo == Cargo::probe) {
       mtu_.probe_arrived(a.sent.bytes, now);
       continue;
     }
     mtu_.arrived(a.sent.bytes);
-    StoredFrame* frame = frames_.find(a.sent.answer);
-    if (frame && a.sent.cargo == Cargo::slice) frame->slice_arrived(a.sent.number);
   }
 }
 
 void LinkSender::handle_losses(const std::vector<SentDatagram>& lost, TimePoint now) {
   for (const SentDatagram& datagram : lost) {
+    const bool of_path = datagram.at >= path_began_;
     if (datagram.cargo == Cargo::probe) {
-      mtu_.probe_lost(now);
+      if (of_path) mtu_.probe_lost(now);
       continue;
     }
     ++counters_.lost;
-    mtu_.lost(datagram.bytes, now);
+    if (of_path) mtu_.lost(datagram.bytes, now);
     send_again(datagram, now);
   }
-}
-
-// The datagram may have arrived, so that no counter takes it for lost.
-void LinkSender::handle_tail(const SentDatagram& tail, TimePoint now) {
-  if (tail.cargo == Cargo::probe) return mtu_.probe_lost(now);
-  send_again(tail, now);
 }
 
 void LinkSender::send_again(const SentDatagram& datagram, TimePoint now) {

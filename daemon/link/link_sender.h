@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/link/delivery_rate.h"
+#include "daemon/link/feedback_allowance.h"
 #include "daemon/link/loss_detection.h"
 #include "daemon/link/mtu_discovery.h"
 #include "daemon/link/pacer.h"
@@ -49,21 +50,36 @@ struct LinkCounters {
   }
 };
 
+enum class FeedbackVerdict {
+  taken,
+  // The others have no effect.
+  too_many,  // the client has used up its allowance
+  invented,  // it reports the arrival of a datagram that was never sent: its client is not to be believed (RFC 9000,
+             // 13.1)
+};
+
 class LinkSender {
  public:
   // `features`: the granted ones. Without kFeatureFeedback every datagram goes at once and nothing is known of the path.
-  // `resumed`: the client's counters began before this session's.
-  explicit LinkSender(uint64_t features, bool resumed = false);
+  // `resumed_after`, of a resumed session: the newest sequence number of the server before; the client's counters began
+  // there too.
+  explicit LinkSender(uint64_t features, std::optional<uint64_t> resumed_after = std::nullopt);
 
   // Queues a frame. None of its datagrams is sent after `deadline`; TimePoint::max() if the client has named none.
   // Returns the bytes of its datagrams, parity included.
   size_t add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
 
-  void on_feedback(const protocol::Feedback& feedback, TimePoint now);
+  FeedbackVerdict on_feedback(const protocol::Feedback& feedback, TimePoint now);
+
+  // Datagrams go to another host from now on: what is known of the path is forgotten. Reports of what was sent before
+  // still tell what has arrived, but nothing of the new path.
+  void begin_path(TimePoint now);
 
   // The next body that may be sent now, retransmissions first; nullopt if there is none. sent() follows it.
   std::optional<Outgoing> next(TimePoint now);
+  // Also of datagrams that next() has not offered. Sequence numbers increase from call to call, omitted() included.
   void sent(uint64_t sequence, size_t datagram_bytes, TimePoint now);
+  void omitted(uint64_t sequence);  // no datagram has this number, nor will have it
   TimePoint wake_at(TimePoint now) const;
   std::optional<FrameEnd> take_end() { return queue_.take_end(); }
   // Bytes of retransmissions and probes since the last call: what was sent beside the frames' first sending.
@@ -90,13 +106,12 @@ class LinkSender {
   bool worth_parity(TimePoint deadline, TimePoint now) const;
   std::optional<Outgoing> offer(const QueuedDatagram& datagram, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
-  void handle_tail(const SentDatagram& tail, TimePoint now);
   void send_again(const SentDatagram& datagram, TimePoint now);  // if it can still arrive in time
   void handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now);
-  double pace() const;
 
   bool feedback_, parity_;  // the features
   TimePoint newest_arrived_sent_{};
+  TimePoint path_began_{};
   bool counts_from_here_;  // the client's counters in its next report are the base of those after it
   uint32_t recovered_before_ = 0, incomplete_before_ = 0;
   StoredFrames frames_;
@@ -118,6 +133,7 @@ class LinkSender {
   MtuDiscovery mtu_;
   RequestGate gate_;
   DeliveryRate delivery_;
+  FeedbackAllowance allowance_;
   LinkCounters counters_;
 };
 

@@ -13,48 +13,77 @@ constexpr Nanoseconds kLeastReordering = 2ms;
 constexpr Nanoseconds kReordering = 15ms;  // paths reorder datagrams by as much
 constexpr Nanoseconds kGivenUp = 2s;       // an older datagram is lost in any case
 
-// When the client received the datagram, by the client's clock, whose origin is arbitrary.
-Nanoseconds arrival_time(const protocol::Feedback& feedback, uint16_t age) {
-  return std::chrono::microseconds(static_cast<int64_t>(feedback.time_us)) -
-         std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
+constexpr Nanoseconds kLongestRtt = 10s;  // a longer one is a client's invention
+
+std::chrono::microseconds waited(uint16_t age) {
+  return std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
 }
 
 }  // namespace
 
 void LossDetection::sent(uint64_t sequence, const SentDatagram& datagram) {
-  if (sequence != first_ + entries_.size()) {  // a resumed session continues another process's sequence
+  append(sequence, {datagram, State::flying, ++tracked_});
+  last_sent_ = datagram.at;
+  if (unheard_++ == 0) silent_since_ = datagram.at;
+}
+
+void LossDetection::sent_beside(uint64_t sequence) { append(sequence, {.state = State::beside}); }
+
+void LossDetection::omitted(uint64_t sequence) { append(sequence, {.state = State::omitted}); }
+
+void LossDetection::append(uint64_t sequence, const Entry& entry) {
+  if (sequence < end() || sequence - end() >= kMaxEntries) {
     entries_.clear();
     first_ = unsettled_ = sequence;
-    unheard_ = 0;
   }
-  entries_.push_back({datagram});
-  if (unheard_++ == 0) silent_since_ = datagram.at;
-  if (entries_.size() <= kMaxEntries) return;
-  entries_.pop_front();
-  ++first_;
+  while (end() < sequence) entries_.push_back({.state = State::beside});
+  entries_.push_back(entry);
+  while (entries_.size() > kMaxEntries) {
+    entries_.pop_front();
+    ++first_;
+  }
   unsettled_ = std::max(unsettled_, first_);
+  settle();
+}
+
+void LossDetection::begin_path(TimePoint now) {
+  path_began_ = now;
+  smoothed_ = variance_ = {};
+  tails_ = 0;
+}
+
+bool LossDetection::is_invented(const protocol::Feedback& feedback) const {
+  for (uint64_t i = 0; i < feedback.count; ++i) {
+    const uint64_t sequence = feedback.first + i;
+    if (feedback.ages[i] == 0) continue;
+    if (sequence == 0 || sequence >= end()) return true;
+    if (remembers(sequence) && entries_[static_cast<size_t>(sequence - first_)].state == State::omitted)
+      return true;
+  }
+  return false;
 }
 
 PathUpdate LossDetection::take(const protocol::Feedback& feedback, TimePoint now) {
   PathUpdate update;
+  const TimePoint said_at = clock_.read(feedback.time_us, now);
   const uint64_t count = std::min<uint64_t>(feedback.count, ~feedback.first);  // sequence numbers must not wrap
   for (uint64_t i = 0; i < count; ++i) {
     const uint16_t age = feedback.ages[i];
     Entry* entry = age == 0 ? nullptr : find(feedback.first + i);
-    if (!entry || entry->state == State::arrived) continue;
+    if (!entry || (entry->state != State::flying && entry->state != State::lost)) continue;
     entry->state = State::arrived;
     const SentDatagram& datagram = entry->datagram;
-    update.arrived.push_back({datagram, arrival_time(feedback, age) - datagram.at.time_since_epoch()});
+    update.arrived.push_back({datagram, said_at - waited(age) - datagram.at});
     if (feedback.first + i < newest_) continue;
     newest_ = feedback.first + i;
+    newest_ordinal_ = entry->ordinal;
     newest_sent_ = datagram.at;
-    if (age == protocol::kOldest) continue;
-    const Nanoseconds waited = std::chrono::microseconds(uint32_t{protocol::kAgeUnitUs} * (age - 1u));
-    update.rtt = std::max<Nanoseconds>(1us, now - datagram.at - waited);
+    if (age == protocol::kOldest || datagram.at < path_began_) continue;
+    update.rtt = std::clamp<Nanoseconds>(now - datagram.at - waited(age), 1us, kLongestRtt);
   }
   if (!update.arrived.empty()) {
     tails_ = 0;
-    unheard_ = first_ + entries_.size() - 1 - newest_;
+    unheard_ = tracked_ - newest_ordinal_;
     silent_since_ = now;
   }
   if (update.rtt.count() > 0) measure(update.rtt);
@@ -64,22 +93,22 @@ PathUpdate LossDetection::take(const protocol::Feedback& feedback, TimePoint now
 }
 
 LossDetection::Entry* LossDetection::find(uint64_t sequence) {
-  if (sequence < first_ || sequence - first_ >= entries_.size()) return nullptr;
-  return &entries_[static_cast<size_t>(sequence - first_)];
+  return remembers(sequence) ? &entries_[static_cast<size_t>(sequence - first_)] : nullptr;
 }
 
-bool LossDetection::is_lost(const Entry& entry, uint64_t sequence, TimePoint now) const {
+bool LossDetection::is_lost(const Entry& entry, TimePoint now) const {
   const Nanoseconds rtt = rtt_or_guess(), age = now - entry.datagram.at;
   if (age >= kGivenUp) return true;
-  const bool overtaken = sequence + kLaterOnes <= newest_ ||
-                         (sequence < newest_ && newest_sent_ - entry.datagram.at >= std::max(rtt / 4, kReordering));
+  const bool overtaken =
+      entry.ordinal + kLaterOnes <= newest_ordinal_ ||
+      (entry.ordinal < newest_ordinal_ && newest_sent_ - entry.datagram.at >= std::max(rtt / 4, kReordering));
   return overtaken && age >= rtt + std::max(rtt / 8, kLeastReordering);
 }
 
 void LossDetection::find_losses(TimePoint now, std::vector<SentDatagram>& lost) {
   for (uint64_t s = std::max(unsettled_, first_); s < newest_; ++s) {
     Entry* entry = find(s);
-    if (!entry || entry->state != State::flying || !is_lost(*entry, s, now)) continue;
+    if (!entry || entry->state != State::flying || !is_lost(*entry, now)) continue;
     entry->state = State::lost;
     lost.push_back(entry->datagram);
   }
@@ -101,8 +130,8 @@ std::optional<SentDatagram> LossDetection::take_tail(TimePoint now) {
 
 // The timeout counts from the newest datagram: while datagrams follow, their arrival reveals a loss.
 TimePoint LossDetection::tail_due() const {
-  if (unsettled_ >= first_ + entries_.size()) return TimePoint::max();
-  return std::max(entries_.back().datagram.at, last_tail_) + tail_patience();
+  if (unsettled_ >= end()) return TimePoint::max();
+  return std::max(last_sent_, last_tail_) + tail_patience();
 }
 
 Nanoseconds LossDetection::silence(TimePoint now) const {
@@ -131,7 +160,7 @@ void LossDetection::measure(Nanoseconds rtt) {
 
 // Settled entries are kept for a while, as a datagram that was declared lost may still arrive.
 void LossDetection::settle() {
-  while (unsettled_ < first_ + entries_.size() && find(unsettled_)->state != State::flying) ++unsettled_;
+  while (unsettled_ < end() && find(unsettled_)->state != State::flying) ++unsettled_;
   while (entries_.size() > 2 * protocol::kMaxReported && first_ < unsettled_) {
     entries_.pop_front();
     ++first_;

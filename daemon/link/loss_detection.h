@@ -4,7 +4,7 @@
 // least three after it, or well after it in time (RFC 9002, 6.1: packet and time threshold). If nothing that was sent
 // after a datagram arrives, the newest unacknowledged one should be sent again after a timeout: the Feedback on it then
 // reveals the other losses (a tail probe: RFC 9002, 6.2). A datagram that arrives after it was declared lost is
-// reported as arrived as well.
+// reported as arrived as well. Sequence numbers that were left out, or used for something else, count for nothing.
 #pragma once
 
 #include <deque>
@@ -13,6 +13,7 @@
 
 #include "common/clock.h"
 #include "common/ids.h"
+#include "daemon/link/client_clock.h"
 #include "protocol/feedback.h"
 
 namespace gnomon::daemon {
@@ -29,7 +30,8 @@ struct SentDatagram {
 
 struct Arrival {
   SentDatagram sent;
-  Nanoseconds one_way{};  // client's clock at arrival minus ours at sending: only differences are meaningful
+  Nanoseconds
+      one_way{};  // client's clock at arrival minus ours at sending: only differences are meaningful; bounded
 };
 
 // What one Feedback reported for the first time.
@@ -41,8 +43,20 @@ struct PathUpdate {
 
 class LossDetection {
  public:
-  // Sequence numbers count up by one; another number starts afresh (a resumed session).
+  // `taken`: the newest sequence number that is in use already (of a resumed session).
+  explicit LossDetection(uint64_t taken = 0) : first_(taken + 1), unsettled_(taken + 1) {}
+
+  // Sequence numbers increase from call to call, over all three.
   void sent(uint64_t sequence, const SentDatagram& datagram);
+  void sent_beside(uint64_t sequence);  // of a datagram whose arrival is of no interest, such as a Pong
+  void omitted(uint64_t sequence);      // no datagram has this number, nor will have it
+
+  // True if the Feedback reports the arrival of a datagram that was never sent. Arrivals of what was sent too long ago
+  // to be remembered are not judged.
+  bool is_invented(const protocol::Feedback& feedback) const;
+
+  // The path is another one from now on: its round trip is not known, and what was sent before does not measure it.
+  void begin_path(TimePoint now);
 
   PathUpdate take(const protocol::Feedback& feedback, TimePoint now);
   // Returns the newest unacknowledged datagram once tail_due() has passed, and marks it as lost; nullopt otherwise.
@@ -55,17 +69,21 @@ class LossDetection {
   Nanoseconds silence(TimePoint now) const;
 
  private:
-  enum class State : uint8_t { flying, arrived, lost };
+  enum class State : uint8_t { flying, arrived, lost, beside, omitted };
   struct Entry {
-    SentDatagram datagram;
+    SentDatagram datagram = {};
     State state = State::flying;
+    uint64_t ordinal = 0;  // datagrams tracked so far, this one included: unlike sequence numbers without gaps
   };
 
   static constexpr size_t kMaxEntries = 1 << 14;
   static constexpr uint64_t kLaterOnes = 3;
 
   Entry* find(uint64_t sequence);
-  bool is_lost(const Entry& entry, uint64_t sequence, TimePoint now) const;
+  bool remembers(uint64_t sequence) const { return sequence >= first_ && sequence < end(); }
+  uint64_t end() const { return first_ + entries_.size(); }  // no higher number has been used
+  void append(uint64_t sequence, const Entry& entry);
+  bool is_lost(const Entry& entry, TimePoint now) const;
   void find_losses(TimePoint now, std::vector<SentDatagram>& lost);
   void measure(Nanoseconds rtt);
   void settle();
@@ -73,11 +91,16 @@ class LossDetection {
   Nanoseconds tail_patience() const;
 
   std::deque<Entry> entries_;
-  uint64_t first_ = 1;   // sequence of entries_.front()
+  ClientClock clock_;
+  uint64_t first_;       // sequence of entries_.front()
   uint64_t newest_ = 0;  // highest sequence that arrived
+  uint64_t newest_ordinal_ = 0;
   TimePoint newest_sent_{};
-  uint64_t unsettled_ = 1;  // every earlier sequence has arrived or is lost
-  uint64_t unheard_ = 0;    // number of datagrams sent after the newest arrival
+  uint64_t unsettled_;    // every earlier sequence has arrived, is lost or counts for nothing
+  uint64_t tracked_ = 0;  // number of datagrams
+  uint64_t unheard_ = 0;  // of them, sent after the newest arrival
+  TimePoint last_sent_{};
+  TimePoint path_began_{};
   TimePoint silent_since_{};
   TimePoint last_tail_{};
   uint32_t tails_ = 0;  // tail probes since the newest arrival

@@ -20,6 +20,9 @@ enum class Fault : uint8_t {
   datagram_forged,
   datagram_kind,
   datagram_body,
+  feedback_too_often,
+  feedback_invented,  // its session is closed
+  path_unproven,
   // A view or a frame is dropped.
   view_out_of_order,
   view_queue_full,

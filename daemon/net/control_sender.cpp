@@ -6,6 +6,7 @@ std::optional<Fault> send_over_control(Session& session, ControlStream& stream, 
   LinkSender& link = session.link();
   std::optional<Fault> fault;
   while (const auto out = link.next(now)) {
+    session.omit_number();
     protocol::Data data{out->kind, session.seal().skip(), {out->body.begin(), out->body.end()}};
     link.sent(data.sequence, protocol::Seal::sealed_size(data.body.size()), now);
     if (out->kind == protocol::DatagramKind::probe) continue;  // TCP takes any length: there is no MTU to probe

@@ -30,6 +30,7 @@ size_t FrameSender::fill(Session& session, TimePoint now) {
     const auto out = link.next(now);
     if (!out) return count;
     std::vector<uint8_t>& datagram = datagrams_[count++];
+    session.omit_number();
     const uint64_t sequence = session.seal().seal(out->kind, out->body, datagram);
     link.sent(sequence, datagram.size(), now);
     if (out->kind == protocol::DatagramKind::probe) return count;
@@ -37,9 +38,25 @@ size_t FrameSender::fill(Session& session, TimePoint now) {
   return kBatch;
 }
 
-void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to) {
+void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to,
+                              TimePoint now) {
   static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
-  session.seal().seal(protocol::DatagramKind::pong, kZeros, datagrams_[0]);
+  send_one(session, socket, protocol::DatagramKind::pong, kZeros, to, now);
+  session.path().sent(to, datagrams_[0].size());
+}
+
+void FrameSender::send_challenges(Session& session, DataSocket& socket, TimePoint now) {
+  while (const auto challenge = session.path().challenge_due(now)) {
+    std::vector<uint8_t> body;
+    protocol::append_path_token(body, challenge->token);
+    send_one(session, socket, protocol::DatagramKind::path_challenge, body, challenge->to, now);
+  }
+}
+
+void FrameSender::send_one(Session& session, DataSocket& socket, protocol::DatagramKind kind,
+                           std::span<const uint8_t> body, const asio::ip::udp::endpoint& to, TimePoint now) {
+  const uint64_t sequence = session.seal().seal(kind, body, datagrams_[0]);
+  session.link().sent(sequence, datagrams_[0].size(), now);
   asio::error_code ignored;
   socket.send(std::span(datagrams_).first(1), to, ignored);
 }
@@ -47,7 +64,7 @@ void FrameSender::answer_ping(Session& session, DataSocket& socket, const asio::
 std::optional<Fault> FrameSender::send(Session& session, DataSocket& socket, TimePoint now) {
   while (const size_t count = fill(session, now)) {
     asio::error_code error;
-    const size_t taken = socket.send(std::span(datagrams_).first(count), *session.address(), error);
+    const size_t taken = socket.send(std::span(datagrams_).first(count), *session.path().current(), error);
     if (taken == count || error == asio::error::message_size) continue;
     return error ? Fault::send_failed : Fault::socket_full;
   }

@@ -17,14 +17,19 @@ class FrameSender {
   // Adds the frame to the session's link. Returns the bytes of its datagrams.
   size_t add(EncodedFrame& frame, Session& session, TimePoint now);
 
-  // Sends what the link releases now. Precondition: the session has an address. Returns a fault if the kernel did not
+  // Sends what the link releases now. Precondition: the session's path has a current address. Returns a fault if the kernel did not
   // take everything; the rest of the batch is lost, as on the network.
   std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
+  // Sends the challenges that are due to the address that the session's client is to prove.
+  void send_challenges(Session& session, DataSocket& socket, TimePoint now);
+
   // Sends one datagram at once; it is lost if the kernel does not take it.
-  void answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to);
+  void answer_ping(Session& session, DataSocket& socket, const asio::ip::udp::endpoint& to, TimePoint now);
 
  private:
+  void send_one(Session& session, DataSocket& socket, protocol::DatagramKind kind, std::span<const uint8_t> body,
+                const asio::ip::udp::endpoint& to, TimePoint now);
   size_t fill(Session& session, TimePoint now);
 
   static constexpr size_t kBatch = DataSocket::kBatch;

@@ -38,9 +38,9 @@ class OpenSessions {
   // Precondition: take_stream() was called for the session.
   void remove(SessionId id) { table_.remove(id); }
 
-  // Whether frames can be sent to the client now: over the control connection or to the UDP address that it last used.
-  bool is_reachable(const Session& session) const {
-    return session.by_control() ? stream_of(session.id()) != nullptr : session.address().has_value();
+  // Whether frames can be sent to the client now: over the control connection or to its UDP address.
+  bool is_reachable(Session& session) const {
+    return session.by_control() ? stream_of(session.id()) != nullptr : session.path().current().has_value();
   }
 
   const SessionTable& table() const { return table_; }

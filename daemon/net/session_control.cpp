@@ -15,7 +15,9 @@ constexpr const char* kTenantClosed = "the tenant is no longer served";
 
 SessionControl::SessionControl(const NetShared& shared, uint32_t net_thread, asio::io_context& io,
                                OpenSessions& sessions, SessionLinks& links, PendingConnections& pending)
-    : shared_(shared), net_thread_(net_thread), io_(io), sessions_(sessions), links_(links), pending_(pending) {}
+    : shared_(shared), net_thread_(net_thread), io_(io), sessions_(sessions), links_(links), pending_(pending) {
+  links_.when_ended([this](SessionId id, const std::string& why) { close(id, why); });
+}
 
 const Session& SessionControl::open(SessionParts parts, const std::shared_ptr<ControlStream>& stream) {
   const SessionId id = parts.id;
@@ -123,7 +125,7 @@ void SessionControl::notify(const SessionDegraded& degraded) {
   ControlStream* const stream = sessions_.stream_of(degraded.session);
   if (!session || !stream || session->generation() != degraded.generation) return;
   stream->send(degraded.message);
-  session->on_size_notified(degraded.message.width, degraded.message.height);
+  session->notified_size() = {degraded.message.width, degraded.message.height};
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {

@@ -28,18 +28,28 @@ void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::ud
   if (!header) return metrics.report(Fault::datagram_header);
   Session* session = sessions_.find(header->session);
   if (!session) return metrics.report(Fault::datagram_session);
-  const DatagramOutcome received = session->receive(datagram, from, Clock::now());
-  if (received.fault) return metrics.report(session->grant().tenant, session->id(), *received.fault);
-  if (received.ping) return sender_.answer_ping(*session, *data_, from);
+  const TimePoint now = Clock::now();
+  const DatagramOutcome received = session->receive(datagram, from, now);
+  handle_fault(*session, received);
+  if (!received.opened || received.ends_session()) return;
+  if (received.ping) sender_.answer_ping(*session, *data_, from, now);
   if (received.view) request(*session, *received.view);
   serve(*session);
 }
 
 void SessionLinks::receive(Session& session, const protocol::Data& data) {
   const DatagramOutcome received = session.receive(data, Clock::now());
-  if (received.fault) shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
+  handle_fault(session, received);
+  if (received.ends_session()) return;
   if (received.view) request(session, *received.view);
   serve(session);
+}
+
+// The session may have been closed afterwards.
+void SessionLinks::handle_fault(const Session& session, const DatagramOutcome& received) {
+  if (!received.fault) return;
+  shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
+  if (received.ends_session() && ends_) ends_(session.id(), row_of(*received.fault).event);
 }
 
 void SessionLinks::request(const Session& session, const ViewRequest& view) {
@@ -51,25 +61,35 @@ void SessionLinks::request(const Session& session, const ViewRequest& view) {
 void SessionLinks::send(EncodedFrame& frame) {
   const FrameRoute& route = frame.meta.route;
   Session* session = sessions_.find(route.session);
-  const bool wanted = session && sessions_.is_reachable(*session) &&
-                      (sessions_.stream_of(route.session) || session->expects(frame.meta.spec.grid));
+  // A frame may be ready before the client has proved its address: it waits in the link.
+  const bool wanted = session && (sessions_.is_reachable(*session) || session->path().is_pending()) &&
+                      (sessions_.stream_of(route.session) || session->notified_size().is_of(frame.meta.spec.grid));
   if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->under_way().add(frame.meta, bytes);
   serve(*session);
 }
 
-// Called after each change: sends what the link releases, requests a view that was held back, and sets the time of the
-// next call.
+// Called after each change: sends challenges and what the link releases, requests a view that was held back, and sets
+// the time of the next call.
 void SessionLinks::serve(Session& session) {
   const TimePoint now = Clock::now();
   ControlStream* const stream = session.by_control() ? sessions_.stream_of(session.id()) : nullptr;
-  if (!sessions_.is_reachable(session)) return pause(session.id());
+  sender_.send_challenges(session, *data_, now);
+  if (session.path().take_failure(now)) {
+    shared_.metrics.report(session.grant().tenant, session.id(), Fault::path_unproven);
+  }
+  if (!sessions_.is_reachable(session)) return wake(session.id(), session.path().wake_at());
   const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
   if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
   while (const auto ended = session.under_way().take_ended()) finish(session, *ended, now);
   if (const auto view = session.views().take(now)) request(session, *view);
-  timers_.set(session.id(), std::min(session.link().wake_at(now), session.views().take_at(now)));
+  wake(session.id(),
+       std::min({session.link().wake_at(now), session.views().take_at(now), session.path().wake_at()}));
+}
+
+void SessionLinks::wake(SessionId id, TimePoint when) {
+  timers_.set(id, when);
   arm_timer();
 }
 

@@ -5,7 +5,10 @@
 #include <asio/io_context.hpp>
 #include <asio/steady_timer.hpp>
 
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "daemon/net/data_socket.h"
 #include "daemon/net/frame_sender.h"
@@ -24,6 +27,9 @@ class SessionLinks {
   Result<void> open(const asio::ip::udp::endpoint& local);
   uint16_t data_port() const { return data_->port(); }
   void start();  // datagrams are received from now on
+  // `ends` is called, with a reason, for a session whose client has said what cannot be true. It may close the session.
+  using OnEnd = std::function<void(SessionId, const std::string& why)>;
+  void when_ended(OnEnd ends) { ends_ = std::move(ends); }
   void close();  // no further datagram is received or sent
 
   // Receives what a client has sent over its control connection in place of a datagram.
@@ -36,9 +42,11 @@ class SessionLinks {
 
  private:
   void receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from);
+  void handle_fault(const Session& session, const DatagramOutcome& received);
   void request(const Session& session, const ViewRequest& view);
   void serve(Session& session);
   void finish(Session& session, const FramesUnderWay::Ended& ended, TimePoint now);
+  void wake(SessionId id, TimePoint when);  // serve() is called then; never for TimePoint::max()
   void arm_timer();
   void serve_due();
 
@@ -47,6 +55,7 @@ class SessionLinks {
   asio::io_context& io_;
   std::unique_ptr<DataSocket> data_;
   FrameSender sender_;
+  OnEnd ends_;
   TimerQueue timers_;
   asio::steady_timer timer_{io_};
   TimePoint armed_ = TimePoint::max();  // what timer_ waits for

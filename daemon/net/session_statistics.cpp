@@ -33,7 +33,7 @@ void SessionStatistics::report() {
     all.push_back({.id = id,
                    .tenant = grant.tenant,
                    .scene = grant.scene_name,
-                   .address = text_of(session->address()),
+                   .address = text_of(session->path().current()),
                    .width = grant.width,
                    .height = grant.height,
                    .stats = stats});

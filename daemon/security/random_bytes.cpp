@@ -28,4 +28,6 @@ SessionId random_session_id() {
   return id;
 }
 
+uint64_t random_number() { return random_value<uint64_t>(); }
+
 }  // namespace gnomon::daemon

@@ -13,12 +13,18 @@ using protocol::RefusalCode;
 using protocol::Refused;
 
 constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
-                               protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes;
+                               protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes |
+                               protocol::kFeaturePaths;
 
 // Text from a client, quoted and cut to 80 bytes.
 std::string shown(const std::string& text) {
   std::string quoted(1, '\'');
   return quoted.append(text, 0, 80).append(1, '\'');
+}
+
+std::optional<Refused> check_features(const Hello& hello, const ServerConfig& server) {
+  if (!server.require_path_validation || (hello.features & protocol::kFeaturePaths) != 0) return std::nullopt;
+  return refusal(RefusalCode::version, "this server serves clients with the feature paths (bit 6) alone");
 }
 
 std::optional<Refused> check_size(const Hello& hello, const RenderConfig& render) {
@@ -87,6 +93,7 @@ std::optional<Refused> check_version(const Hello& hello) {
 
 std::variant<SessionGrant, Refused> check_hello(const Hello& hello, TenantId tenant, const Config& config,
                                                 const FindScene& find_scene) {
+  if (auto refused = check_features(hello, config.server)) return *refused;
   if (auto refused = check_size(hello, config.render)) return *refused;
   if (auto refused = check_passes(hello, config.render)) return *refused;
   std::string scene = find_scene(hello.scene);

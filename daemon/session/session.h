@@ -13,10 +13,13 @@
 #include "daemon/frame/grant.h"
 #include "daemon/frame/scene_use.h"
 #include "daemon/frame/session_references.h"
+#include "daemon/link/omitted_numbers.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
+#include "daemon/security/random_bytes.h"
 #include "daemon/session/frames_under_way.h"
 #include "daemon/session/handshake.h"
+#include "daemon/session/path_validation.h"
 #include "daemon/session/session_limits.h"
 #include "daemon/session/session_store.h"
 #include "daemon/session/session_totals.h"
@@ -30,7 +33,11 @@ namespace gnomon::daemon {
 struct DatagramOutcome {
   std::optional<ViewRequest> view;
   std::optional<Fault> fault;
-  bool ping = false;  // the datagram has to be answered to the address that it came from
+  bool ping = false;   // the datagram has to be answered to the address that it came from
+  bool opened = true;  // false if the datagram is not authentic
+
+  // The client has said what cannot be true: its session is to be closed.
+  bool ends_session() const { return fault == Fault::feedback_invented; }
 };
 
 // What a session is made of.
@@ -41,24 +48,33 @@ struct SessionParts {
   SessionPermit permit;
   StoredSession stored = {};  // record from which the seal continues; empty if the session cannot be resumed
   SceneUse scene_use = {};    // keeps the scene from being unloaded
+  std::function<uint64_t()> random = random_number;  // unpredictable
+};
+
+// The size of frames that the client has been notified of.
+struct NotifiedSize {
+  uint32_t width = 0, height = 0;
+  bool is_of(const TileGrid& grid) const { return grid.width == width && grid.height == height; }
 };
 
 // Belongs to the net thread that owns it.
 class Session {
  public:
   Session(SessionParts parts, TimePoint now);
-  Session(Session&&) = delete;
 
   SessionId id() const { return id_; }
   const SessionGrant& grant() const { return grant_; }
   protocol::Seal& seal() { return *seal_; }
   LinkSender& link() { return link_; }
+  // Leaves out a sequence number now and then, so that invented Feedback is found out. Called before a number is taken
+  // for a datagram.
+  void omit_number();
 
   // Whether the client's last view or feedback came over its control connection; frames are sent over it then.
   bool by_control() const { return by_control_; }
 
-  // Where the last valid datagram came from, which is where frames are sent; nullopt if none has arrived.
-  const std::optional<asio::ip::udp::endpoint>& address() const { return address_; }
+  // Where datagrams go. After each datagram that was received, challenges may be due.
+  PathValidation& path() { return path_; }
 
   // Receives a message that replaces a datagram.
   DatagramOutcome receive(const protocol::Data& data, TimePoint now);
@@ -81,11 +97,7 @@ class Session {
   // Counts how often the session was resumed. Notifications carrying an older generation are ignored.
   uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 
-  // The size of frames that the client has been notified of.
-  void on_size_notified(uint16_t width, uint16_t height) { notified_width_ = width, notified_height_ = height; }
-  bool expects(const TileGrid& grid) const {
-    return grid.width == notified_width_ && grid.height == notified_height_;
-  }
+  NotifiedSize& notified_size() { return notified_size_; }
   void forget();  // the session cannot be resumed any more, and nothing is sealed any more
 
   LinkReport take_link_report();
@@ -93,21 +105,25 @@ class Session {
  private:
   DatagramOutcome on_body(protocol::DatagramKind kind, std::span<const uint8_t> body, TimePoint now);
   DatagramOutcome on_body(const protocol::CameraUpdate& update, TimePoint now);
+  DatagramOutcome release(DatagramOutcome received, TimePoint now);
 
   SessionId id_;
   SessionGrant grant_;
   SceneUse scene_use_;
   StoredSession stored_;  // destroyed after the permit, which the connection that resumes the session takes
   SessionPermit permit_;
-  uint32_t notified_width_, notified_height_;
+  NotifiedSize notified_size_;
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
-  std::optional<asio::ip::udp::endpoint> address_;
+  PathValidation path_;
   bool by_control_ = false;
+  bool asked_early_ = false;  // a view was rendered before the client had an address
+  bool moved_ = false;        // since then no view came again: its frame may have gone to the address before
   std::optional<FrameId> newest_;
   SessionReferencesPtr references_;
   TimePoint last_received_;
   LinkSender link_;
+  OmittedNumbers omitted_;
   ViewBuffer views_{link_};
   SessionTotals totals_;
   FramesUnderWay under_way_{link_};

@@ -10,6 +10,12 @@ std::optional<ViewRequest> ViewBuffer::offer(ViewRequest view, TimePoint now) {
   return std::nullopt;
 }
 
+void ViewBuffer::hold(ViewRequest view) {
+  ++window_.offered;
+  if (held_) view.coalesced = held_->coalesced + 1;
+  held_ = view;
+}
+
 std::optional<ViewRequest> ViewBuffer::take(TimePoint now) {
   if (!held_ || !link_.may_request(now)) return std::nullopt;
   return release(*held_, now);

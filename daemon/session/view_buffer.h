@@ -14,10 +14,14 @@ namespace gnomon::daemon {
 class ViewBuffer {
  public:
   explicit ViewBuffer(LinkSender& link) : link_(link) {}
+  ViewBuffer(ViewBuffer&&) = delete;
 
   // A view that has just arrived. Returns it if the link has room for it; otherwise it is held back, and nullopt is
   // returned.
   std::optional<ViewRequest> offer(ViewRequest view, TimePoint now);
+
+  // Keeps a view that has just arrived, in the place of the one that was held back.
+  void hold(ViewRequest view);
 
   // Returns the view that was held back, if the link has room for it now; nullopt otherwise.
   std::optional<ViewRequest> take(TimePoint now);

@@ -129,6 +129,25 @@ void masks(const fs::path& folder, tests::Random& random) {
   }
 }
 
+// Steps of tests/fuzz/link.cpp: a frame, some time, and what was sent is said to have arrived, several times over.
+void links(const fs::path& folder, tests::Random& random) {
+  for (int i = 0; i < 4; ++i) {
+    Bytes bytes;
+    put_number(bytes, static_cast<uint32_t>(i % 2));
+    for (int round = 0; round < 12; ++round) {
+      for (const uint32_t number : {2u, 30u, 0u, 800u, 0u, 9000u}) put_number(bytes, number);  // a frame, 9 ms
+      if (round % 3 == 2) put_number(bytes, static_cast<uint32_t>(3 + i % 2));  // a number left out, a Pong
+      put_number(bytes, 6);                                                     // a report
+      put_number(bytes, i == 3 ? 4u : 1u);
+      put_number(bytes, i == 3 ? static_cast<uint32_t>(random() % 1024) : static_cast<uint32_t>(1 + round * 4));
+      put_number(bytes, 1);
+      put_number(bytes, static_cast<uint32_t>(random() % 1024));
+      for (const uint32_t number : {0u, 0u, 4u, 5u}) put_number(bytes, number);
+    }
+    write(folder, "steps-" + std::to_string(i), bytes);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -141,5 +160,6 @@ int main(int argc, char** argv) {
   masks(folder / "codecs", random);
   masks(folder / "parity", random);
   packed_scenes(folder / "packed_scene");
+  links(folder / "link", random);
   return 0;
 }

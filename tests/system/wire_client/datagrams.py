@@ -12,8 +12,14 @@ class Kind(IntEnum):
     FEEDBACK = 3
     FRAME_PARITY = 4
     PROBE = 5
+    PING = 6
+    PONG = 7
+    PATH_CHALLENGE = 8
+    PATH_RESPONSE = 9
 
 
+PING = bytes(1164)
+TOKEN_BYTES = 8
 MOST_ACKNOWLEDGEMENTS = 16
 MOST_AGES = 512
 AGE_UNIT_US = 32

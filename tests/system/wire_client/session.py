@@ -6,14 +6,16 @@ import socket
 import struct
 import time
 from collections import Counter, OrderedDict
+from dataclasses import replace
 
 import messages
 import seal
 from arrivals import Arrivals
 from context_codec import NoReference
 from control import Closed, Control
-from datagrams import MOST_ACKNOWLEDGEMENTS, FrameParity, FrameSlice, Kind, camera_update, feedback
-from fields import Malformed
+from datagrams import (MOST_ACKNOWLEDGEMENTS, PING, TOKEN_BYTES, FrameParity, FrameSlice, Kind, camera_update,
+                       feedback)
+from fields import Malformed, require
 from frame import Frame
 from mask_codecs import CONTEXT
 
@@ -38,12 +40,12 @@ class Session:
     def __init__(self, host, port, pin, hello, certificate=None, key=None, patience_s=60):
         self.connect = lambda: Control(host, port, pin, certificate, key)
         self.control = self.connect()
-        self.hello = hello
+        self.hello = replace(hello, features=hello.features | messages.PATHS)
         self.udp = None
         self.counts = Counter()
         self.news = []  # messages after Welcome
         try:
-            self.control.send(hello.message())
+            self.control.send(self.hello.message())
             self.welcome = self._answer(patience_s)
             self._open_data_channel()
         except BaseException:
@@ -56,6 +58,7 @@ class Session:
         self.number = 0
         self.last_update = None
         self.last_sent = self.last_asked = 0.0
+        self._begin_path()
 
     # ---- opening
 
@@ -78,7 +81,8 @@ class Session:
         secrets = [self.control.exported(label, context) for label in (seal.CLIENT_LABEL, seal.SERVER_LABEL)]
         self.feedback = bool(welcome.features & messages.FEEDBACK)
         self.sizes = bool(welcome.features & messages.SIZES)
-        kinds = {Kind.FRAME_SLICE}
+        kinds = {Kind.FRAME_SLICE, Kind.PONG}
+        kinds |= {Kind.PATH_CHALLENGE} if welcome.features & messages.PATHS else set()
         kinds |= {Kind.PROBE} if self.feedback else set()
         kinds |= {Kind.FRAME_PARITY} if welcome.features & messages.PARITY else set()
         self.sealer = seal.Sealer(seal.Keys(secrets[0], welcome.cipher), welcome.session)
@@ -103,6 +107,12 @@ class Session:
         self.size, self.lights, self.rate_hz = welcome.size, len(welcome.scene.lights), welcome.rate_hz
         self.udp.close()
         self.open_socket()
+        self._begin_path()
+
+    def _begin_path(self):
+        """The server challenges the address that this comes from, while the first camera is made."""
+        if self.welcome.features & messages.PATHS:
+            self._send(Kind.PING, PING)
 
     def open_socket(self):
         """Anew where the client's address has changed: the session goes on."""
@@ -228,7 +238,10 @@ class Session:
 
     def _take(self, kind, body):
         self.counts[Kind(kind).name.lower()] += 1
-        if kind == Kind.PROBE:
+        if kind == Kind.PATH_CHALLENGE:
+            require(len(body) >= TOKEN_BYTES, "a challenge without its token")
+            self._send(Kind.PATH_RESPONSE, body[:TOKEN_BYTES])
+        if kind in (Kind.PROBE, Kind.PONG, Kind.PATH_CHALLENGE):
             return
         part = (FrameSlice if kind == Kind.FRAME_SLICE else FrameParity).read(body)
         frame = self.frames.get(part.frame)

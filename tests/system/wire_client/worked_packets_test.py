@@ -19,7 +19,7 @@ except ModuleNotFoundError as error:
 
 import parity
 from context_codec import NoReference
-from datagrams import FrameParity, FrameSlice, Kind, age, camera_update, feedback
+from datagrams import PING, FrameParity, FrameSlice, Kind, age, camera_update, feedback
 from fields import Malformed, Reader
 from frame import Frame
 from mask_codecs import LIT, decode
@@ -63,6 +63,14 @@ class Packets(unittest.TestCase):
             2, MOMENTS, SESSION, 7600, AES_128_GCM, (1280, 640), 30, 1, ["shadows"], "bvh", 5000, scene, 3,
             [Motion("fan", 0, (0, 1, 0), 2_000_000)]))
         self.assertEqual(buffer, b"")
+
+    def test_path_validation(self):
+        token = packet("path_token")
+        opener = Opener(Keys(SECRETS[1], AES_128_GCM), SESSION, {Kind.PATH_CHALLENGE})
+        self.assertEqual(opener.open(packet("path_challenge")), (Kind.PATH_CHALLENGE, 1, token))
+        sealer = Sealer(Keys(SECRETS[0], AES_128_GCM), SESSION)
+        sealer.seal(Kind.PING, PING)
+        self.assertEqual(sealer.seal(Kind.PATH_RESPONSE, token), packet("path_response"))
 
     def test_refused(self):
         refused = take_message(bytearray(packet("refused")))

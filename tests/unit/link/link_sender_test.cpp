@@ -34,7 +34,8 @@ Probed probe_up_to(LinkSender& link, size_t bytes) {
       while (const auto out = link.next(path.now)) {
         link.sent(++path.sent, out->body.size() + protocol::kHeaderBytes + protocol::kTagBytes, path.now);
         const auto now_us = static_cast<uint64_t>(to_microseconds(path.now.time_since_epoch()));
-        link.on_feedback(all_arrived(path.sent, path.sent, now_us), path.now + 1ms);
+        EXPECT_EQ(link.on_feedback(all_arrived(path.sent, path.sent, now_us), path.now + 1ms),
+                  FeedbackVerdict::taken);
       }
     }
   }
@@ -68,16 +69,16 @@ TEST(LinkSender, ADatagramThatItDidNotOfferIsOnlyCounted) {
 
 TEST(LinkSender, OfWhatAClientCountedBeforeItWasResumedNothingCounts) {
   for (const bool resumed : {false, true}) {
-    LinkSender link(protocol::kFeatureFeedback, resumed);
+    LinkSender link(protocol::kFeatureFeedback, resumed ? std::optional<uint64_t>(5) : std::nullopt);
     protocol::Feedback said;
     said.recovered = 7;
     said.incomplete = 9;
-    link.on_feedback(said, kStart);
+    EXPECT_EQ(link.on_feedback(said, kStart), FeedbackVerdict::taken);
     EXPECT_EQ(link.counters().recovered, resumed ? 0u : 7u);
     EXPECT_EQ(link.counters().incomplete, resumed ? 0u : 9u);
     said.recovered = 8;
     said.incomplete = 11;
-    link.on_feedback(said, kStart + 10ms);
+    EXPECT_EQ(link.on_feedback(said, kStart + 10ms), FeedbackVerdict::taken);
     EXPECT_EQ(link.counters().recovered, resumed ? 1u : 8u);
     EXPECT_EQ(link.counters().incomplete, resumed ? 2u : 11u);
   }
@@ -130,7 +131,7 @@ TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
 
   // Acknowledgements of the first answer's slices do not apply to the second's.
   link.add(frame_of(1, 1), TimePoint::max(), now);
-  link.on_feedback(all_arrived(path.sent + 1, sent, 1000), now + 1ms);
+  EXPECT_EQ(link.on_feedback(all_arrived(path.sent + 1, sent, 1000), now + 1ms), FeedbackVerdict::taken);
   EXPECT_FALSE(link.take_lost(FrameId{2}, now + 1ms));
   const auto out = link.next(now + 1ms);
   ASSERT_TRUE(out);
@@ -157,7 +158,7 @@ TEST(LinkSender, AnAnswerWithParityIsNotMadeAnew) {
     if (sent < first) continue;
     auto said = all_arrived(first, sent, static_cast<uint64_t>(to_microseconds(now.time_since_epoch())));
     for (size_t i = 0; i < said.count; i += 10) said.ages[i] = 0;
-    link.on_feedback(said, now + 90ms);
+    EXPECT_EQ(link.on_feedback(said, now + 90ms), FeedbackVerdict::taken);
   }
   ASSERT_GT(link.counters().parity, 0u);
   fly(1000);
@@ -172,8 +173,111 @@ TEST(LinkSender, AnAnswerOfWhichSomethingCameIsNotMadeAnew) {
   for (; sent < 4; now += 1ms) {
     while (link.next(now)) link.sent(++sent, 168, now);
   }
-  link.on_feedback(all_arrived(1, 1, 1000), now);
+  EXPECT_EQ(link.on_feedback(all_arrived(1, 1, 1000), now), FeedbackVerdict::taken);
   EXPECT_FALSE(link.take_lost(FrameId{1}, now + 10s));
+}
+
+TEST(LinkSender, AReportOfWhatWasNeverSentHasNoEffect) {
+  LinkSender link(protocol::kFeatureFeedback);
+  link.add(frame_of(1, 4), TimePoint::max(), kStart);
+  ASSERT_TRUE(link.next(kStart));
+  link.sent(1, 168, kStart);
+  link.omitted(2);
+  ASSERT_TRUE(link.next(kStart));
+  link.sent(3, 168, kStart);
+  link.sent(4, 1200, kStart);  // a Pong
+  EXPECT_EQ(link.on_feedback(all_arrived(1, 3, 1000), kStart + 5ms), FeedbackVerdict::invented)
+      << "number 2 was left out";
+  EXPECT_EQ(link.on_feedback(all_arrived(3, 5, 1000), kStart + 5ms), FeedbackVerdict::invented)
+      << "number 5 is still to come";
+  EXPECT_EQ(link.counters().arrived, 0u);
+  EXPECT_EQ(link.on_feedback(all_arrived(3, 4, 1000), kStart + 5ms), FeedbackVerdict::taken);
+  EXPECT_EQ(link.counters().arrived, 1u) << "a Pong is of no frame";
+}
+
+// The cost of a report stays the same however long the client's clock has run backwards.
+TEST(LinkSender, AClientsClockNeitherCostsNorKeepsAnything) {
+  for (const int64_t step : std::initializer_list<int64_t>{10'000, 0, -10'000, int64_t{1} << 61}) {
+    LinkSender link(protocol::kFeatureFeedback);
+    uint64_t sent = 0, clock = uint64_t{1} << 62;
+    TimePoint now = kStart;
+    for (uint32_t frame = 1; frame <= 2000; ++frame, now += 10ms) {
+      link.add(frame_of(frame, 20), TimePoint::max(), now);
+      const uint64_t first = sent + 1;
+      while (link.next(now)) link.sent(++sent, 168, now);
+      clock += static_cast<uint64_t>(step);
+      if (sent >= first) {
+        EXPECT_EQ(link.on_feedback(all_arrived(first, sent, clock), now + 5ms), FeedbackVerdict::taken);
+      }
+      EXPECT_LT(link.queue_delay(), 3h);
+      EXPECT_GT(link.queue_delay(), -3h);
+    }
+    EXPECT_GT(link.counters().arrived, 1000u) << step;
+  }
+}
+
+// Fills the link with frames whose datagrams arrive 20 ms later, and returns the number of the last datagram.
+uint64_t fly_until_known(LinkSender& link, TimePoint& now) {
+  uint64_t sent = 0;
+  for (uint32_t frame = 1; frame <= 200; ++frame) {
+    link.add(frame_of(frame, 40, 1000), TimePoint::max(), now);
+    link.may_request(now);
+    const uint64_t first = sent + 1;
+    for (const TimePoint until = now + 16ms; now < until; now += 1ms) {
+      while (const auto out = link.next(now)) link.sent(++sent, out->body.size() + 36, now);
+      link.may_request(now);
+    }
+    if (sent < first) continue;
+    const auto time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+    EXPECT_EQ(link.on_feedback(all_arrived(first, sent, time_us), now + 4ms), FeedbackVerdict::taken);
+  }
+  return sent;
+}
+
+// RFC 9000, 9.4: rate and round trip begin anew, and datagrams to the former path count for nothing.
+TEST(LinkSender, AnotherPathBeginsAnew) {
+  LinkSender link(protocol::kFeatureFeedback);
+  TimePoint now = kStart;
+  uint64_t sent = fly_until_known(link, now);
+  ASSERT_GT(link.rate(), 2 * RateController::kFirstRate);
+  ASSERT_GT(link.rtt(), 0ms);
+  ASSERT_GT(link.datagram_bytes(), protocol::kMaxDatagramBytes);
+  link.add(frame_of(1000, 4), TimePoint::max(), now);
+  const uint64_t before = sent + 1;
+  for (int i = 0; i < 10; ++i, now += 1ms) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  ASSERT_GE(sent, before);
+  link.begin_path(now);
+  EXPECT_EQ(link.rate(), RateController::kFirstRate);
+  EXPECT_EQ(link.rtt(), 0ms);
+  EXPECT_EQ(link.datagram_bytes(), protocol::kMaxDatagramBytes);
+  const uint64_t arrived = link.counters().arrived;
+  const auto time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+  EXPECT_EQ(link.on_feedback(all_arrived(before, sent, time_us), now + 900ms), FeedbackVerdict::taken);
+  EXPECT_GT(link.counters().arrived, arrived) << "they have arrived all the same";
+  EXPECT_EQ(link.rtt(), 0ms) << "and do not measure this path";
+
+  // The new path is 80 ms longer, which is no queue.
+  now += 1s;
+  link.add(frame_of(1001, 8), TimePoint::max(), now);
+  const uint64_t after = sent + 1;
+  for (int i = 0; i < 20; ++i, now += 1ms) {
+    while (link.next(now)) link.sent(++sent, 168, now);
+  }
+  ASSERT_GE(sent, after + 4);
+  const auto longer_us = static_cast<uint64_t>(to_microseconds((now + 80ms).time_since_epoch()));
+  EXPECT_EQ(link.on_feedback(all_arrived(after, sent, longer_us), now + 100ms), FeedbackVerdict::taken);
+  EXPECT_GT(link.rtt(), 0ms);
+  EXPECT_LT(link.queue_delay(), 20ms);
+}
+
+TEST(LinkSender, AFloodOfReportsIsNotTaken) {
+  LinkSender link(protocol::kFeatureFeedback);
+  int taken = 0;
+  for (TimePoint now = kStart; now < kStart + 1s; now += 50us)
+    taken += link.on_feedback({}, now) == FeedbackVerdict::taken;
+  EXPECT_NEAR(taken, FeedbackAllowance::kPerSecond + FeedbackAllowance::kMost, 2);
 }
 
 TEST(LinkSender, NothingGoesAfterItsDeadline) {
@@ -199,9 +303,9 @@ uint64_t sent_again(TimePoint deadline, TimePoint heard) {
   said.count = 12;
   said.time_us = 1000000;
   for (size_t i = 0; i < 12; ++i) said.ages[i] = i == 2 ? 0 : 1;
-  link.on_feedback(said, heard);
+  EXPECT_EQ(link.on_feedback(said, heard), FeedbackVerdict::taken);
   said.time_us += 30000;
-  link.on_feedback(said, heard + 30ms);
+  EXPECT_EQ(link.on_feedback(said, heard + 30ms), FeedbackVerdict::taken);
   while (link.next(heard + 31ms)) link.sent(++sent, 168, heard + 31ms);
   EXPECT_EQ(link.take_extra_bytes(), 168 * (sent - 12)) << "somebody pays for what goes again, and for probes";
   EXPECT_EQ(link.take_extra_bytes(), 0u);

@@ -1,11 +1,14 @@
 // The small parts of a session's link, each tested alone.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
+#include <set>
 
 #include "client/net/arrival_report.h"
 #include "client/stream/slice_recovery.h"
 #include "daemon/link/link_sender.h"
+#include "daemon/link/omitted_numbers.h"
 #include "daemon/link/parity_plan.h"
 #include "tests/unit/link/made_frame.h"
 
@@ -34,6 +37,107 @@ TEST(QueueDelay, ForgetsAnOldPathInAMinute) {
     for (int i = 0; i < 4; ++i) queue.add(50ms, kStart + s * 1s);
   }
   EXPECT_EQ(queue.now(), 0ms);
+}
+
+TEST(ClientClock, FollowsAnHonestClockOfAnyOrigin) {
+  for (const uint64_t origin : {uint64_t{0}, uint64_t{1} << 40, uint64_t{1} << 63, ~uint64_t{0} - 1000}) {
+    ClientClock clock;
+    EXPECT_EQ(clock.read(origin, kStart), kStart);
+    EXPECT_EQ(clock.read(origin + 5000, kStart + 6ms), kStart + 5ms) << origin;
+    EXPECT_EQ(clock.read(origin - 5000, kStart + 7ms), kStart - 5ms) << "set back a little";
+  }
+}
+
+TEST(ClientClock, IsNeverFarFromOursWhateverTheClientSays) {
+  std::mt19937_64 random(4);
+  for (int client = 0; client < 1000; ++client) {
+    ClientClock clock;
+    TimePoint now = kStart;
+    for (int i = 0; i < 20; ++i, now += 10ms) {
+      const TimePoint read = clock.read(random() >> random() % 64, now);
+      EXPECT_LE(read, now + ClientClock::kMostOff);
+      EXPECT_GE(read, now - ClientClock::kMostOff);
+    }
+  }
+}
+
+TEST(DeliveryRate, IsOfTheLastTenthOfASecond) {
+  DeliveryRate rate;
+  EXPECT_EQ(rate.bytes_per_second(), 0);
+  for (int i = 0; i < 1000; ++i) rate.arrived(kStart + i * 1ms, 500);
+  EXPECT_NEAR(rate.bytes_per_second(), 500e3, 10e3);
+}
+
+TEST(DeliveryRate, AClockThatWasSetBackBeginsAnewAndOneThatTremblesDoesNot) {
+  DeliveryRate rate;
+  for (int i = 0; i < 100; ++i) rate.arrived(kStart + i * 1ms - i % 3 * 2ms, 500);
+  EXPECT_NEAR(rate.bytes_per_second(), 500e3, 20e3);
+  for (int i = 0; i < 100; ++i) rate.arrived(kStart - 1h + i * 1ms, 100);
+  EXPECT_NEAR(rate.bytes_per_second(), 100e3, 5e3);
+}
+
+// As many arrivals as a fast session has in a minute, by a clock that stands still, runs backwards or jumps.
+TEST(DeliveryRate, CostsLittleWhateverTheClockDoes) {
+  std::mt19937_64 random(4);
+  const std::vector<std::function<Nanoseconds(int)>> clocks{
+      [](int) { return 0s; }, [](int i) { return i * -1us; }, [](int i) { return i * -1ms; },
+      [&](int) { return std::chrono::seconds(random() % 3600); }};
+  for (const auto& clock : clocks) {
+    DeliveryRate rate;
+    size_t most = 0;
+    for (int i = 0; i < 1'000'000; ++i) {
+      rate.arrived(kStart + 2h + clock(i), 1000);
+      most = std::max(most, rate.remembered());
+    }
+    EXPECT_LE(most, size_t{1} << 14);
+    EXPECT_GT(rate.bytes_per_second(), 0);
+  }
+}
+
+// Reports a second that an honest client sends when datagrams arrive evenly.
+TEST(FeedbackAllowance, IsTwiceWhatHonestClientsSend) {
+  for (const auto& [datagrams, expected] :
+       {std::pair(50, 50), {1'000, 100}, {6'000, 100}, {24'000, 375}, {100'000, 1'563}}) {
+    client::ArrivalReport report;
+    FeedbackAllowance allowance;
+    int reports = 0, refused = 0, spare = 0;
+    const Nanoseconds gap = Nanoseconds(1s) / datagrams;
+    for (int i = 0; i < 4 * datagrams; ++i) {
+      const TimePoint now = kStart + i * gap;
+      allowance.sent();
+      report.received(static_cast<uint64_t>(i) + 1, now);
+      if (report.due_at() > now) continue;
+      report.take(now);
+      ++reports;
+      refused += !allowance.take(now);
+      spare += allowance.take(now);
+    }
+    EXPECT_NEAR(reports / 4, expected, expected / 50 + 1) << datagrams;
+    EXPECT_EQ(refused, 0) << datagrams << " a second";
+    EXPECT_GT(spare, reports * 9 / 10) << "twice as many are let through";
+  }
+}
+
+TEST(FeedbackAllowance, AFloodGetsTwoHundredASecondAndItsFirstFew) {
+  FeedbackAllowance allowance;
+  int taken = 0;
+  for (TimePoint now = kStart; now < kStart + 10s; now += 50us) taken += allowance.take(now);
+  EXPECT_NEAR(taken, 10 * FeedbackAllowance::kPerSecond + FeedbackAllowance::kMost, 2);
+}
+
+TEST(OmittedNumbers, AreSparseAndNotToBeForeseen) {
+  OmittedNumbers omitted([random = std::mt19937_64(1)]() mutable { return random(); });
+  std::set<int> runs;
+  int count = 0;
+  for (int i = 0, run = 0; i < 100'000; ++i, ++run) {
+    if (!omitted.omit_next()) continue;
+    EXPECT_LT(run, static_cast<int>(OmittedNumbers::kLongestRun));
+    runs.insert(run);
+    run = -1;
+    ++count;
+  }
+  EXPECT_NEAR(count, 100'000 / 128.5, 60);
+  EXPECT_GT(runs.size(), OmittedNumbers::kLongestRun * 9 / 10) << "every length comes";
 }
 
 TEST(Pacer, KeepsTheRateInSmallBatches) {

@@ -93,6 +93,7 @@ void SimulatedSession::wake(TimePoint when) {
 void SimulatedSession::carry(const Outgoing& out) {
   const TimePoint now = events_.now();
   const size_t size = out.body.size() + protocol::kHeaderBytes + protocol::kTagBytes;
+  if (omitted_.omit_next()) link_.omitted(++sequence_);
   const uint64_t sequence = ++sequence_;
   const auto fate = down_.send_datagram(size, now);
   if (fate.kind == netsim::Fate::Kind::arrives || fate.kind == netsim::Fate::Kind::lost)
@@ -162,7 +163,8 @@ void SimulatedSession::report() {
   const auto fate = up_.send_datagram(62 + 2u * feedback.count, now);
   if (fate.copies == 0) return;
   events_.at(fate.at[0], [this, feedback] {
-    link_.on_feedback(feedback, events_.now());
+    // An honest client's report is taken, in any scenario.
+    if (link_.on_feedback(feedback, events_.now()) != daemon::FeedbackVerdict::taken) std::abort();
     pump();
   });
 }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <random>
 
 #include "client/net/arrival_report.h"
 #include "client/stream/frame_assembler.h"
 #include "client/stream/slice_recovery.h"
 #include "daemon/link/link_sender.h"
+#include "daemon/link/omitted_numbers.h"
 #include "tests/tools/netsim/link.h"
 #include "tests/unit/link/event_queue.h"
 
@@ -73,6 +75,7 @@ class SimulatedSession {
   protocol::EncodedFrame slices_;
   daemon::LinkSender link_;
   size_t body_bytes_;  // of the longest slice
+  daemon::OmittedNumbers omitted_{[random = std::mt19937_64(3)]() mutable { return random(); }};
   uint64_t sequence_ = 0;
   std::optional<FrameId> waiting_;  // newest camera that is not rendered yet
   TimePoint waiting_deadline_{};

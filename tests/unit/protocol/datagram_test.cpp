@@ -75,7 +75,7 @@ TEST(Datagram, OtherVersionsAndKindsAreRefused) {
     EXPECT_EQ(decode_header(other).has_value(), value == kVersion);
     other = bytes;
     other[1] = static_cast<uint8_t>(value);
-    EXPECT_EQ(decode_header(other).has_value(), value >= 1 && value <= 7);
+    EXPECT_EQ(decode_header(other).has_value(), value >= 1 && value <= 9);
   }
 }
 

@@ -318,6 +318,25 @@ TEST(WireDocument, FeedbackIsAsWorkedOut) {
   EXPECT_EQ(bytes, packet("feedback_body"));
 }
 
+TEST(WireDocument, PathValidationIsAsWorkedOut) {
+  Bytes body, datagram;
+  append_path_token(body, 0xc7c6c5c4c3c2c1c0);
+  expect_packet(body, "path_token");
+  seal_of(Side::server)->seal(DatagramKind::path_challenge, body, datagram);
+  expect_packet(datagram, "path_challenge");
+  const auto client = seal_of(Side::client);
+  const auto challenge = client->open(packet("path_challenge"));
+  ASSERT_TRUE(challenge);
+  client->seal(DatagramKind::ping, Bytes(kPingBytes), datagram);
+  client->seal(DatagramKind::path_response, challenge->body, datagram);
+  expect_packet(datagram, "path_response");
+  const auto server = seal_of(Side::server);
+  const auto response = server->open(packet("path_response"));
+  ASSERT_TRUE(response);
+  EXPECT_EQ(decode_path_token(response->body), 0xc7c6c5c4c3c2c1c0);
+  EXPECT_FALSE(decode_path_token(response->body.first(kPathTokenBytes - 1)));
+}
+
 TEST(WireDocument, ParityIsAsWorkedOut) {
   const Bytes first{1, 2, 3}, second{4};
   const auto shards = make_parity({first, second}, 1);

@@ -37,6 +37,38 @@ TEST(Connection, SaysHelloAndIsWelcomed) {
   EXPECT_EQ(std::get<protocol::Bye>(*bye).reason, "seen enough");
 }
 
+// Whether datagrams are chosen or found to pass: the server hears of the address before the first camera.
+TEST(Connection, ProvesItsAddressAsSoonAsItIsWelcome) {
+  for (const Transport transport : {Transport::automatic, Transport::udp}) {
+    bool pinged = false, offered = false;
+    std::vector<std::optional<uint64_t>> tokens;
+    {
+      FakeServer server([&](Peer& peer) {
+        const auto hello = peer.read();
+        offered = (std::get<protocol::Hello>(*hello).features & protocol::kFeaturePaths) != 0;
+        auto welcome = tests::small_welcome(kWidth, kHeight, kLights);
+        welcome.features = protocol::kFeaturePaths;
+        peer.welcome(welcome);
+        pinged = peer.read_ping();
+        for (const uint64_t token : {uint64_t{0x0123456789abcdef}, uint64_t{7}}) {
+          peer.challenge(token);
+          tokens.push_back(peer.read_path_response());
+        }
+        peer.hang_up();
+      });
+      auto options = options_for(server.address());
+      options.connect.transport = transport;
+      Watched watched(options);
+      ASSERT_TRUE(watched.stream.wait_open());
+      watched.loop.run_until(Clock::now() + 5s,
+                             [&] { return watched.stream.connection().state() == Connection::State::closed; });
+    }
+    EXPECT_TRUE(offered);
+    EXPECT_TRUE(pinged);
+    EXPECT_EQ(tokens, (std::vector<std::optional<uint64_t>>{0x0123456789abcdef, 7}));
+  }
+}
+
 TEST(Connection, ARefusalSaysWhyAndWhatWouldFit) {
   FakeServer server([](Peer& peer) {
     peer.read();

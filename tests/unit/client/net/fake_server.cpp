@@ -103,7 +103,7 @@ void Peer::welcome(protocol::Welcome message) {
   write(message);
 }
 
-std::optional<protocol::CameraUpdate> Peer::read_camera() {
+std::optional<protocol::Opened> Peer::read_datagram() {
   std::array<uint8_t, 2048> bytes;
   sockaddr_storage from{};
   socklen_t size = sizeof from;
@@ -115,8 +115,34 @@ std::optional<protocol::CameraUpdate> Peer::read_camera() {
   if (!opened) return std::nullopt;
   const auto* address = reinterpret_cast<const uint8_t*>(&from);
   client_address_.assign(address, address + size);
+  return opened;
+}
+
+std::optional<protocol::CameraUpdate> Peer::read_camera() {
+  const auto opened = read_datagram();
+  if (!opened) return std::nullopt;
   if (opened->header.kind == protocol::DatagramKind::ping) return read_camera();
   return protocol::decode_camera_update(opened->body);
+}
+
+bool Peer::read_ping() {
+  const auto opened = read_datagram();
+  return opened && opened->header.kind == protocol::DatagramKind::ping;
+}
+
+std::optional<uint64_t> Peer::read_path_response() {
+  while (const auto opened = read_datagram()) {
+    if (opened->header.kind == protocol::DatagramKind::path_response)
+      return protocol::decode_path_token(opened->body);
+  }
+  return std::nullopt;
+}
+
+void Peer::challenge(uint64_t token) {
+  std::vector<uint8_t> body, datagram;
+  protocol::append_path_token(body, token);
+  seal_->seal(protocol::DatagramKind::path_challenge, body, datagram);
+  send_raw(datagram);
 }
 
 std::optional<protocol::CameraUpdate> Peer::read_camera_by_control() {

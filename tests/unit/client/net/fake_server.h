@@ -41,8 +41,13 @@ class Peer {
   void send_slice(const protocol::SliceHeader& header, std::span<const uint8_t> payload);
   void send_frame(FrameId frame, const TileMaskView& mask);
   void send_raw(std::span<const uint8_t> datagram);
+  void challenge(uint64_t token);
+  std::optional<uint64_t> read_path_response();  // the token; skips other datagrams
+  bool read_ping();                              // whether the next datagram is a Ping
 
  private:
+  std::optional<protocol::Opened> read_datagram();
+
   int stream_ = -1;
   ssl_st* tls_ = nullptr;
   int datagrams_ = -1;

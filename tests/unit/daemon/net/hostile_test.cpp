@@ -187,6 +187,41 @@ TEST_F(Hostile, OldViewsDoNotReplaceNewOnesAndRepeatedOnesAreNoNews) {
   EXPECT_EQ(count_of(Fault::datagram_replayed), 0u);
 }
 
+TEST_F(Hostile, AnInventedArrivalEndsItsSessionAlone) {
+  start_with_honest_client();
+  for (const uint64_t number : {uint64_t{0}, uint64_t{1} << 40}) {
+    TestClient liar = client();
+    auto hello = TestClient::hello(kScene);
+    hello.features |= protocol::kFeatureFeedback;
+    ASSERT_TRUE(liar.join(hello));
+    liar.send_view(1, 1);
+    liar.send_feedback({.time_us = 1, .first = number, .count = 1, .ages = {1}});
+    const auto bye = liar.receive_a<protocol::Bye>();
+    ASSERT_TRUE(bye);
+    EXPECT_NE(bye->reason.find("never sent"), std::string::npos) << bye->reason;
+    liar.send_view(2, 2);
+  }
+  EXPECT_EQ(count_of(Fault::feedback_invented), 2u);
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::datagram_session) >= 2; }))
+      << "what follows is of no session";
+  expect_honest_client_is_served();
+}
+
+TEST_F(Hostile, AFloodOfFeedbackIsIgnoredBeyondItsAllowance) {
+  start_with_honest_client();
+  TestClient flooding = client();
+  auto hello = TestClient::hello(kScene);
+  hello.features |= protocol::kFeatureFeedback;
+  ASSERT_TRUE(flooding.join(hello));
+  for (int i = 0; i < 2000; ++i) {
+    flooding.send_feedback({.time_us = static_cast<uint64_t>(-i), .count = protocol::kMaxReported});
+    if (i % 100 == 0) expect_honest_client_is_served();
+  }
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::feedback_too_often) > 0; }));
+  flooding.send_view(1, 1);
+  EXPECT_TRUE(is_frame_of(flooding, flooding.receive_frame(1), 1)) << "it is served on";
+}
+
 TEST_F(Hostile, AFloodOfViewsCostsAnHonestClientTurnsOfOneSessionOnly) {
   frame_time_ = 1ms;
   start_with_honest_client();

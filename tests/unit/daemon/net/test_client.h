@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "protocol/codec.h"
+#include "protocol/feedback.h"
 #include "protocol/messages.h"
 #include "protocol/pin.h"
 #include "protocol/seal_exporter.h"
@@ -41,6 +42,7 @@ class TestClient {
   static protocol::Hello hello(const std::string& scene, uint16_t width = 32, uint16_t height = 24) {
     protocol::Hello hello;
     hello.client = "test";
+    hello.features = protocol::kFeaturePaths;
     hello.scene = scene;
     hello.width = width;
     hello.height = height;
@@ -85,8 +87,10 @@ class TestClient {
     return std::nullopt;
   }
 
-  // Sends a Hello and receives the Welcome.
-  bool join(const protocol::Hello& hello) {
+  // Sends a Hello and receives the Welcome. Unless `proves` is false, the client has the feature paths and proves its
+  // address at once.
+  bool join(protocol::Hello hello, bool proves = true) {
+    if (proves) hello.features |= protocol::kFeaturePaths;
     send(hello);
     const auto welcome = receive_a<protocol::Welcome>();
     if (!welcome) return false;
@@ -95,13 +99,13 @@ class TestClient {
     if (!secrets) return false;
     resumption_ = protocol::export_resumption_secret(control_.native_handle(), welcome_.session).value();
     seal_ = std::make_unique<protocol::Seal>(welcome_.session, welcome_.cipher, *secrets, protocol::Side::client);
-    return true;
+    return !proves || (send_ping() && prove_address());
   }
   const protocol::Welcome& welcome() const { return welcome_; }
 
   // Resumes the session of a client whose control connection may be lost, over this client's connection. Returns false
   // if it is refused or not answered.
-  bool resume(TestClient& other) {
+  bool resume(TestClient& other, bool proves = true) {
     send(protocol::Resume{other.welcome_.session, proof_of(other)});
     const auto answer = receive();
     const auto* welcome = answer ? std::get_if<protocol::Welcome>(&*answer) : nullptr;
@@ -110,7 +114,7 @@ class TestClient {
     welcome_ = *welcome;
     resumption_ = other.resumption_;
     seal_ = std::move(other.seal_);
-    return true;
+    return !proves || (send_ping() && prove_address());
   }
   protocol::Bytes32 proof_of(TestClient& other) {
     return protocol::resumption_proof(control_.native_handle(), other.welcome_.session, other.resumption_).value();
@@ -132,6 +136,13 @@ class TestClient {
     data_.send_to(asio::buffer(datagram), {asio::ip::address_v4::loopback(), welcome_.data_port});
   }
   void send_view(uint32_t frame, float x) { send_datagram(sealed_view(frame, x)); }
+
+  void send_feedback(const protocol::Feedback& feedback) {
+    std::vector<uint8_t> body, datagram;
+    protocol::append_feedback(body, feedback);
+    seal_->seal(protocol::DatagramKind::feedback, body, datagram);
+    send_datagram(datagram);
+  }
 
   // As send_view(), over the control connection.
   void send_view_by_control(uint32_t frame, float x) {
@@ -158,14 +169,37 @@ class TestClient {
     return words;
   }
 
+  std::vector<uint8_t> sealed(protocol::DatagramKind kind, std::span<const uint8_t> body) {
+    std::vector<uint8_t> datagram;
+    seal_->seal(kind, body, datagram);
+    return datagram;
+  }
+  bool send_ping() {
+    send_datagram(sealed(protocol::DatagramKind::ping, std::vector<uint8_t>(protocol::kPingBytes)));
+    return true;
+  }
   // nullopt if none arrived.
   std::optional<protocol::Header> ping() {
-    std::vector<uint8_t> datagram;
-    seal_->seal(protocol::DatagramKind::ping, std::vector<uint8_t>(protocol::kPingBytes), datagram);
-    send_datagram(datagram);
+    send_ping();
     const auto answer = receive_datagram();
     const auto opened = answer ? seal_->open(*answer) : std::nullopt;
-    return opened && answer->size() == datagram.size() ? std::optional(opened->header) : std::nullopt;
+    return opened && answer->size() == protocol::kMaxDatagramBytes ? std::optional(opened->header) : std::nullopt;
+  }
+
+  // The next datagram, opened; nullopt if none arrived or it is not authentic. The body is valid until the next call.
+  std::optional<protocol::Opened> receive_opened(std::chrono::milliseconds patience = kPatience) {
+    const auto datagram = receive_datagram(patience);
+    return datagram ? seal_->open(*datagram) : std::nullopt;
+  }
+  // Answers the next challenge. Drops what comes before it. False if none comes.
+  bool prove_address() {
+    while (const auto opened = receive_opened()) {
+      if (opened->header.kind != protocol::DatagramKind::path_challenge) continue;
+      const std::vector<uint8_t> token(opened->body.begin(), opened->body.end());
+      send_datagram(sealed(protocol::DatagramKind::path_response, token));
+      return true;
+    }
+    return false;
   }
 
   // All tiles of `frame`, assembled from its slices; empty if it did not arrive or could not be decoded.
@@ -173,10 +207,9 @@ class TestClient {
     const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};
     std::vector<uint64_t> words(grid.word_count());
     for (size_t slices = 0, wanted = 1; slices < wanted;) {
-      const auto datagram = receive_datagram();
-      if (!datagram) return {};
-      const auto opened = seal_->open(*datagram);
+      const auto opened = receive_opened();
       if (!opened) return {};
+      if (opened->header.kind == protocol::DatagramKind::path_challenge) continue;
       const auto slice = protocol::decode_frame_slice(opened->body);
       if (!slice) return {};
       if (slice->header.frame != FrameId{frame}) continue;

@@ -161,13 +161,14 @@ TEST(SessionStore, WhatMakesNoSenseIsRefused) {
   config.tenants[0].name = "studio";
   const TenantDirectory directory = TenantDirectory().with(config.tenants);
   const FindScene find = [](const std::string& asked) { return asked == "room" ? asked : std::string(); };
-  const SessionGrant grant{.scene_name = "room",
-                           .width = 64,
-                           .height = 64,
-                           .codec = protocol::CodecId::raw32_lz4,
-                           .dense_codec = protocol::CodecId::tiles_context,
-                           .cipher = protocol::CipherId::chacha20_poly1305,
-                           .features = protocol::kFeatureResume | protocol::kFeatureFeedback};
+  const SessionGrant grant{
+      .scene_name = "room",
+      .width = 64,
+      .height = 64,
+      .codec = protocol::CodecId::raw32_lz4,
+      .dense_codec = protocol::CodecId::tiles_context,
+      .cipher = protocol::CipherId::chacha20_poly1305,
+      .features = protocol::kFeatureResume | protocol::kFeatureFeedback | protocol::kFeaturePaths};
   const SessionRecord good = record_of(SessionId{7}, grant, "studio", {});
   const auto again = grant_of(good, directory, config, find);
   const auto* same = std::get_if<SessionGrant>(&again);

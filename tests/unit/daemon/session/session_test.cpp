@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/session/session_table.h"
+#include "protocol/feedback.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -59,16 +60,16 @@ TEST_F(SessionTest, SilentOnesAreFoundBySilenceAlone) {
 
 TEST_F(SessionTest, OnlyWhatIsAuthenticCountsAsLifeAndMovesTheAddress) {
   Session& session = add(1, kStart);
-  EXPECT_FALSE(session.address());
+  EXPECT_FALSE(session.path().current());
   auto damaged = view(1, 1);
   damaged.back() ^= 1;
   EXPECT_EQ(session.receive(damaged, there_, kStart + 3s).fault, Fault::datagram_forged);
-  EXPECT_FALSE(session.address());
+  EXPECT_FALSE(session.path().current());
   EXPECT_EQ(session.last_received(), kStart);
   EXPECT_TRUE(session.receive(view(1, 2), here_, kStart + 4s).view);
-  EXPECT_EQ(session.address(), here_);
+  EXPECT_EQ(session.path().current(), here_);
   EXPECT_TRUE(session.receive(view(1, 3), there_, kStart + 5s).view);
-  EXPECT_EQ(session.address(), there_);
+  EXPECT_EQ(session.path().current(), there_);
   EXPECT_EQ(session.last_received(), kStart + 5s);
 }
 
@@ -97,7 +98,39 @@ TEST_F(SessionTest, AServersOwnKindOfDatagramIsRefused) {
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_kind);
   client->seal(protocol::DatagramKind::camera_update, {}, datagram);
   EXPECT_EQ(session.receive(datagram, here_, kStart).fault, Fault::datagram_body);
-  EXPECT_FALSE(session.address());
+  EXPECT_FALSE(session.path().current());
+}
+
+TEST_F(SessionTest, FeedbackWithoutTheFeatureIsNotRead) {
+  Session& session = add(1, kStart);
+  const auto client = seal(1, protocol::Side::client);
+  std::vector<uint8_t> body, datagram;
+  protocol::append_feedback(body, {.first = 7, .count = 1, .ages = {1}});
+  client->seal(protocol::DatagramKind::feedback, body, datagram);
+  const DatagramOutcome received = session.receive(datagram, here_, kStart);
+  EXPECT_EQ(received.fault, Fault::datagram_kind);
+  EXPECT_FALSE(received.ends_session());
+}
+
+TEST_F(SessionTest, LeavesOutNumbersAndDisbelievesWhoReportsThem) {
+  Session& session = add(1, kStart, protocol::kFeatureFeedback);
+  std::vector<uint64_t> used;
+  std::vector<uint8_t> datagram;
+  while (used.empty() || used.back() == used.size()) {
+    session.omit_number();
+    used.push_back(session.seal().seal(protocol::DatagramKind::probe, {}, datagram));
+    session.link().sent(used.back(), datagram.size(), kStart);
+    ASSERT_LE(used.size(), OmittedNumbers::kLongestRun);
+  }
+  const auto client = seal(1, protocol::Side::client);
+  const auto report = [&](uint64_t number) {
+    std::vector<uint8_t> body, sealed;
+    protocol::append_feedback(body, {.first = number, .count = 1, .ages = {1}});
+    client->seal(protocol::DatagramKind::feedback, body, sealed);
+    return session.receive(sealed, here_, kStart);
+  };
+  EXPECT_FALSE(report(used.back()).ends_session());
+  EXPECT_TRUE(report(used.back() - 1).ends_session());
 }
 
 // Slices of `bytes` each.
