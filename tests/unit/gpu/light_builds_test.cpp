@@ -16,8 +16,8 @@ constexpr SceneId kRoom{1}, kHall{2};
 
 // Waits for a result that the owner's thread must finish, and finishes it.
 struct Owner {
+  Inbox<int> woken;  // outlives the builds, whose thread pushes to it until it has ended
   LightBuilds builds;
-  Inbox<int> woken;
   std::function<void()> wake() {
     return [this] { woken.push(0); };
   }
