@@ -6,6 +6,21 @@
 #include "daemon/metrics/metric_families.h"
 
 namespace gnomon::daemon {
+namespace {
+
+// Series of such faults are made when there is something to count, as a node has room for few: refusals have many
+// reasons, and the others happen once a session at most.
+bool is_rare(const FaultRow& row) {
+  switch (row.fault) {
+    case Fault::feedback_invented:
+    case Fault::path_unproven:
+    case Fault::submit_failed:
+    case Fault::encode_failed: return true;
+    default: return row.kind == FaultKind::refusal || row.kind == FaultKind::admin_closed;
+  }
+}
+
+}  // namespace
 
 Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std::string>& scenes,
                  const std::string& version, size_t devices)
@@ -14,9 +29,7 @@ Metrics::Metrics(const std::vector<std::string>& tenants, const std::vector<std:
   families_->tenants.reserve(kMostTenants);
   add_tenants(tenants);
   for (const FaultRow& row : fault_table()) {
-    // Refusals are rare and there are many reasons.
-    const bool rare = row.kind == FaultKind::refusal || row.kind == FaultKind::admin_closed;
-    families_->faults.push_back(rare ? nullptr : &families_->counter_of(row));
+    families_->faults.push_back(is_rare(row) ? nullptr : &families_->counter_of(row));
   }
   families_->build.Add({{"version", version}}).Set(1);
 }
