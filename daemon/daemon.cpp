@@ -47,15 +47,15 @@ std::unique_ptr<EncodePool> open_encoders(uint32_t asked, const std::vector<Pool
   return std::make_unique<EncodePool>(threads, std::move(near), metrics, sink);
 }
 
-scenes::SceneReader scene_reader(const Daemon::Options& options, std::stop_token stop) {
+scenes::SceneReader scene_reader(const Daemon::Options& options) {
   if (options.scene_worker.empty()) return scenes::read_here;
   const SceneWorkerOptions worker{.program = options.scene_worker,
                                   .max_memory_bytes = uint64_t{options.config.scenes.worker_memory_mb} << 20,
                                   .max_time = options.config.scenes.worker_time,
                                   .log_level = options.config.log.level,
                                   .log_format = options.config.log.format};
-  return [worker, stop](const scenes::SceneSource& source, const scenes::LoadLimits& limits) {
-    return load_in_worker(worker, source, limits, stop);
+  return [worker](const scenes::SceneSource& source, const scenes::LoadLimits& limits, std::stop_token stop) {
+    return load_in_worker(worker, source, limits, std::move(stop));
   };
 }
 
@@ -88,7 +88,7 @@ Result<void> Daemon::bring_up() {
   if (!tls) return tls.error();
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   tls_.publish(*tls);
-  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, scene_reader(options_, reading_.get_token()));
+  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, scene_reader(options_));
   if (auto opened = open_store(); !opened) return opened;
   auto server = Server::open({.config = options_.config,
                               .tenants = tenant_directory_,
@@ -230,7 +230,7 @@ void Daemon::give_up() {
 // The order of the flow: no more views, then the frames on the devices, in the pool and on the wire; then the rest.
 void Daemon::stop() {
   health_.draining = true;
-  reading_.request_stop();
+  if (scenes_) scenes_->stop_reading();
   devices_.stop();
   encode_pool_.reset();
   if (server_) server_->stop();

@@ -91,7 +91,6 @@ class Daemon final : private FrameSink {
   PublishedTls tls_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
-  std::stop_source reading_;  // of scenes
   std::unique_ptr<SceneHost> scenes_;
   std::unique_ptr<Operations> operations_;
   std::unique_ptr<Admin> admin_;

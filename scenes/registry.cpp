@@ -15,7 +15,7 @@ std::filesystem::file_time_type changed_at(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits) {
+Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, std::stop_token) {
   return load_scene(source.file, limits, source.motions);
 }
 
@@ -29,7 +29,7 @@ Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneRea
   }
 }
 
-Result<LoadedScene> Registry::get(const std::string& name) {
+Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop) {
   const auto found = entries_.find(name);
   if (found == entries_.end()) return Error{"there is no scene named '" + name + "'"};
   Entry& entry = found->second;
@@ -41,19 +41,19 @@ Result<LoadedScene> Registry::get(const std::string& name) {
     const auto& refusal = entry.refusal;
     if (refusal && refusal->changed == changed && Clock::now() - refusal->at < kRefusalLasts) return refusal->why;
   }
-  auto loaded = load(entry);
+  auto loaded = load(entry, stop);
   std::lock_guard lock(mutex_);
   if (loaded) {
     entry.loaded = *loaded;
-  } else {
+  } else if (!stop.stop_requested()) {
     entry.refusal = Refusal{loaded.error(), Clock::now(), changed};
   }
   return loaded;
 }
 
-Result<LoadedScene> Registry::load(Entry& entry) {
+Result<LoadedScene> Registry::load(Entry& entry, std::stop_token stop) {
   const TimePoint start = Clock::now();
-  const Result<ScenePtr> scene = read_(entry.source, limits_);
+  const Result<ScenePtr> scene = read_(entry.source, limits_, std::move(stop));
   if (!scene) return scene.error();
   const LoadedScene loaded{entry.id, *scene, to_seconds(Clock::now() - start), (*scene)->memory_bytes()};
   log::info("scene loaded", {{"scene", entry.source.name},

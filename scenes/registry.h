@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,11 @@ struct LoadedScene {
 };
 
 // How a scene is read: load_scene() in this process, or what reads it in another one. Blocks; called by any thread.
-using SceneReader = std::function<Result<ScenePtr>(const SceneSource& source, const LoadLimits& limits)>;
-Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits);
+// After a request to stop, the result is an error, or the scene if it was already there.
+using SceneReader =
+    std::function<Result<ScenePtr>(const SceneSource& source, const LoadLimits& limits, std::stop_token stop)>;
+// Reads in this process, and does not stop.
+Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, std::stop_token stop = {});
 
 // Any thread. The first caller of get() loads the scene and blocks; concurrent callers wait for it and share the scene.
 class Registry {
@@ -44,8 +48,8 @@ class Registry {
 
   Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read = read_here);
 
-  // Error: there is no such scene, or it could not be loaded.
-  Result<LoadedScene> get(const std::string& name);
+  // Error: there is no such scene, it could not be loaded, or reading it was stopped, which is no refusal.
+  Result<LoadedScene> get(const std::string& name, std::stop_token stop = {});
 
   // Makes the next get() read the file again, also if it was refused. Scenes that were returned before stay valid.
   void forget(const std::string& name);
@@ -71,7 +75,7 @@ class Registry {
     std::optional<Refusal> refusal;
   };
 
-  Result<LoadedScene> load(Entry& entry);
+  Result<LoadedScene> load(Entry& entry, std::stop_token stop);
 
   const LoadLimits limits_;
   const SceneReader read_;

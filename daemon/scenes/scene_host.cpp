@@ -3,66 +3,113 @@
 namespace gnomon::daemon {
 namespace {
 
-// A scene that is slow to read delays nobody as long as there are fewer of them than loaders.
-constexpr int kLoaders = 4;
+// One tenant may have half of them at work (load_queue.h).
+constexpr uint32_t kLoaders = 4;
+
+const Error kNobodyWaits{"nobody waits for it any more"};
 
 }  // namespace
 
 SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read)
-    : registry_(catalog.sources(), {}, std::move(read)), devices_(devices), metrics_(metrics) {
-  for (int i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
+    : registry_(catalog.sources(), {}, std::move(read)), devices_(devices), metrics_(metrics), requests_(kLoaders) {
+  for (uint32_t i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
 }
 
 SceneHost::~SceneHost() {
-  {
-    std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
+  stop_reading();
   for (std::thread& loader : loaders_) loader.join();
 }
 
+void SceneHost::stop_reading() {
+  {
+    std::lock_guard lock(mutex_);
+    ending_ = true;
+    for (auto& [name, reading] : reading_) reading.stop.request_stop();
+  }
+  changed_.notify_all();
+}
+
 void SceneHost::serve_requests() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [this] { return ending_ || !requests_.empty(); });
-    if (ending_) return;
-    Request request = requests_.pop();
-    const std::string name = request.name;
-    const auto [others, first] = reading_.try_emplace(name);
-    if (!first) {
-      others->second.push_back(std::move(request));  // one loader is enough for a scene
-      continue;
+  while (auto request = next_request()) {
+    std::unique_lock lock(mutex_);
+    const auto [reading, first] = reading_.try_emplace(request->name);
+    reading->second.waiting.push_back(*request);
+    if (first) {
+      const std::stop_token stop = reading->second.stop.get_token();
+      lock.unlock();
+      const auto loaded = read(*request, stop);
+      lock.lock();
+      const std::vector<Request> waiting = std::move(reading->second.waiting);
+      reading_.erase(reading);
+      // Who asked after the reader had been stopped has it read anew.
+      const bool again = !loaded && stop.stop_requested() && !ending_;
+      if (again) {
+        for (const Request& other : waiting) requests_.push(other.asker, other);
+      }
+      lock.unlock();
+      for (const Request& other : waiting) {
+        if (!again) bring(other, loaded);
+      }
+      lock.lock();
     }
+    requests_.done(request->asker);
     lock.unlock();
-    load(std::move(request));
-    lock.lock();
-    std::vector<Request> waiting = std::move(others->second);
-    reading_.erase(others);
-    lock.unlock();
-    for (Request& other : waiting) load(std::move(other));  // the registry has the scene, or remembers the refusal
-    lock.lock();
+    changed_.notify_all();
   }
 }
 
-void SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker) {
+// Waits for a request that may be read now. nullopt when the host ends.
+std::optional<SceneHost::Request> SceneHost::next_request() {
+  std::unique_lock lock(mutex_);
+  std::optional<Request> next;
+  changed_.wait(lock, [&] { return ending_ || (next = requests_.start()); });
+  return ending_ ? std::nullopt : next;
+}
+
+Result<scenes::LoadedScene> SceneHost::read(const Request& request, std::stop_token stop) {
+  if (!request.asker) registry_.retry(request.name);
+  auto loaded = registry_.get(request.name, std::move(stop));
+  if (loaded && loaded->scene->lights.empty()) return Error{"it has no lights: there is nothing to trace"};
+  return loaded;
+}
+
+FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker) {
+  FetchId id;
   {
     std::unique_lock lock(mutex_);
+    id.value = ++last_fetch_;
     if (const auto found = resident_.find(name); found != resident_.end()) {
       SceneForUse scene{found->second.scene.loaded, SceneUse(found->second.uses)};
       lock.unlock();
-      return ready(std::move(scene));
+      ready(std::move(scene));
+      return id;
     }
-    requests_.push(asker, {name, std::move(ready), asker});
+    requests_.push(asker, {id, name, std::move(ready), asker});
   }
-  changed_.notify_one();
+  changed_.notify_all();
+  return id;
 }
 
-void SceneHost::load(Request request) {
-  if (!request.asker) registry_.retry(request.name);
-  auto loaded = registry_.get(request.name);
+void SceneHost::give_up(FetchId fetch) {
+  Ready ready;
+  const auto take = [&](Request& request) {
+    if (request.id != fetch) return false;
+    ready = std::move(request.ready);
+    return true;
+  };
+  {
+    std::lock_guard lock(mutex_);
+    requests_.drop(take);
+    for (auto& [name, reading] : reading_) {
+      const bool found = std::erase_if(reading.waiting, take) > 0;
+      if (found && reading.waiting.empty()) reading.stop.request_stop();
+    }
+  }
+  if (ready) ready(kNobodyWaits);
+}
+
+void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded) {
   if (!loaded) return request.ready(loaded.error());
-  if (loaded->scene->lights.empty()) return request.ready(Error{"it has no lights: there is nothing to trace"});
   SceneLoaded arrived;
   arrived.scene = *loaded;
   arrived.name = request.name;

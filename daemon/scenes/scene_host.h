@@ -6,7 +6,9 @@
 #include <future>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,17 +34,27 @@ struct HostedScene {
   uint32_t users = 0;  // when resident() was called
 };
 
+// A request of SceneHost::fetch().
+using FetchId = StrongId<struct FetchTag, uint64_t>;
+
 class SceneHost {
  public:
   using Ready = std::function<void(Result<SceneForUse>)>;
 
   // All references outlive the host. `read`: called by several threads at a time.
   SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read);
-  ~SceneHost();  // requests that still wait are not answered
+  ~SceneHost();  // stops reading; requests that still wait are not answered
+
+  // Any thread. From now on no scene is read, and readers are stopped. Requests that still wait are not answered.
+  void stop_reading();
 
   // Any thread. Makes the scene resident if it is not. `ready` is called once, on the caller's, a loader's or a render
-  // thread.
-  void fetch(const std::string& name, Ready ready, SceneAsker asker = std::nullopt);
+  // thread, or by give_up().
+  FetchId fetch(const std::string& name, Ready ready, SceneAsker asker = std::nullopt);
+
+  // Any thread. Answers a request that still waits to be read with an error. A scene for which nobody waits any more is
+  // not read, and its reader is stopped. Other requests are left alone.
+  void give_up(FetchId fetch);
 
   // As fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
   // Precondition: the render threads run.
@@ -61,13 +73,21 @@ class SceneHost {
 
  private:
   struct Request {
+    FetchId id;
     std::string name;
     Ready ready;
     SceneAsker asker;
   };
+  // A scene that a reader is at work on, and those that wait for it.
+  struct Reading {
+    std::vector<Request> waiting;
+    std::stop_source stop;  // requested when nobody waits any more
+  };
 
   void serve_requests();  // a loader's thread
-  void load(Request request);
+  std::optional<Request> next_request();
+  Result<scenes::LoadedScene> read(const Request& request, std::stop_token stop);
+  void bring(Request request, const Result<scenes::LoadedScene>& loaded);
   void refuse(const Request& request, const Error& why);
   SceneForUse keep(const std::string& name, HostedScene scene);
 
@@ -83,8 +103,9 @@ class SceneHost {
   std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
   std::condition_variable changed_;           // of the two below
   LoadQueue<Request> requests_;               // guarded by mutex_
-  std::map<std::string, std::vector<Request>> reading_;  // those that ask meanwhile; guarded by mutex_
-  bool ending_ = false;                                  // guarded by mutex_
+  std::map<std::string, Reading> reading_;    // guarded by mutex_
+  uint64_t last_fetch_ = 0;                   // guarded by mutex_
+  bool ending_ = false;                       // guarded by mutex_
   std::vector<std::thread> loaders_;
 };
 

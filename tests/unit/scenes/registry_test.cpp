@@ -52,7 +52,7 @@ TEST(Registry, ARefusalIsRememberedWhileTheFileStaysTheSame) {
   const ScratchFolder folder;
   const auto file = folder.write("slow.gltf", std::string("{}"));
   int reads = 0;
-  Registry registry({{"slow", file}}, {}, [&](const SceneSource&, const LoadLimits&) -> Result<ScenePtr> {
+  Registry registry({{"slow", file}}, {}, [&](const SceneSource&, const LoadLimits&, std::stop_token) -> Result<ScenePtr> {
     ++reads;
     return Error{"it is a bomb"};
   });

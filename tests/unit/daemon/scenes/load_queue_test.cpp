@@ -7,27 +7,72 @@
 namespace gnomon::daemon {
 namespace {
 
-TEST(LoadQueue, TenantsTakeTurnsHoweverManyOneAsksFor) {
-  LoadQueue<std::string> queue;
-  const TenantId greedy{0}, modest{1};
-  for (const char* scene : {"a", "b", "c"}) queue.push(greedy, scene);
-  queue.push(modest, "d");
-  queue.push(std::nullopt, "e");
+const TenantId kGreedy{0}, kModest{1}, kThird{2};
+
+// The requests in the order in which a single reader serves them.
+std::string served(LoadQueue<std::string>& queue) {
   std::string order;
-  while (!queue.empty()) order += queue.pop();
-  EXPECT_EQ(order.find('d'), 1u) << order << ": after the one that was first";
-  EXPECT_LE(order.find('e'), 2u) << order;
-  EXPECT_LT(order.find('a'), order.find('b'));
-  EXPECT_LT(order.find('b'), order.find('c'));
+  while (const auto request = queue.start()) {
+    order += *request;
+    queue.done(std::isupper(request->front()) ? SceneAsker(kModest) : SceneAsker(kGreedy));
+  }
+  return order;
+}
+
+TEST(LoadQueue, TenantsTakeTurnsHoweverManyOneAsksFor) {
+  LoadQueue<std::string> queue(1);
+  for (const char* scene : {"a", "b", "c"}) queue.push(kGreedy, scene);
+  queue.push(kModest, "D");
+  EXPECT_EQ(served(queue), "aDbc");
 }
 
 TEST(LoadQueue, WhoComesLaterWaitsForNoQueueOfAnother) {
-  LoadQueue<int> queue;
+  LoadQueue<int> queue(100);
   for (int i = 0; i < 100; ++i) queue.push(TenantId{3}, i);
-  EXPECT_EQ(queue.pop(), 0);
+  EXPECT_EQ(queue.start(), 0);
   queue.push(TenantId{1}, -1);
-  EXPECT_EQ(queue.pop(), -1);
-  EXPECT_EQ(queue.pop(), 1);
+  EXPECT_EQ(queue.start(), -1);
+  EXPECT_EQ(queue.start(), 1);
+}
+
+TEST(LoadQueue, OneTenantLeavesReadersToTheOthers) {
+  LoadQueue<std::string> queue(4);
+  for (int i = 0; i < 9; ++i) queue.push(kGreedy, "a");
+  EXPECT_TRUE(queue.start());
+  EXPECT_TRUE(queue.start());
+  EXPECT_FALSE(queue.start()) << "half of them are one tenant's at most";
+  queue.push(kModest, "B");
+  EXPECT_EQ(queue.start(), "B");
+  queue.push(kThird, "c");
+  EXPECT_EQ(queue.start(), "c") << "the last one is for somebody who has none";
+}
+
+TEST(LoadQueue, AReaderThatIsDoneServesTheNext) {
+  LoadQueue<std::string> queue(2);
+  queue.push(kGreedy, "a");
+  queue.push(kGreedy, "b");
+  EXPECT_EQ(queue.start(), "a");
+  EXPECT_FALSE(queue.start());
+  queue.done(kGreedy);
+  EXPECT_EQ(queue.start(), "b");
+  EXPECT_FALSE(queue.start());
+}
+
+TEST(LoadQueue, TheOperatorMayTakeEveryReader) {
+  LoadQueue<int> queue(3);
+  for (int i = 0; i < 4; ++i) queue.push(std::nullopt, i);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(queue.start(), i);
+  EXPECT_FALSE(queue.start());
+}
+
+TEST(LoadQueue, WhatNobodyWaitsForIsNotStarted) {
+  LoadQueue<std::string> queue(4);
+  queue.push(kGreedy, "gone");
+  queue.push(kGreedy, "stays");
+  queue.push(kModest, "gone");
+  queue.drop([](const std::string& request) { return request == "gone"; });
+  EXPECT_EQ(queue.start(), "stays");
+  EXPECT_FALSE(queue.start());
 }
 
 }  // namespace

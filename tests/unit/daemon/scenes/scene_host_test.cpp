@@ -1,0 +1,137 @@
+// Who waits for a scene, and what is read when nobody does any more. The reader is the test's; the devices never start.
+#include "daemon/scenes/scene_host.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <semaphore>
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr TenantId kTenant{1};
+
+// A reader that reads until it is told to fail, or until it is stopped.
+class SlowReader {
+ public:
+  scenes::SceneReader reader() {
+    return [this](const scenes::SceneSource&, const scenes::LoadLimits&, std::stop_token stop) -> Result<scenes::ScenePtr> {
+      ++begun_;
+      begun_.notify_all();
+      std::binary_semaphore over{0};
+      const std::stop_callback wake(stop, [&] { over.release(); });
+      over.acquire();
+      return Error{"stopped"};
+    };
+  }
+  void wait_for(int readings) {
+    for (int now = begun_; now < readings; now = begun_) begun_.wait(now);
+  }
+  int begun() const { return begun_; }
+
+ private:
+  std::atomic<int> begun_ = 0;
+};
+
+class Answer {
+ public:
+  SceneHost::Ready ready() {
+    return [this](const Result<SceneForUse>& scene) {
+      text_ = scene ? "a scene" : scene.error().message;
+      arrived_.release();
+    };
+  }
+  std::string wait() {
+    arrived_.acquire();
+    return text_;
+  }
+  bool there() { return arrived_.try_acquire(); }
+
+ private:
+  std::string text_;
+  std::binary_semaphore arrived_{0};
+};
+
+struct Host {
+  Host() {
+    ScenesConfig config;
+    for (const char* name : {"a", "b", "c", "d", "e"}) {
+      SceneFile& scene = config.list.emplace_back();
+      scene.name = name;
+      scene.file = "absent.glb";
+    }
+    auto read = SceneCatalog::read(config);
+    EXPECT_TRUE(read);
+    catalog = std::move(*read);
+    host.emplace(catalog, devices, metrics, slow.reader());
+  }
+
+  SlowReader slow;
+  SceneCatalog catalog;
+  Metrics metrics{{"default", "other"}, {"a"}, "test", 1};
+  Health health;
+  DevicePool devices{1, metrics, health};
+  std::optional<SceneHost> host;
+};
+
+TEST(SceneHost, AReaderIsStoppedWhenTheLastOneGivesUp) {
+  Host to;
+  Answer first, second;
+  const FetchId one = to.host->fetch("a", first.ready(), kTenant);
+  to.slow.wait_for(1);
+  const FetchId two = to.host->fetch("a", second.ready(), kTenant);
+  to.host->give_up(one);
+  EXPECT_EQ(first.wait(), "nobody waits for it any more");
+  EXPECT_FALSE(second.there()) << "somebody waits still";
+  to.host->give_up(two);
+  EXPECT_EQ(second.wait(), "nobody waits for it any more");
+  Answer third;  // its reader can only begin when a loader is free of the stopped one, or beside it
+  to.host->fetch("a", third.ready(), kTenant);
+  to.slow.wait_for(2);
+}
+
+TEST(SceneHost, WhatNobodyWaitsForIsNotRead) {
+  Host to;
+  Answer answers[3];
+  to.host->fetch("a", answers[0].ready(), kTenant);
+  to.host->fetch("b", answers[1].ready(), kTenant);
+  to.slow.wait_for(2);  // as many as one tenant may have at work
+  const FetchId waiting = to.host->fetch("c", answers[2].ready(), kTenant);
+  to.host->give_up(waiting);
+  EXPECT_EQ(answers[2].wait(), "nobody waits for it any more");
+  EXPECT_EQ(to.slow.begun(), 2);
+}
+
+TEST(SceneHost, AnotherTenantsSceneIsReadBesideSlowOnes) {
+  Host to;
+  Answer answers[5];
+  int i = 0;
+  for (const char* name : {"a", "b", "c", "d"}) to.host->fetch(name, answers[i++].ready(), kTenant);
+  to.slow.wait_for(2);
+  to.host->fetch("e", answers[4].ready(), TenantId{0});
+  to.slow.wait_for(3);
+}
+
+TEST(SceneHost, AStoppedReadingIsNoRefusal) {
+  Host to;
+  Answer first, second;
+  to.host->give_up(to.host->fetch("a", first.ready(), kTenant));
+  first.wait();
+  to.host->fetch("a", second.ready(), kTenant);
+  to.slow.wait_for(1);
+  EXPECT_FALSE(second.there());
+}
+
+TEST(SceneHost, EndsBesideReadersThatAreAtWork) {
+  Host to;
+  Answer answer;
+  to.host->fetch("a", answer.ready(), kTenant);
+  to.slow.wait_for(1);
+  to.host.reset();
+  EXPECT_NE(answer.wait(), "a scene");
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
