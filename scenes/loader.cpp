@@ -8,6 +8,7 @@
 
 #include "common/log.h"
 #include "scenes/content_hash.h"
+#include "scenes/geometry/geometry.h"
 #include "scenes/gltf/animations.h"
 #include "scenes/gltf/cameras.h"
 #include "scenes/gltf/document.h"
@@ -190,10 +191,8 @@ Error about(const std::filesystem::path& file, std::string message) {
   return Error{file.string() + ": " + message};
 }
 
-}  // namespace
-
-Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits,
-                            const std::vector<NodeMotion>& motions) {
+Result<std::shared_ptr<Scene>> load(const std::filesystem::path& file, const LoadLimits& limits,
+                                    const std::vector<NodeMotion>& motions) {
   auto read = read_scene(file, limits, motions);
   if (!read) return about(file, read.error().message);
   Scene& scene = **read;
@@ -202,7 +201,24 @@ Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits&
   scene.bounds = extent.bounds;
   scene.content_hash = extent.hash;
   if (scene.cameras.empty()) scene.cameras.push_back({"bounds", orbit_pose(scene, 0.0f)});
-  return ScenePtr(std::move(*read));
+  return read;
+}
+
+}  // namespace
+
+Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits,
+                            const std::vector<NodeMotion>& motions) {
+  auto scene = load(file, limits, motions);
+  if (!scene) return scene.error();
+  return ScenePtr(std::move(*scene));
+}
+
+Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits,
+                                    const std::vector<NodeMotion>& motions) {
+  auto scene = load(file, limits, motions);
+  if (!scene) return scene.error();
+  (*scene)->geometry = std::make_shared<const Geometry>(make_geometry(**scene));
+  return ScenePtr(std::move(*scene));
 }
 
 }  // namespace gnomon::scenes

@@ -37,4 +37,8 @@ struct LoadLimits {
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {},
                             const std::vector<NodeMotion>& motions = {});
 
+// As load_scene, and the scene has its geometry, for who brings it to a device.
+Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits = {},
+                                    const std::vector<NodeMotion>& motions = {});
+
 }  // namespace gnomon::scenes

@@ -16,7 +16,7 @@ std::filesystem::file_time_type changed_at(const std::filesystem::path& file) {
 }  // namespace
 
 Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, std::stop_token) {
-  return load_scene(source.file, limits, source.motions);
+  return load_with_geometry(source.file, limits, source.motions);
 }
 
 Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "scenes/geometry/geometry.h"
 #include "scenes/pose.h"
 
 namespace gnomon::scenes {
@@ -142,6 +143,7 @@ uint64_t Scene::memory_bytes() const {
   for (const Mesh& mesh : meshes) bytes += bytes_inside(mesh);
   for (const CameraPath& path : paths) bytes += bytes_of(path.chain) + bytes_inside(path.channels);
   for (const MovingNode& node : moving_nodes) bytes += bytes_inside(node.channels);
+  if (geometry) bytes += geometry->memory_bytes();
   return bytes;
 }
 

@@ -153,6 +153,10 @@ struct Bounds {
 using ContentHash = std::array<uint8_t, 16>;
 std::string to_hex(const ContentHash& hash);
 
+// Derived from a scene, see geometry/geometry.h.
+struct Geometry;
+using GeometryPtr = std::shared_ptr<const Geometry>;
+
 struct Scene {
   std::string name;
   std::vector<Texture> textures;
@@ -170,9 +174,11 @@ struct Scene {
   // Names, colours, cameras and the way a file arranges its triangles into nodes and meshes do not affect it (see
   // content_hash.h).
   ContentHash content_hash{};
+  // What devices need of the resting instances, if whoever read the scene has made it already; else nullptr.
+  GeometryPtr geometry;
 
   uint32_t mask_words() const { return (static_cast<uint32_t>(lights.size()) + 31) / 32; }
-  uint64_t memory_bytes() const;
+  uint64_t memory_bytes() const;  // of the host, the geometry included
 };
 
 using ScenePtr = std::shared_ptr<const Scene>;

@@ -24,7 +24,7 @@ uint64_t draws_bytes(const Capacity& c) { return uint64_t{c.cluster_chunks} * si
 uint64_t drawn_bytes(const Capacity& c) { return uint64_t{c.triangles} * sizeof(uint32_t); }
 
 // Dispatches one workgroup for each chunk of the groups.
-void cull(const FrameContext& frame, const ComputeStep& step, std::span<const ClusterGroup> groups,
+void cull(const FrameContext& frame, const ComputeStep& step, std::span<const scenes::ClusterGroup> groups,
           VkDeviceAddress depth_tiles, const Buffer& draws, const Buffer& drawn) {
   const uint32_t first = groups.front().first_chunk;
   const uint32_t end = groups.back().first_chunk + groups.back().chunk_count;

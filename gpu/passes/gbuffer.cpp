@@ -66,8 +66,9 @@ void bind(const FrameContext& frame, const Raster& raster, VkDeviceAddress drawn
 
 // `draw` records the draws of one group, its state set.
 template <class Draw>
-void draw_groups(const FrameContext& frame, const Raster& raster, std::span<const ClusterGroup> groups, Draw draw) {
-  for (const ClusterGroup& group : groups) {
+void draw_groups(const FrameContext& frame, const Raster& raster, std::span<const scenes::ClusterGroup> groups,
+                 Draw draw) {
+  for (const scenes::ClusterGroup& group : groups) {
     if (group.triangle_count == 0) continue;
     vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
                       group.masked ? raster.masked.get() : raster.opaque.get());
@@ -76,16 +77,16 @@ void draw_groups(const FrameContext& frame, const Raster& raster, std::span<cons
   }
 }
 
-void draw_all(const FrameContext& frame, const Raster& raster, std::span<const ClusterGroup> groups) {
-  draw_groups(frame, raster, groups, [&](const ClusterGroup& group) {
+void draw_all(const FrameContext& frame, const Raster& raster, std::span<const scenes::ClusterGroup> groups) {
+  draw_groups(frame, raster, groups, [&](const scenes::ClusterGroup& group) {
     vkCmdDraw(frame.commands, 3 * group.triangle_count, 1, 3 * group.first_triangle, 0);
   });
 }
 
-void draw_culled(const FrameContext& frame, const Raster& raster, std::span<const ClusterGroup> groups,
+void draw_culled(const FrameContext& frame, const Raster& raster, std::span<const scenes::ClusterGroup> groups,
                  const Buffer& draws) {
   constexpr uint32_t stride = sizeof(VkDrawIndirectCommand);
-  draw_groups(frame, raster, groups, [&](const ClusterGroup& group) {
+  draw_groups(frame, raster, groups, [&](const scenes::ClusterGroup& group) {
     vkCmdDrawIndirect(frame.commands, draws.handle(), uint64_t{stride} * group.first_chunk, group.chunk_count,
                       stride);
   });
@@ -96,7 +97,7 @@ void draw_moving(const FrameContext& frame, const Raster& raster) {
   if (frame.posed.draws.empty()) return;
   bind(frame, raster, 0);
   const uint32_t first = frame.scene.moving_place(frame.slot).first_triangle;
-  draw_groups(frame, raster, frame.posed.draws, [&](const ClusterGroup& group) {
+  draw_groups(frame, raster, frame.posed.draws, [&](const scenes::ClusterGroup& group) {
     vkCmdDraw(frame.commands, 3 * group.triangle_count, 1, 3 * (first + group.first_triangle), 0);
   });
 }
@@ -118,7 +119,7 @@ class RasterPass : public Pass {
     return ports;
   }
   // Ports 2 and 3: the draws and the triangles that they name.
-  void record_culled(const FrameContext& frame, std::span<const ClusterGroup> groups) const {
+  void record_culled(const FrameContext& frame, std::span<const scenes::ClusterGroup> groups) const {
     bind(frame, raster_, frame.ports[3].buffer->address());
     draw_culled(frame, raster_, groups, *frame.ports[2].buffer);
   }

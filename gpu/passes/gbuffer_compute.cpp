@@ -70,7 +70,7 @@ class ComputePass : public Pass {
 
  protected:
   // One workgroup for each chunk of the groups.
-  void cull(const FrameContext& frame, std::span<const ClusterGroup> groups, VkDeviceAddress depth_tiles,
+  void cull(const FrameContext& frame, std::span<const scenes::ClusterGroup> groups, VkDeviceAddress depth_tiles,
             const Buffer& runs) const {
     const uint32_t first = groups.front().first_chunk;
     const uint32_t end = groups.back().first_chunk + groups.back().chunk_count;
@@ -146,7 +146,7 @@ class TriangleRunsPass : public ComputePass {
     bind(frame, step_, bytes_of(push));
     dispatch_indirect(frame, runs);
     push.runs = 0;
-    for (const ClusterGroup& group : frame.posed.draws) {
+    for (const scenes::ClusterGroup& group : frame.posed.draws) {
       if (group.triangle_count == 0) continue;
       push.first = frame.scene.moving_place(frame.slot).first_triangle + group.first_triangle;
       push.count = group.triangle_count;

@@ -17,8 +17,8 @@ bool same_light(const exact::TracedLight& a, const exact::TracedLight& b) {
   return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
-std::vector<ClusterGroup> draws_of(const scenes::Scene& scene, const scenes::WorldMesh& mesh) {
-  std::vector<ClusterGroup> draws;
+std::vector<scenes::ClusterGroup> draws_of(const scenes::Scene& scene, const scenes::WorldMesh& mesh) {
+  std::vector<scenes::ClusterGroup> draws;
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const bool masked = t >= mesh.opaque_count;
     const bool double_sided = scene.materials[mesh.materials[t]].double_sided;

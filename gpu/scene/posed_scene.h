@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "gpu/scene/clusters.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/tracers/bvh_build.h"
 #include "gpu/tracers/tracer.h"
+#include "scenes/geometry/clusters.h"
 #include "scenes/motion.h"
 
 namespace gnomon::gpu {
@@ -20,9 +20,9 @@ namespace gnomon::gpu {
 // traced for it. Tracers that do not build for lights trace all lights. The moving geometry is traced for every light.
 struct PosedScene {
   scenes::SceneTime time{};
-  scenes::WorldMesh mesh;           // the moving geometry
-  Bvh bvh;                          // over `mesh`; empty if nothing is traced
-  std::vector<ClusterGroup> draws;  // triangles of `mesh` by pipeline state; without chunks
+  scenes::WorldMesh mesh;                   // the moving geometry
+  Bvh bvh;                                  // over `mesh`; empty if nothing is traced
+  std::vector<scenes::ClusterGroup> draws;  // triangles of `mesh` by pipeline state; without chunks
   std::vector<exact::TracedLight> lights;
   std::vector<exact::TracedLight> resting_lights;         // as `lights`, but moving lights reach nothing
   std::array<uint32_t, kMaxLights / 32> moving_lights{};  // a bit for each light
@@ -43,6 +43,6 @@ exact::TracedLight silenced_light(const scenes::Bounds& bounds);
 bool same_light(const exact::TracedLight& a, const exact::TracedLight& b);
 
 // Divides `mesh` into groups by pipeline state, in the order of its triangles.
-std::vector<ClusterGroup> draws_of(const scenes::Scene& scene, const scenes::WorldMesh& mesh);
+std::vector<scenes::ClusterGroup> draws_of(const scenes::Scene& scene, const scenes::WorldMesh& mesh);
 
 }  // namespace gnomon::gpu

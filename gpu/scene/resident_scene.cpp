@@ -64,8 +64,8 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   resident->scene_ = scene;
   resident->lights_ = scene->lights;
   resident->moving_size_ = scenes::moving_mesh_size(*scene);
-  scenes::WorldMesh mesh = scenes::build_world_mesh(*scene);
-  resident->clusters_ = make_clusters(*scene, mesh);
+  resident->geometry_ = scenes::geometry_of(*scene);
+  const scenes::WorldMesh& mesh = resident->geometry_->mesh;
   if (auto done = resident->upload_mesh(device, mesh, slots); !done) return done.error();
   if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
@@ -154,24 +154,22 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
 
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch) {
-  scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
-  make_clusters(scene, mesh);  // for the order of the triangles
+  const scenes::GeometryPtr geometry = scenes::geometry_of(scene);
   TracedLights built{nullptr, lights_to_build_for(tracer, scene, lights)};
   const std::vector<exact::TracedLight> loaded = lights_to_build_for(tracer, scene, scene.lights);
   const bool as_loaded =
       std::equal(loaded.begin(), loaded.end(), built.built_for.begin(), built.built_for.end(), same_light);
   const Buffer none;  // tracers that build for lights do so from the mesh
-  auto traced = tracer.build({scene, mesh, built.built_for, as_loaded, none, none, watch});
+  auto traced = tracer.build({scene, geometry->mesh, built.built_for, as_loaded, none, none, watch});
   if (!traced) return traced.error();
   built.traced = std::move(*traced);
   return built;
 }
 
 Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene) {
-  scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
-  make_clusters(scene, mesh);
+  const scenes::GeometryPtr geometry = scenes::geometry_of(scene);
   const Buffer none;
-  auto traced = make_bvh_tracer(device)->build({scene, mesh, {}, false, none, none});
+  auto traced = make_bvh_tracer(device)->build({scene, geometry->mesh, {}, false, none, none});
   if (!traced) return traced.error();
   return std::shared_ptr<const TracedScene>(std::move(*traced));
 }
@@ -201,10 +199,10 @@ Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::W
 }
 
 Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
-  auto clusters = upload(device, std::as_bytes(std::span(clusters_.clusters)));
-  if (!clusters) return clusters.error();
-  buffers_.clusters = std::move(*clusters);
-  auto chunks = upload(device, std::as_bytes(std::span(clusters_.chunks)));
+  auto uploaded = upload(device, std::as_bytes(std::span(clusters().clusters)));
+  if (!uploaded) return uploaded.error();
+  buffers_.clusters = std::move(*uploaded);
+  auto chunks = upload(device, std::as_bytes(std::span(clusters().chunks)));
   if (!chunks) return chunks.error();
   buffers_.cluster_chunks = std::move(*chunks);
   return {};

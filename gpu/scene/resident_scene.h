@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "gpu/scene/clusters.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/scene/posed_scene.h"
 #include "gpu/tracers/tracer.h"
+#include "scenes/geometry/geometry.h"
 
 namespace gnomon::gpu {
 
@@ -52,7 +52,7 @@ class ResidentScene {
   uint32_t triangle_count() const { return triangle_count_; }
   uint32_t light_count() const { return static_cast<uint32_t>(scene_->lights.size()); }
   const SceneBuffers& buffers() const { return buffers_; }
-  const Clusters& clusters() const { return clusters_; }
+  const scenes::Clusters& clusters() const { return geometry_->clusters; }
   const TracedScene& traced() const { return *traced_.traced; }  // precondition: made with a tracer
   uint64_t memory_bytes() const;                                 // on the device, the tracer's included
 
@@ -93,7 +93,7 @@ class ResidentScene {
   scenes::ScenePtr scene_;
   uint32_t vertex_count_ = 0, triangle_count_ = 0;  // of the resting geometry
   scenes::MovingMeshSize moving_size_;
-  Clusters clusters_;
+  scenes::GeometryPtr geometry_;
   std::vector<scenes::Light> lights_;
   bool built_for_lights_ = false;
   bool unbuilt_ = false;

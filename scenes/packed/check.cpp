@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "scenes/geometry/geometry.h"
+
 namespace gnomon::scenes {
 namespace {
 
@@ -99,6 +101,40 @@ bool sound(const MovingNode& n, size_t number) {
   return is_index_or_none(n.parent, number) && finite(n.parent_to_world) && sound(n.local) && sound(n.channels);
 }
 
+// Whether [first, first + count) lies within `size` elements.
+bool is_range(uint32_t first, uint32_t count, size_t size) { return first <= size && count <= size - first; }
+
+bool sound(const WorldMesh& mesh, const Scene& scene) {
+  const size_t vertices = mesh.positions.size();
+  const auto in_range = [&](const glm::uvec3& t) { return t.x < vertices && t.y < vertices && t.z < vertices; };
+  const auto is_material = [&](uint32_t m) { return m < scene.materials.size(); };
+  return mesh.normals.size() == vertices && mesh.uvs.size() == vertices && all_finite(mesh.positions) &&
+         all_finite(mesh.normals) && all_finite(mesh.uvs) && mesh.triangles.size() <= scene.triangle_count &&
+         mesh.materials.size() == mesh.triangles.size() && mesh.opaque_count <= mesh.triangles.size() &&
+         std::all_of(mesh.triangles.begin(), mesh.triangles.end(), in_range) &&
+         std::all_of(mesh.materials.begin(), mesh.materials.end(), is_material);
+}
+
+bool sound(const Clusters& c, const WorldMesh& mesh) {
+  const size_t triangles = mesh.triangles.size();
+  const auto is_number = [&](uint32_t n) { return n < triangles; };
+  const auto is_cluster = [&](const Cluster& k) {
+    return k.triangle_count <= kMaxTrianglesInCluster && is_range(k.first_triangle, k.triangle_count, triangles);
+  };
+  const auto is_chunk = [&](const ClusterChunk& k) {
+    return k.cluster_count <= kMaxClustersInChunk && is_range(k.first_cluster, k.cluster_count, c.clusters.size());
+  };
+  const auto is_group = [&](const ClusterGroup& g) {
+    return is_range(g.first_triangle, g.triangle_count, triangles) &&
+           is_range(g.first_chunk, g.chunk_count, c.chunks.size());
+  };
+  return c.numbers.size() == triangles && std::all_of(c.numbers.begin(), c.numbers.end(), is_number) &&
+         std::all_of(c.clusters.begin(), c.clusters.end(), is_cluster) &&
+         std::all_of(c.chunks.begin(), c.chunks.end(), is_chunk) &&
+         std::all_of(c.occluders.begin(), c.occluders.end(), is_group) &&
+         std::all_of(c.others.begin(), c.others.end(), is_group);
+}
+
 // The triangles in the world, or nullopt if they are more than `most`. Precondition: the instances' meshes exist.
 std::optional<uint64_t> triangles(const Scene& scene, uint64_t most) {
   std::vector<uint64_t> of_mesh;
@@ -139,6 +175,8 @@ Result<void> check(const Scene& scene, const LoadLimits& limits) {
     return broken("cameras");
   }
   if (triangles(scene, limits.max_triangles) != scene.triangle_count) return broken("counts");
+  const Geometry* made = scene.geometry.get();
+  if (made && !(sound(made->mesh, scene) && sound(made->clusters, made->mesh))) return broken("triangles");
   if (scene.period.count() < 0 || !finite(scene.bounds.min) || !finite(scene.bounds.max)) return broken("bounds");
   return {};
 }

@@ -1,9 +1,16 @@
 #include "scenes/packed/packed_scene.h"
 
+#include "scenes/geometry/geometry.h"
 #include "scenes/packed/archive.h"
 #include "scenes/packed/check.h"
 
 namespace gnomon::scenes {
+
+template <>
+inline constexpr bool kPlain<Cluster> = true;
+template <>
+inline constexpr bool kPlain<ClusterChunk> = true;
+
 namespace {
 
 template <class Archive, class Rep, class Period>
@@ -121,6 +128,46 @@ void visit(Archive& a, NodeMotion& m) {
 }
 
 template <class Archive>
+void visit(Archive& a, ClusterGroup& g) {
+  a.plain(g.first_triangle);
+  a.plain(g.triangle_count);
+  a.plain(g.first_chunk);
+  a.plain(g.chunk_count);
+  a.boolean(g.masked);
+  a.boolean(g.double_sided);
+}
+
+template <class Archive>
+void visit(Archive& a, Geometry& g) {
+  a.bulk(g.mesh.positions);
+  a.bulk(g.mesh.normals);
+  a.bulk(g.mesh.uvs);
+  a.bulk(g.mesh.triangles);
+  a.bulk(g.mesh.materials);
+  a.plain(g.mesh.opaque_count);
+  a.bulk(g.clusters.numbers);
+  a.bulk(g.clusters.clusters);
+  a.bulk(g.clusters.chunks);
+  for (ClusterGroup& group : g.clusters.occluders) visit(a, group);
+  for (ClusterGroup& group : g.clusters.others) visit(a, group);
+}
+
+void visit(PackWriter& a, GeometryPtr& geometry) {
+  const bool made = geometry != nullptr;
+  a.boolean(made);
+  if (made) visit(a, const_cast<Geometry&>(*geometry));  // visits of a writer change nothing
+}
+
+void visit(PackReader& a, GeometryPtr& geometry) {
+  bool made = false;
+  a.boolean(made);
+  if (!made) return;
+  const auto read = std::make_shared<Geometry>();
+  visit(a, *read);
+  geometry = read;
+}
+
+template <class Archive>
 void visit(Archive& a, Scene& s) {
   a.text(s.name);
   a.each(s.textures, [](Archive& b, Texture& t) { visit(b, t); });
@@ -136,6 +183,7 @@ void visit(Archive& a, Scene& s) {
   a.plain(s.bounds.max);
   a.plain(s.triangle_count);
   a.plain(s.content_hash);
+  visit(a, s.geometry);
 }
 
 template <class Archive>

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/landlock.h>
+#include <sched.h>
 #include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -75,22 +76,62 @@ Result<void> allow_folder(const std::filesystem::path& folder) {
   return {};
 }
 
-// What reading files, memory, arithmetic and one line of log need.
-constexpr int kAllowed[] = {SCMP_SYS(read),         SCMP_SYS(pread64),      SCMP_SYS(readv),
-                            SCMP_SYS(write),        SCMP_SYS(writev),       SCMP_SYS(openat),
-                            SCMP_SYS(close),        SCMP_SYS(lseek),        SCMP_SYS(fstat),
-                            SCMP_SYS(newfstatat),   SCMP_SYS(stat),         SCMP_SYS(lstat),
-                            SCMP_SYS(statx),        SCMP_SYS(readlink),     SCMP_SYS(readlinkat),
-                            SCMP_SYS(getdents64),   SCMP_SYS(access),       SCMP_SYS(faccessat),
-                            SCMP_SYS(faccessat2),   SCMP_SYS(fcntl),        SCMP_SYS(fadvise64),
-                            SCMP_SYS(mmap),         SCMP_SYS(munmap),       SCMP_SYS(mremap),
-                            SCMP_SYS(mprotect),     SCMP_SYS(madvise),      SCMP_SYS(brk),
-                            SCMP_SYS(futex),        SCMP_SYS(sched_yield),  SCMP_SYS(clock_gettime),
-                            SCMP_SYS(gettimeofday), SCMP_SYS(time),         SCMP_SYS(getrandom),
-                            SCMP_SYS(getpid),       SCMP_SYS(gettid),       SCMP_SYS(tgkill),
-                            SCMP_SYS(rt_sigreturn), SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask),
-                            SCMP_SYS(getcwd),       SCMP_SYS(uname),        SCMP_SYS(ioctl),
-                            SCMP_SYS(exit),         SCMP_SYS(exit_group)};
+// What reading files, memory, arithmetic on several threads and one line of log need.
+constexpr int kAllowed[] = {SCMP_SYS(read),
+                            SCMP_SYS(pread64),
+                            SCMP_SYS(readv),
+                            SCMP_SYS(write),
+                            SCMP_SYS(writev),
+                            SCMP_SYS(openat),
+                            SCMP_SYS(close),
+                            SCMP_SYS(lseek),
+                            SCMP_SYS(fstat),
+                            SCMP_SYS(newfstatat),
+                            SCMP_SYS(stat),
+                            SCMP_SYS(lstat),
+                            SCMP_SYS(statx),
+                            SCMP_SYS(readlink),
+                            SCMP_SYS(readlinkat),
+                            SCMP_SYS(getdents64),
+                            SCMP_SYS(access),
+                            SCMP_SYS(faccessat),
+                            SCMP_SYS(faccessat2),
+                            SCMP_SYS(fcntl),
+                            SCMP_SYS(fadvise64),
+                            SCMP_SYS(mmap),
+                            SCMP_SYS(munmap),
+                            SCMP_SYS(mremap),
+                            SCMP_SYS(mprotect),
+                            SCMP_SYS(madvise),
+                            SCMP_SYS(brk),
+                            SCMP_SYS(futex),
+                            SCMP_SYS(sched_yield),
+                            SCMP_SYS(clock_gettime),
+                            SCMP_SYS(gettimeofday),
+                            SCMP_SYS(time),
+                            SCMP_SYS(getrandom),
+                            SCMP_SYS(getpid),
+                            SCMP_SYS(gettid),
+                            SCMP_SYS(tgkill),
+                            SCMP_SYS(rt_sigreturn),
+                            SCMP_SYS(rt_sigaction),
+                            SCMP_SYS(rt_sigprocmask),
+                            SCMP_SYS(getcwd),
+                            SCMP_SYS(uname),
+                            SCMP_SYS(ioctl),
+                            SCMP_SYS(exit),
+                            SCMP_SYS(exit_group),
+                            SCMP_SYS(rseq),
+                            SCMP_SYS(set_robust_list),
+                            SCMP_SYS(sched_getaffinity)};
+
+// Threads may be started, processes may not. The flags of clone3 lie in memory, where no filter sees them: it is said to
+// be missing, upon which glibc calls clone.
+int allow_threads(scmp_filter_ctx filter) {
+  const scmp_arg_cmp thread = SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD);
+  const int clone = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1, thread);
+  return clone != 0 ? clone : seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+}
 
 Result<void> allow_calls() {
   const std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter(seccomp_init(SCMP_ACT_KILL_PROCESS),
@@ -101,6 +142,7 @@ Result<void> allow_calls() {
       return because("seccomp", -done);
     }
   }
+  if (const int done = allow_threads(filter.get()); done != 0) return because("seccomp", -done);
   const int done = seccomp_load(filter.get());
   // Limits, a process of its own and Landlock still hold where a kernel was built without seccomp.
   if (done == -EINVAL || done == -ENOSYS) {

@@ -49,7 +49,7 @@ Confinement confinement_of(const LoadTask& task) {
 
 Result<ScenePtr> load(const LoadTask& task) {
   try {
-    return load_scene(task.file, task.limits, task.motions);
+    return load_with_geometry(task.file, task.limits, task.motions);
   } catch (const std::bad_alloc&) {
     return Error{task.file.string() + ": reading it takes more memory than there may be"};
   }

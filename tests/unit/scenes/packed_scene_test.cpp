@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "scenes/geometry/geometry.h"
 #include "scenes/packed/check.h"
 #include "tests/unit/scenes/support/gltf_file.h"
 #include "tests/unit/scenes/support/invariants.h"
@@ -43,7 +44,9 @@ ScenePtr rich_scene() {
   const int eye = file.add_node({{"camera", camera}});
   animate<glm::vec3>(file, eye, "translation", "STEP", {0, 2}, {{0, 0, 5}, {1, 0, 5}});
   file.root["scenes"] = json::array({json::object({{"nodes", {0, 1, 2, eye}}})});
-  return file.load_or_fail();
+  const auto scene = std::make_shared<Scene>(*file.load_or_fail());
+  scene->geometry = std::make_shared<Geometry>(make_geometry(*scene));
+  return scene;
 }
 
 // Everything of a scene is in its bytes: two scenes with the same bytes are the same.
@@ -109,33 +112,52 @@ TEST_P(Check, FindsEachBrokenPromise) {
   EXPECT_FALSE(check(scene, {}));
 }
 
+template <auto change>
+void in_geometry(Scene& scene) {
+  Geometry geometry = *scene.geometry;
+  change(geometry);
+  scene.geometry = std::make_shared<Geometry>(std::move(geometry));
+}
+
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, Check,
-    ::testing::Values(Damage{"NoMaterial", [](Scene& s) { s.materials.clear(); }},
-                      Damage{"Texture",
-                             [](Scene& s) {
-                               s.textures.push_back({.width = 2, .height = 2, .rgba = {1, 2, 3}});
-                             }},
-                      Damage{"TextureOfAMaterial", [](Scene& s) { s.materials[0].base_color_texture = 9; }},
-                      Damage{"Colour", [](Scene& s) { s.materials[0].base_color.x = kNan; }},
-                      Damage{"MaterialOfAPrimitive", [](Scene& s) { s.meshes[0].primitives[0].material = 9; }},
-                      Damage{"Position", [](Scene& s) { s.meshes[0].primitives[0].positions[1].y = kNan; }},
-                      Damage{"Normals", [](Scene& s) { s.meshes[0].primitives[0].normals.resize(1); }},
-                      Damage{"Triangle", [](Scene& s) { s.meshes[0].primitives[0].triangles[0].z = 3; }},
-                      Damage{"MeshOfAnInstance", [](Scene& s) { s.instances[0].mesh = 9; }},
-                      Damage{"MovedBy", [](Scene& s) { s.instances[0].moved_by = 9; }},
-                      Damage{"Light", [](Scene& s) { s.lights[0].intensity = kNan; }},
-                      Damage{"LightMovedBy", [](Scene& s) { s.lights[0].moved_by = 9; }},
-                      Damage{"NoCamera", [](Scene& s) { s.cameras.clear(); }},
-                      Damage{"CameraOfAPath", [](Scene& s) { s.paths[0].camera = 9; }},
-                      Damage{"NodeOfAChannel", [](Scene& s) { s.paths[0].channels[0].node = 9; }},
-                      Damage{"Times", [](Scene& s) { s.moving_nodes[0].channels[0].times[1] = -1; }},
-                      Damage{"Values", [](Scene& s) { s.moving_nodes[0].channels[0].values.pop_back(); }},
-                      Damage{"Parent", [](Scene& s) { s.moving_nodes[0].parent = 0; }},
-                      Damage{"Count", [](Scene& s) { ++s.triangle_count; }},
-                      Damage{"Bounds", [](Scene& s) { s.bounds.max.x = kNan; }}),
+    ::testing::Values(
+        Damage{"NoMaterial", [](Scene& s) { s.materials.clear(); }},
+        Damage{"Texture",
+               [](Scene& s) {
+                 s.textures.push_back({.width = 2, .height = 2, .rgba = {1, 2, 3}});
+               }},
+        Damage{"TextureOfAMaterial", [](Scene& s) { s.materials[0].base_color_texture = 9; }},
+        Damage{"Colour", [](Scene& s) { s.materials[0].base_color.x = kNan; }},
+        Damage{"MaterialOfAPrimitive", [](Scene& s) { s.meshes[0].primitives[0].material = 9; }},
+        Damage{"Position", [](Scene& s) { s.meshes[0].primitives[0].positions[1].y = kNan; }},
+        Damage{"Normals", [](Scene& s) { s.meshes[0].primitives[0].normals.resize(1); }},
+        Damage{"Triangle", [](Scene& s) { s.meshes[0].primitives[0].triangles[0].z = 3; }},
+        Damage{"MeshOfAnInstance", [](Scene& s) { s.instances[0].mesh = 9; }},
+        Damage{"MovedBy", [](Scene& s) { s.instances[0].moved_by = 9; }},
+        Damage{"Light", [](Scene& s) { s.lights[0].intensity = kNan; }},
+        Damage{"LightMovedBy", [](Scene& s) { s.lights[0].moved_by = 9; }},
+        Damage{"NoCamera", [](Scene& s) { s.cameras.clear(); }},
+        Damage{"CameraOfAPath", [](Scene& s) { s.paths[0].camera = 9; }},
+        Damage{"NodeOfAChannel", [](Scene& s) { s.paths[0].channels[0].node = 9; }},
+        Damage{"Times", [](Scene& s) { s.moving_nodes[0].channels[0].times[1] = -1; }},
+        Damage{"Values", [](Scene& s) { s.moving_nodes[0].channels[0].values.pop_back(); }},
+        Damage{"Parent", [](Scene& s) { s.moving_nodes[0].parent = 0; }},
+        Damage{"Count", [](Scene& s) { ++s.triangle_count; }},
+        Damage{"WorldPosition", in_geometry<[](Geometry& g) { g.mesh.positions[0].x = kNan; }>},
+        Damage{"WorldNormals", in_geometry<[](Geometry& g) { g.mesh.normals.pop_back(); }>},
+        Damage{"WorldTriangle", in_geometry<[](Geometry& g) { g.mesh.triangles[0].y = 1000; }>},
+        Damage{"WorldMaterial", in_geometry<[](Geometry& g) { g.mesh.materials[0] = 9; }>},
+        Damage{"OpaqueCount", in_geometry<[](Geometry& g) { g.mesh.opaque_count = 1000; }>},
+        Damage{"Numbers", in_geometry<[](Geometry& g) { g.clusters.numbers[0] = 1000; }>},
+        Damage{"Cluster", in_geometry<[](Geometry& g) { g.clusters.clusters[0].first_triangle = 1; }>},
+        Damage{"LongCluster", in_geometry<[](Geometry& g) { g.clusters.clusters[0].triangle_count = ~0u; }>},
+        Damage{"Chunk", in_geometry<[](Geometry& g) { g.clusters.chunks[0].first_cluster = 9; }>},
+        Damage{"Group", in_geometry<[](Geometry& g) { g.clusters.others[3].chunk_count = 9; }>},
+        Damage{"GroupBehindTheEnd", in_geometry<[](Geometry& g) { g.clusters.occluders[0].first_triangle = ~0u; }>},
+        Damage{"Bounds", [](Scene& s) { s.bounds.max.x = kNan; }}),
     [](const auto& param) { return param.param.what; });
 
 TEST(Check, KeepsTheLimits) {

@@ -1,5 +1,5 @@
 // Clusters keep every triangle, and their bounds contain their triangles.
-#include "gpu/scene/clusters.h"
+#include "scenes/geometry/clusters.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 namespace gnomon::test {
 namespace {
 
-using gpu::Cluster;
-using gpu::ClusterGroup;
-using gpu::Clusters;
+using scenes::Cluster;
+using scenes::ClusterGroup;
+using scenes::Clusters;
 using scenes::WorldMesh;
 
 // Materials: single-sided, double-sided, and the same two with an alpha test.
@@ -50,7 +50,7 @@ struct Built {
       : scene(std::move(s)),
         before(build_world_mesh(*scene)),
         mesh(before),
-        clusters(gpu::make_clusters(*scene, mesh)) {}
+        clusters(scenes::make_clusters(*scene, mesh)) {}
 };
 
 TEST(Clusters, KeepEveryTriangle) {
@@ -101,7 +101,7 @@ TEST(Clusters, GroupsFollowEachOtherAndAreWhatTheySay) {
 TEST(Clusters, ChunksHoldEveryClusterOnce) {
   const Built built(mixed_scene(20000));
   uint32_t next_cluster = 0, next_triangle = 0;
-  for (const gpu::ClusterChunk& chunk : built.clusters.chunks) {
+  for (const scenes::ClusterChunk& chunk : built.clusters.chunks) {
     EXPECT_EQ(chunk.first_cluster, next_cluster);
     EXPECT_GE(chunk.cluster_count, 1u);
     EXPECT_LE(chunk.cluster_count, 32u);

@@ -38,7 +38,7 @@ class Compared {
       out.differing += all[i] != culled[i];
       out.surfaces += all[i] != 0;
     }
-    const gpu::Clusters& clusters = culled_->scene().clusters();
+    const scenes::Clusters& clusters = culled_->scene().clusters();
     const uint32_t first_other = clusters.others[0].first_chunk;
     out.drawn = drawn(resource::kHostOccluderDraws, 0, first_other) +
                 drawn(resource::kHostDraws, first_other, clusters.chunk_count());

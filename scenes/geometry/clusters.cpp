@@ -1,8 +1,9 @@
-#include "gpu/scene/clusters.h"
+#include "scenes/geometry/clusters.h"
 
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -11,12 +12,10 @@
 
 #include "common/parallel.h"
 
-namespace gnomon::gpu {
+namespace gnomon::scenes {
 namespace {
 
-// As in shaders/cull.comp: invocations of a workgroup, bits of a word.
-constexpr size_t kMaxTriangles = 64;
-constexpr uint32_t kMaxClustersInChunk = 32;
+constexpr size_t kMaxTriangles = kMaxTrianglesInCluster;
 constexpr size_t kMaxVertices = 3 * kMaxTriangles;
 constexpr float kConeWeight = 0.25f;  // the value that meshoptimizer recommends if cones are used
 // The share of the opaque triangles, the largest, that are occluders: they are drawn without an occlusion test.
@@ -30,7 +29,7 @@ struct WeldedMesh {
   std::vector<glm::uvec3> triangles;
 };
 
-WeldedMesh weld(const scenes::WorldMesh& mesh) {
+WeldedMesh weld(const WorldMesh& mesh) {
   WeldedMesh welded;
   if (mesh.triangles.empty()) return welded;
   const auto* indices = &mesh.triangles.front().x;
@@ -53,15 +52,39 @@ float squared_area(const WeldedMesh& mesh, uint32_t triangle) {
   return glm::dot(n, n);
 }
 
+// The given triangles with vertices of their own, so that work on them does not grow with the rest of the mesh.
+WeldedMesh part_of(const WeldedMesh& mesh, std::span<const uint32_t> members) {
+  WeldedMesh part;
+  part.triangles.reserve(members.size());
+  // Open addressing, half full at most: a slot holds one more than the vertex's number in the part; 0: free.
+  const size_t mask = std::bit_ceil(6 * members.size()) - 1;
+  std::vector<std::pair<uint32_t, uint32_t>> slots(mask + 1);
+  const auto number_of = [&](uint32_t vertex) {
+    size_t at = (vertex * size_t{0x9e3779b1}) & mask;
+    while (slots[at].second != 0 && slots[at].first != vertex) at = (at + 1) & mask;
+    if (slots[at].second == 0) {
+      part.positions.push_back(mesh.positions[vertex]);
+      slots[at] = {vertex, static_cast<uint32_t>(part.positions.size())};
+    }
+    return slots[at].second - 1;
+  };
+  for (const uint32_t t : members) {
+    const glm::uvec3 corners = mesh.triangles[t];
+    const uint32_t x = number_of(corners.x), y = number_of(corners.y), z = number_of(corners.z);
+    part.triangles.push_back({x, y, z});
+  }
+  return part;
+}
+
 // Finds the triangle that has a meshlet's corners; equal triangles are returned in the order of their numbers.
 class Corners {
  public:
-  Corners(const WeldedMesh& mesh, std::span<const uint32_t> triangles)
-      : mesh_(mesh), first_(mesh.positions.size() + 1), by_first_(triangles.size()) {
-    for (const uint32_t t : triangles) ++first_[mesh.triangles[t].x + 1];
+  explicit Corners(const WeldedMesh& mesh)
+      : mesh_(mesh), first_(mesh.positions.size() + 1), by_first_(mesh.triangles.size()) {
+    for (const glm::uvec3& t : mesh.triangles) ++first_[t.x + 1];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
-    for (const uint32_t t : triangles) by_first_[next[mesh.triangles[t].x]++] = t;
+    for (uint32_t t = 0; t < by_first_.size(); ++t) by_first_[next[mesh.triangles[t].x]++] = t;
   }
 
   uint32_t take(const glm::uvec3& corners) {
@@ -79,7 +102,7 @@ class Corners {
 
 class Builder {
  public:
-  Builder(const scenes::Scene& scene, scenes::WorldMesh& mesh) : scene_(scene), mesh_(mesh), welded_(weld(mesh)) {}
+  Builder(const Scene& scene, WorldMesh& mesh) : scene_(scene), mesh_(mesh), welded_(weld(mesh)) {}
 
   Clusters build() {
     const std::vector<bool> large = occluders();
@@ -167,25 +190,24 @@ class Builder {
   }
 
   Piece make_piece(std::span<const uint32_t> members, bool double_sided) const {
-    std::vector<glm::uvec3> triangles;
-    for (const uint32_t t : members) triangles.push_back(welded_.triangles[t]);
-    const size_t index_count = 3 * triangles.size();
+    const WeldedMesh part = part_of(welded_, members);
+    const size_t index_count = 3 * members.size();
     const size_t most = meshopt_buildMeshletsBound(index_count, kMaxVertices, kMaxTriangles);
     std::vector<meshopt_Meshlet> meshlets(most);
     std::vector<uint32_t> vertices(most * kMaxVertices);
     std::vector<uint8_t> corners(most * kMaxTriangles * 3);
-    meshlets.resize(meshopt_buildMeshlets(meshlets.data(), vertices.data(), corners.data(), &triangles.front().x,
-                                          index_count, &welded_.positions.front().x, welded_.positions.size(),
-                                          sizeof(glm::vec3), kMaxVertices, kMaxTriangles,
+    meshlets.resize(meshopt_buildMeshlets(meshlets.data(), vertices.data(), corners.data(),
+                                          &part.triangles.front().x, index_count, &part.positions.front().x,
+                                          part.positions.size(), sizeof(glm::vec3), kMaxVertices, kMaxTriangles,
                                           double_sided ? 0.0f : kConeWeight));
-    Corners known(welded_, members);
+    Corners known(part);
     Piece piece;
     for (const meshopt_Meshlet& meshlet : meshlets) {
       const uint32_t* v = &vertices[meshlet.vertex_offset];
       const uint8_t* c = &corners[meshlet.triangle_offset];
       const auto first = static_cast<uint32_t>(piece.numbers.size());
       for (uint32_t i = 0; i < meshlet.triangle_count; ++i, c += 3)
-        piece.numbers.push_back(known.take({v[c[0]], v[c[1]], v[c[2]]}));
+        piece.numbers.push_back(members[known.take({v[c[0]], v[c[1]], v[c[2]]})]);
       piece.clusters.push_back(bounds(piece.numbers, first, double_sided));
     }
     return piece;
@@ -237,14 +259,14 @@ class Builder {
     mesh_.materials = std::move(materials);
   }
 
-  const scenes::Scene& scene_;
-  scenes::WorldMesh& mesh_;
+  const Scene& scene_;
+  WorldMesh& mesh_;
   WeldedMesh welded_;
   Clusters out_;
 };
 
 }  // namespace
 
-Clusters make_clusters(const scenes::Scene& scene, scenes::WorldMesh& mesh) { return Builder(scene, mesh).build(); }
+Clusters make_clusters(const Scene& scene, WorldMesh& mesh) { return Builder(scene, mesh).build(); }
 
-}  // namespace gnomon::gpu
+}  // namespace gnomon::scenes

@@ -9,14 +9,18 @@
 
 #include "scenes/world_mesh.h"
 
-namespace gnomon::gpu {
+namespace gnomon::scenes {
+
+// As in shaders/cull.comp: invocations of a workgroup, bits of a word.
+inline constexpr uint32_t kMaxTrianglesInCluster = 64;
+inline constexpr uint32_t kMaxClustersInChunk = 32;
 
 // A contiguous range of triangles and its bounds. shaders/cull.glsl declares the same struct.
 struct Cluster {
   glm::vec3 box_min{0.0f};
   uint32_t first_triangle = 0;
   glm::vec3 box_max{0.0f};
-  uint32_t triangle_count = 0;  // at most 64
+  uint32_t triangle_count = 0;  // at most kMaxTrianglesInCluster
   // The faces' normals are within a cone; cutoff is the sine of its half angle. 1: too wide, or double-sided.
   glm::vec3 cone_axis{0.0f};
   float cone_cutoff = 1.0f;
@@ -26,7 +30,7 @@ static_assert(sizeof(Cluster) == 48);
 // A contiguous range of clusters that one workgroup tests and one indirect command draws.
 struct ClusterChunk {
   uint32_t first_cluster = 0;
-  uint32_t cluster_count = 0;  // at most 32
+  uint32_t cluster_count = 0;  // at most kMaxClustersInChunk
   uint32_t double_sided = 0;
   uint32_t masked = 0;
 };
@@ -42,7 +46,7 @@ struct ClusterGroup {
 // A frame draws its groups, and hence its triangles, in their order: of two equally near triangles the first one shows,
 // whatever has been culled. `occluders` are the few large opaque triangles, which hide many of the others.
 struct Clusters {
-  std::vector<uint32_t> numbers;  // for each triangle: its number in scenes::build_world_mesh
+  std::vector<uint32_t> numbers;  // for each triangle: its number in build_world_mesh
   std::vector<Cluster> clusters;
   std::vector<ClusterChunk> chunks;
   std::array<ClusterGroup, 2> occluders;
@@ -53,6 +57,6 @@ struct Clusters {
 
 // Reorders the triangles of `mesh` by cluster; opaque ones still come first. The order depends only on what
 // Scene::content_hash covers, and on the version of meshoptimizer.
-Clusters make_clusters(const scenes::Scene& scene, scenes::WorldMesh& mesh);
+Clusters make_clusters(const Scene& scene, WorldMesh& mesh);
 
-}  // namespace gnomon::gpu
+}  // namespace gnomon::scenes
