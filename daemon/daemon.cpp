@@ -47,18 +47,6 @@ std::unique_ptr<EncodePool> open_encoders(uint32_t asked, const std::vector<Pool
   return std::make_unique<EncodePool>(threads, std::move(near), metrics, sink);
 }
 
-scenes::SceneReader scene_reader(const Daemon::Options& options) {
-  if (options.scene_worker.empty()) return scenes::read_here;
-  const SceneWorkerOptions worker{.program = options.scene_worker,
-                                  .max_memory_bytes = uint64_t{options.config.scenes.worker_memory_mb} << 20,
-                                  .max_time = options.config.scenes.worker_time,
-                                  .log_level = options.config.log.level,
-                                  .log_format = options.config.log.format};
-  return [worker](const scenes::SceneSource& source, const scenes::LoadLimits& limits, std::stop_token stop) {
-    return load_in_worker(worker, source, limits, std::move(stop));
-  };
-}
-
 }  // namespace
 
 Daemon::Daemon(Options options, SceneCatalog catalog)
@@ -88,7 +76,7 @@ Result<void> Daemon::bring_up() {
   if (!tls) return tls.error();
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   tls_.publish(*tls);
-  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, scene_reader(options_));
+  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, options_.read_scene);
   if (auto opened = open_store(); !opened) return opened;
   auto server = Server::open({.config = options_.config,
                               .tenants = tenant_directory_,

@@ -13,7 +13,7 @@
 #include "daemon/encode/encode_pool.h"
 #include "daemon/net/server.h"
 #include "daemon/render/device_pool.h"
-#include "daemon/scenes/scene_worker.h"
+#include "daemon/scenes/scene_host.h"
 #include "daemon/session/session_store.h"
 
 namespace gnomon::daemon {
@@ -28,8 +28,7 @@ class Daemon final : private FrameSink {
     std::function<void(const Error&)> on_failure;  // called once, on a render thread, when no device is left
     // Reads the configuration again and calls reload() on the main thread, then its argument. Any thread may call it.
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
-    // The program that reads scenes; empty: scenes are read in this process, which tests do.
-    std::filesystem::path scene_worker = {};
+    scenes::SceneReader read_scene = scenes::read_here;
   };
 
   // Blocks until the devices and ports are open and the configured scenes are resident. A client of a scene that is

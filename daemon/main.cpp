@@ -9,6 +9,7 @@
 
 #include "daemon/daemon.h"
 #include "daemon/render/vulkan_renderers.h"
+#include "daemon/scenes/scene_worker.h"
 #include "daemon/service/supervisor.h"
 #include "daemon/service/watchdog.h"
 #include "gpu/vulkan_renderer.h"
@@ -115,8 +116,9 @@ int serve(const Config& config, const Arguments& arguments) {
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
     asio::post(events, [&, answer] { answer(reload(*running, arguments)); });
   };
-  auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed, ask_for_reload,
-                               installed("libexec/gnomon/gnomon-scene-worker")});
+  const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
+  auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, drain,
+                               failed, ask_for_reload, reader_in_worker(worker)});
   if (!daemon) return fail(daemon.error());
   running = daemon->get();
   asio::signal_set signals(events, SIGTERM, SIGINT);  // a signal before this, while scenes load, ends the process

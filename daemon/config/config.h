@@ -74,6 +74,7 @@ struct ScenesConfig {
   std::chrono::milliseconds light_rest{2000};      // then the buffers of changed lights are rebuilt
   uint32_t worker_memory_mb = 8192;                // address space of the process that reads a scene, MiB
   std::chrono::seconds worker_time{120};           // its processor time
+  std::chrono::seconds build_time{1800};           // that of the process that builds what traces a scene
   friend bool operator==(const ScenesConfig&, const ScenesConfig&) = default;
 };
 

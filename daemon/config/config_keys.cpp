@@ -173,6 +173,7 @@ Keys<ScenesConfig> scenes_keys() {
       integer("light_rest_ms", &ScenesConfig::light_rest, 0, kHourMs),
       integer("worker_memory_mb", &ScenesConfig::worker_memory_mb, 256, 1 << 20),
       integer("worker_time_s", &ScenesConfig::worker_time, 1, 86'400),
+      integer("build_time_s", &ScenesConfig::build_time, 1, 864'000),
   };
 }
 

@@ -15,13 +15,14 @@ uint32_t frame_slots(const Config& config) {
 
 }  // namespace
 
-std::vector<RendererFactory> vulkan_renderers(const Config& config) {
+std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::StructureBuildsPtr& builds) {
   const RenderConfig& render = config.render;
   gpu::RendererOptions options;
   options.raster = render.raster;
   options.tracer = render.tracer;
   options.tracer_options.cache_folder = render.cache_folder;
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
+  options.tracer_options.builds = builds;
   options.wait_for_builds = render.wait_for_light_buffers;
   if (!render.passes.empty()) options.passes = render.passes;
   options.frames_in_flight = frame_slots(config);

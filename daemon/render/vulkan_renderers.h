@@ -5,10 +5,13 @@
 
 #include "daemon/config/config.h"
 #include "daemon/render/render_device.h"
+#include "gpu/builds/structure_builds.h"
 
 namespace gnomon::daemon {
 
 // One factory for each device that the configuration names, in its order; a device's number is its index in this list.
-std::vector<RendererFactory> vulkan_renderers(const Config& config);
+// `builds`: how what traces a scene is built.
+std::vector<RendererFactory> vulkan_renderers(const Config& config,
+                                              const gpu::StructureBuildsPtr& builds = gpu::builds_here());
 
 }  // namespace gnomon::daemon

@@ -1,4 +1,5 @@
-// Reads a scene in a process of its own, so that no file can take the daemon's memory, time or life.
+// What the daemon has done by gnomon-scene-worker, so that no file can take its memory, time or life: scenes are read,
+// and what traces them is built, each in a process of its own.
 #pragma once
 
 #include <chrono>
@@ -8,6 +9,8 @@
 
 #include "common/log.h"
 #include "common/result.h"
+#include "daemon/config/config.h"
+#include "gpu/builds/structure_builds.h"
 #include "scenes/loader.h"
 #include "scenes/registry.h"
 
@@ -16,14 +19,23 @@ namespace gnomon::daemon {
 struct SceneWorkerOptions {
   std::filesystem::path program;                  // gnomon-scene-worker
   uint64_t max_memory_bytes = uint64_t{4} << 30;  // of address space
-  std::chrono::seconds max_time{120};             // of processor time, and of twice as much real time
-  log::Level log_level = log::Level::warning;     // of what the worker writes to standard error
+  std::chrono::seconds max_time{120};          // of processor time, and of twice as much real time, to read a scene
+  std::chrono::seconds max_build_time{1800};   // the same to build what traces it
+  log::Level log_level = log::Level::warning;  // of what the worker writes to standard error
   log::Format log_format = log::Format::key_value;
 };
+
+SceneWorkerOptions worker_options(const Config& config, std::filesystem::path program);
 
 // Blocks until the scene is there, or the worker has failed, exceeded a limit, or been stopped through `stop`. Any
 // thread. The error says why there is no scene: the loader's own reason, or which limit the worker met.
 Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const scenes::SceneSource& source,
                                         const scenes::LoadLimits& limits, std::stop_token stop);
+
+// load_in_worker with these options.
+scenes::SceneReader reader_in_worker(const SceneWorkerOptions& options);
+
+// Builds in workers. Any thread, several at a time.
+gpu::StructureBuildsPtr builds_in_worker(const SceneWorkerOptions& options);
 
 }  // namespace gnomon::daemon

@@ -48,9 +48,8 @@ void ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights,
   if (found == scenes_.end()) return changed(not_resident(id));
   if (!found->second->needs_static_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
   background_.run(
-      [this, id, scene = found->second->scene_ptr(), device = pool_->device(), lights = std::move(lights),
-       changed] {
-        const auto bvh = build_static_bvh(device, *scene);
+      [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = std::move(lights), changed] {
+        const auto bvh = build_static_bvh(pool->tracer(), *scene);
         return [this, id, scene, bvh, lights, changed] {
           ResidentScene* resident = same_scene(id, scene);
           if (!resident) return changed(not_resident(id));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gpu/scene/frame_uniforms.h"
-#include "gpu/tracers/bvh_build.h"
+#include "gpu/builds/bvh.h"
 #include "gpu/tracers/tracer.h"
 #include "scenes/geometry/clusters.h"
 #include "scenes/motion.h"

@@ -70,12 +70,11 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device); !done) return done.error();
   if (!tracer) return resident;
-  if (auto done = resident->build_traced(device, *tracer, mesh, built); !done) return done.error();
+  if (auto done = resident->build_traced(*tracer, mesh, built); !done) return done.error();
   return resident;
 }
 
-Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& tracer,
-                                         const scenes::WorldMesh& mesh, Built built) {
+Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::WorldMesh& mesh, Built built) {
   built_for_lights_ = tracer.builds_for_lights();
   traced_.built_for = lights_to_build_for(tracer, *scene_, lights_);
   const TracerInput input{*scene_, mesh, traced_.built_for, true, buffers_.positions, buffers_.triangles};
@@ -89,7 +88,7 @@ Result<void> ResidentScene::build_traced(const DevicePtr& device, const Tracer& 
     traced_ = std::move(*none);
   }
   if (!needs_static_bvh(lights_)) return {};
-  auto bvh = make_bvh_tracer(device)->build(input);
+  auto bvh = tracer.build_hierarchy(input);
   if (!bvh) return bvh.error();
   static_bvh_ = std::move(*bvh);
   return {};
@@ -166,10 +165,10 @@ Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene&
   return built;
 }
 
-Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene) {
+Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene) {
   const scenes::GeometryPtr geometry = scenes::geometry_of(scene);
   const Buffer none;
-  auto traced = make_bvh_tracer(device)->build({scene, geometry->mesh, {}, false, none, none});
+  auto traced = tracer.build_hierarchy({scene, geometry->mesh, {}, false, none, none});
   if (!traced) return traced.error();
   return std::shared_ptr<const TracedScene>(std::move(*traced));
 }

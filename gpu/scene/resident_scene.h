@@ -85,8 +85,7 @@ class ResidentScene {
 
  private:
   Result<void> upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots);
-  Result<void> build_traced(const DevicePtr& device, const Tracer& tracer, const scenes::WorldMesh& mesh,
-                            Built built);
+  Result<void> build_traced(const Tracer& tracer, const scenes::WorldMesh& mesh, Built built);
   Result<void> upload_clusters(const DevicePtr& device);
   Result<void> upload_materials(const DevicePtr& device);
 
@@ -107,8 +106,9 @@ class ResidentScene {
 // of memory, device lost, stopped.
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
-// Builds a hierarchy of the scene's resting geometry. Blocking; any thread. Error: out of memory, device lost.
-Result<std::shared_ptr<const TracedScene>> build_static_bvh(const DevicePtr& device, const scenes::Scene& scene);
+// Builds a hierarchy of the scene's resting geometry by a tracer that builds for lights. Blocking; any thread. Error:
+// out of memory, device lost.
+Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene);
 
 // The light as tracers use it. The `reach` of a directional light is twice the scene's diagonal.
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds);

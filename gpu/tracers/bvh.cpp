@@ -1,8 +1,5 @@
 // Tracer "bvh": a bounding volume hierarchy in plain compute. Runs on every device.
-#include <thread>
-
 #include "common/clock.h"
-#include "gpu/tracers/bvh_build.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_bvh_comp.h"
 
@@ -33,30 +30,34 @@ class BvhScene : public TracedScene {
 
 class BvhTracer : public Tracer {
  public:
-  explicit BvhTracer(DevicePtr device) : device_(std::move(device)) {}
+  BvhTracer(DevicePtr device, StructureBuildsPtr builds) : device_(std::move(device)), builds_(std::move(builds)) {}
 
   std::string_view name() const override { return "bvh"; }
   std::span<const uint32_t> shader() const override { return trace_bvh_comp; }
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();
-    const Bvh bvh = build_bvh(input.mesh, std::max(1u, std::thread::hardware_concurrency()));
-    auto nodes = upload(device_, std::as_bytes(std::span(bvh.nodes)));
+    const auto bvh = builds_->bvh(input.mesh);
+    if (!bvh) return bvh.error();
+    auto nodes = upload(device_, std::as_bytes(std::span(bvh->nodes)));
     if (!nodes) return nodes.error();
-    auto triangles = upload(device_, std::as_bytes(std::span(bvh.triangles)));
+    auto triangles = upload(device_, std::as_bytes(std::span(bvh->triangles)));
     if (!triangles) return triangles.error();
     std::unique_ptr<TracedScene> scene = std::make_unique<BvhScene>(std::move(*nodes), std::move(*triangles),
-                                                                    static_cast<uint32_t>(bvh.nodes.size()));
+                                                                    static_cast<uint32_t>(bvh->nodes.size()));
     scene->build_seconds = to_seconds(Clock::now() - start);
     return scene;
   }
 
  private:
   DevicePtr device_;
+  StructureBuildsPtr builds_;
 };
 
 }  // namespace
 
-std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device) { return std::make_unique<BvhTracer>(device); }
+std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device, StructureBuildsPtr builds) {
+  return std::make_unique<BvhTracer>(device, std::move(builds));
+}
 
 }  // namespace gnomon::gpu

@@ -76,7 +76,9 @@ class LightBufferScene : public TracedScene {
 class LightBufferTracer : public Tracer {
  public:
   LightBufferTracer(DevicePtr device, TracerOptions options)
-      : device_(std::move(device)), options_(std::move(options)) {}
+      : device_(std::move(device)),
+        options_(std::move(options)),
+        hierarchies_(make_bvh_tracer(device_, options_.builds)) {}
 
   std::string_view name() const override { return "light_buffer"; }
   std::span<const uint32_t> shader() const override {
@@ -89,12 +91,15 @@ class LightBufferTracer : public Tracer {
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();
     if (auto cached = load(input)) return upload_built(input, *cached, start, true);
-    const light_buffer::BuildSettings settings = settings_for(input);
-    const light_buffer::LightBuffer buffer =
-        light_buffer::build(input.mesh, input.scene.bounds, input.lights, settings);
-    if (settings.stop.stop_requested()) return Error{"the build was stopped"};
-    save(input, buffer);
-    return upload_built(input, buffer, start, false);
+    const auto buffer =
+        options_.builds->light_buffer(input.mesh, input.scene.bounds, input.lights, settings_for(input));
+    if (!buffer) return buffer.error();
+    save(input, *buffer);
+    return upload_built(input, *buffer, start, false);
+  }
+
+  Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const override {
+    return hierarchies_->build(input);
   }
 
   Result<std::unique_ptr<TracedScene>> build_at_once(const TracerInput& input) const override {
@@ -124,13 +129,14 @@ class LightBufferTracer : public Tracer {
     return settings;
   }
 
-  // The cache's key is the scene's content hash, which covers the lights as loaded only.
+  // Builds for lights that were moved are many, and none is likely to be asked for again.
   bool is_cached(const TracerInput& input) const {
     return !options_.cache_folder.empty() && input.lights_as_loaded;
   }
 
   light_buffer::CacheKey key_of(const TracerInput& input) const {
-    return light_buffer::cache_key(input.scene.content_hash, settings_for(input), input.mesh.triangles);
+    return light_buffer::cache_key(input.scene.content_hash, settings_for(input), input.mesh, input.scene.bounds,
+                                   input.lights);
   }
 
   std::optional<light_buffer::LightBuffer> load(const TracerInput& input) const {
@@ -180,6 +186,7 @@ class LightBufferTracer : public Tracer {
 
   DevicePtr device_;
   TracerOptions options_;
+  std::unique_ptr<Tracer> hierarchies_;
 };
 
 }  // namespace

@@ -63,6 +63,11 @@ class Tracer {
   virtual bool builds_for_lights() const { return false; }
   // Blocking; any thread. Error: out of memory, device lost, stopped.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
+  // The structure of the tracer "bvh", for lights that this one was not built for. Blocking; any thread. Error: out of
+  // memory, device lost. Precondition: builds_for_lights().
+  virtual Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const {
+    return build(input);
+  }
   // As build, but only if it is quick, because the build is short or its result is cached; nullptr if a long build is
   // needed.
   virtual Result<std::unique_ptr<TracedScene>> build_at_once(const TracerInput& input) const {
@@ -75,7 +80,7 @@ class Tracer {
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
                                             const TracerOptions& options = {});
 
-std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device);
+std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device, StructureBuildsPtr builds = builds_here());
 // Error: the device's subgroups are neither of 8 nor of 32 lanes, which its shaders are written for.
 Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
 Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);

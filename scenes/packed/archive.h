@@ -80,6 +80,7 @@ class PackReader {
 
   bool good() const { return good_; }
   bool at_end() const { return left_.empty(); }
+  void fail() { good_ = false; }  // what was read breaks a promise
 
   template <class T>
   void plain(T& value) {

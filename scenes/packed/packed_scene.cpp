@@ -198,10 +198,6 @@ void visit(Archive& a, LoadTask& t) {
   a.plain(t.limits.max_texels);
   a.plain(t.limits.max_lights);
   a.plain(t.limits.max_node_depth);
-  a.plain(t.max_memory_bytes);
-  a.plain(t.max_cpu_seconds);
-  a.enumerator(t.log_level, log::Level::off);
-  a.enumerator(t.log_format, log::Format::json);
 }
 
 Result<void> flush(const PackWriter& writer, std::FILE* file) {
@@ -211,20 +207,12 @@ Result<void> flush(const PackWriter& writer, std::FILE* file) {
 
 }  // namespace
 
-Result<void> write_task(const LoadTask& task, std::FILE* file) {
-  PackWriter writer(file);
+void write(PackWriter& writer, const LoadTask& task) {
   LoadTask copy = task;
   visit(writer, copy);
-  return flush(writer, file);
 }
 
-Result<LoadTask> read_task(std::span<const std::byte> bytes) {
-  PackReader reader(bytes);
-  LoadTask task;
-  visit(reader, task);
-  if (!reader.good()) return Error{"the task is cut off"};
-  return task;
-}
+void read(PackReader& reader, LoadTask& task) { visit(reader, task); }
 
 Result<void> write_outcome(const Result<ScenePtr>& scene, std::FILE* file) {
   PackWriter writer(file);

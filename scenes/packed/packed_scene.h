@@ -6,27 +6,22 @@
 #include <span>
 #include <vector>
 
-#include "common/log.h"
 #include "common/result.h"
 #include "scenes/loader.h"
+#include "scenes/packed/archive.h"
 #include "scenes/scene.h"
 
 namespace gnomon::scenes {
 
-// What a worker process is given to do.
+// A scene to be loaded by another process.
 struct LoadTask {
   std::filesystem::path file;
   std::vector<NodeMotion> motions;
   LoadLimits limits;
-  uint64_t max_memory_bytes = 0;  // of the worker's address space
-  uint32_t max_cpu_seconds = 0;
-  log::Level log_level = log::Level::info;
-  log::Format log_format = log::Format::key_value;
 };
 
-// Error: the file cannot be written.
-Result<void> write_task(const LoadTask& task, std::FILE* file);
-Result<LoadTask> read_task(std::span<const std::byte> bytes);
+void write(PackWriter& writer, const LoadTask& task);
+void read(PackReader& reader, LoadTask& task);  // the reader's good() says whether the task was complete
 
 // A scene or the reason why there is none. Error: the file cannot be written.
 Result<void> write_outcome(const Result<ScenePtr>& scene, std::FILE* file);

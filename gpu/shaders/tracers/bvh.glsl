@@ -1,5 +1,5 @@
 // Walks a bounding volume hierarchy without a stack: nodes are in depth-first order, and a miss follows `skip`
-// (gpu/tracers/bvh_build.h). The result is bit-identical to testing every triangle, because a box is met whenever one
+// (gpu/builds/bvh.h). The result is bit-identical to testing every triangle, because a box is met whenever one
 // of its triangles is. The includer defines struct Hierarchy; first_triangle is added to the numbers of its triangles.
 #include "tracers/alpha.glsl"
 

@@ -23,7 +23,7 @@ struct Header {
   uint32_t version = kVersion;
   uint32_t longest_list = 0;
   scenes::ContentHash content{};
-  uint64_t settings = 0;
+  uint64_t build = 0;
   uint64_t lights = 0, grid = 0, leaves = 0, entries = 0;  // elements, in this order behind the header
   uint64_t payload_hash = 0;
   uint64_t header_hash = 0;  // of all above
@@ -48,7 +48,7 @@ Header describe(const CacheKey& key, const LightBuffer& buffer) {
   Header header;
   header.longest_list = buffer.statistics.longest_list;
   header.content = key.content;
-  header.settings = key.settings;
+  header.build = key.build;
   header.lights = buffer.lights.size();
   header.grid = buffer.grid.size();
   header.leaves = buffer.leaves.size();
@@ -74,7 +74,7 @@ std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes
   if (header.magic != kMagic) return "is no light buffer";
   if (header.version != kVersion) return "is of version " + std::to_string(header.version);
   if (header.header_hash != header_hash(header)) return "has a damaged header";
-  if (header.content != key.content || header.settings != key.settings) return "belongs to another scene";
+  if (header.content != key.content || header.build != key.build) return "belongs to another scene";
   if (std::max({header.lights, header.grid, header.leaves, header.entries}) > file_bytes ||
       file_bytes != sizeof(Header) + payload_bytes(header))
     return "has the wrong length";
@@ -83,19 +83,23 @@ std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes
 
 }  // namespace
 
-CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings,
-                   std::span<const glm::uvec3> triangles) {
-  const uint64_t seed = XXH3_64bits_withSeed(triangles.data(), triangles.size_bytes(), kVersion);
-  const std::array<double, 4> numbers = {
+CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings, const scenes::WorldMesh& mesh,
+                   const scenes::Bounds& bounds, std::span<const exact::TracedLight> lights) {
+  const std::array<double, 5> numbers = {
       settings.detail.longest_walk, static_cast<double>(settings.detail.usual_level),
-      static_cast<double>(settings.detail.finest_level), static_cast<double>(settings.budget_bytes)};
-  return {content, XXH3_64bits_withSeed(numbers.data(), sizeof(numbers), seed)};
+      static_cast<double>(settings.detail.finest_level), static_cast<double>(settings.budget_bytes),
+      static_cast<double>(mesh.opaque_count)};
+  uint64_t hash = XXH3_64bits_withSeed(numbers.data(), sizeof(numbers), kVersion);
+  hash = XXH3_64bits_withSeed(&bounds, sizeof(bounds), hash);
+  hash = XXH3_64bits_withSeed(mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3), hash);
+  hash = XXH3_64bits_withSeed(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3), hash);
+  return {content, XXH3_64bits_withSeed(lights.data(), lights.size_bytes(), hash)};
 }
 
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key) {
-  std::array<char, 20> settings{};
-  std::snprintf(settings.data(), settings.size(), "%016llx", static_cast<unsigned long long>(key.settings));
-  return folder / (scenes::to_hex(key.content) + "-" + settings.data() + ".lightbuffer");
+  std::array<char, 20> build{};
+  std::snprintf(build.data(), build.size(), "%016llx", static_cast<unsigned long long>(key.build));
+  return folder / (scenes::to_hex(key.content) + "-" + build.data() + ".lightbuffer");
 }
 
 std::optional<LightBuffer> load(const std::filesystem::path& folder, const CacheKey& key, std::string& why) {

@@ -18,12 +18,14 @@ namespace gnomon::gpu::light_buffer {
 
 struct CacheKey {
   scenes::ContentHash content{};
-  uint64_t settings = 0;  // hash of the budget and of everything in the code that changes what is built
+  uint64_t build = 0;  // hash of the mesh, its bounds, the lights, the budget and the version of the code
 };
 
-// `triangles`: in the order of the buffer's triangle numbers, which may depend on more than the content.
-CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings,
-                   std::span<const glm::uvec3> triangles = {});
+// Covers everything that a build reads, so that a scene cannot pass for another one by its content hash, which comes
+// from whoever read the file. `mesh`: in the order of the buffer's triangle numbers, which may depend on more than the
+// content.
+CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings, const scenes::WorldMesh& mesh,
+                   const scenes::Bounds& bounds, std::span<const exact::TracedLight> lights);
 
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key);
 

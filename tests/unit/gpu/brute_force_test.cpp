@@ -1,8 +1,8 @@
 // The bvh tracer against a test of every triangle in C++, over the very same surface points: no bit may differ.
 #include <gtest/gtest.h>
 
+#include "gpu/builds/bvh.h"
 #include "gpu/scene/resident_scene.h"
-#include "gpu/tracers/bvh_build.h"
 #include "scenes/world_mesh.h"
 #include "tests/unit/gpu/brute_force.h"
 #include "tests/unit/gpu/made_scenes.h"

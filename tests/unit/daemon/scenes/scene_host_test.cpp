@@ -17,7 +17,8 @@ constexpr TenantId kTenant{1};
 class SlowReader {
  public:
   scenes::SceneReader reader() {
-    return [this](const scenes::SceneSource&, const scenes::LoadLimits&, std::stop_token stop) -> Result<scenes::ScenePtr> {
+    return [this](const scenes::SceneSource&, const scenes::LoadLimits&,
+                  std::stop_token stop) -> Result<scenes::ScenePtr> {
       ++begun_;
       begun_.notify_all();
       std::binary_semaphore over{0};

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <thread>
 
 #include "tests/unit/scenes/support/gltf_file.h"
@@ -111,6 +112,72 @@ TEST(SceneWorker, MemoryBeyondItsLimitCostsARefusal) {
   EXPECT_NE(scene.error().message.find("memory"), std::string::npos) << scene.error().message;
 }
 #endif
+
+// A grid of triangles, large enough for several threads.
+scenes::WorldMesh grid() {
+  scenes::WorldMesh mesh;
+  constexpr uint32_t kSide = 120;
+  for (uint32_t i = 0; i <= kSide; ++i) {
+    for (uint32_t k = 0; k <= kSide; ++k) mesh.positions.push_back({float(i), float((i * k) % 7), float(k)});
+  }
+  for (uint32_t i = 0; i < kSide; ++i) {
+    for (uint32_t k = 0; k < kSide; ++k) {
+      const uint32_t at = i * (kSide + 1) + k, next = at + kSide + 1;
+      mesh.triangles.push_back({at, at + 1, next});
+      mesh.triangles.push_back({next, at + 1, next + 1});
+    }
+  }
+  mesh.opaque_count = static_cast<uint32_t>(mesh.triangles.size());
+  return mesh;
+}
+
+TEST(WorkerBuilds, AreThoseOfThisProcess) {
+  const scenes::WorldMesh mesh = grid();
+  const auto here = gpu::builds_here(), there = builds_in_worker(options());
+  const auto one = here->bvh(mesh), other = there->bvh(mesh);
+  ASSERT_TRUE(one);
+  ASSERT_TRUE(other) << other.error().message;
+  ASSERT_EQ(other->nodes.size(), one->nodes.size());
+  EXPECT_EQ(std::memcmp(other->nodes.data(), one->nodes.data(), one->nodes.size() * sizeof(gpu::BvhNode)), 0);
+
+  gpu::exact::TracedLight light{};
+  light.position = {60, 30, 60};
+  light.reach = 1000;
+  gpu::light_buffer::BuildSettings settings;
+  settings.detail.finest_level = 6;
+  double last = -1;
+  settings.progress = [&](size_t number, double share) {
+    EXPECT_EQ(number, 0u);
+    EXPECT_GE(share, last);
+    last = share;
+  };
+  const scenes::Bounds bounds{{0, 0, 0}, {120, 6, 120}};
+  const auto built = there->light_buffer(mesh, bounds, {&light, 1}, settings);
+  EXPECT_EQ(last, 1.0) << "progress crosses the processes";
+  settings.progress = {};
+  const auto same = here->light_buffer(mesh, bounds, {&light, 1}, settings);
+  ASSERT_TRUE(built) << built.error().message;
+  ASSERT_TRUE(same);
+  EXPECT_EQ(built->entries, same->entries);
+  EXPECT_EQ(built->grid, same->grid);
+}
+
+TEST(WorkerBuilds, AreStopped) {
+  const ScratchFolder folder;
+  const auto builds = builds_in_worker(instead(folder, "exec sleep 1000"));
+  std::stop_source stop;
+  gpu::light_buffer::BuildSettings settings;
+  settings.stop = stop.get_token();
+  std::jthread leaving([&] { stop.request_stop(); });
+  const gpu::exact::TracedLight light{};
+  EXPECT_FALSE(builds->light_buffer(grid(), {}, {&light, 1}, settings));
+}
+
+TEST(WorkerBuilds, ACrashAndABrokenAnswerCostAnError) {
+  const ScratchFolder folder;
+  EXPECT_FALSE(builds_in_worker(instead(folder, "kill -SEGV $$"))->bvh(grid()));
+  EXPECT_FALSE(builds_in_worker(instead(folder, "head -c 1000 /dev/urandom >&3"))->bvh(grid()));
+}
 
 // The folder is all that it sees: a link that leads out of it is no way.
 TEST(SceneWorker, ReadsNoFileOfAnotherFolder) {

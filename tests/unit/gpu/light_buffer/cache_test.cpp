@@ -18,15 +18,20 @@ class Cache : public testing::Test {
  protected:
   Cache() {
     Random random(3);
-    const Soup soup = make_soup(Shape::even, Lamp::point, 60, random);
+    soup_ = make_soup(Shape::even, Lamp::point, 60, random);
     settings_.threads = 1;
     settings_.detail.finest_level = 6;
-    buffer_ = light_buffer::build(soup.mesh, soup.bounds, std::span(&soup.light, 1), settings_);
-    key_ = light_buffer::cache_key({1, 2, 3}, settings_);
+    buffer_ = light_buffer::build(soup_.mesh, soup_.bounds, std::span(&soup_.light, 1), settings_);
+    key_ = key_of(1, soup_, settings_);
     folder_ = std::filesystem::path(testing::TempDir()) / "gnomon_light_buffer_cache";
     std::filesystem::remove_all(folder_);
   }
   ~Cache() override { std::filesystem::remove_all(folder_); }
+
+  static light_buffer::CacheKey key_of(uint8_t content, const Soup& soup,
+                                       const light_buffer::BuildSettings& settings) {
+    return light_buffer::cache_key({content}, settings, soup.mesh, soup.bounds, std::span(&soup.light, 1));
+  }
 
   std::vector<char> file() const {
     std::ifstream in(light_buffer::cache_file(folder_, key_), std::ios::binary);
@@ -38,6 +43,7 @@ class Cache : public testing::Test {
   }
   bool loads(std::string& why) const { return light_buffer::load(folder_, key_, why).has_value(); }
 
+  Soup soup_;
   light_buffer::BuildSettings settings_;
   light_buffer::LightBuffer buffer_;
   light_buffer::CacheKey key_;
@@ -90,8 +96,8 @@ TEST_F(Cache, OtherScenesAndSettingsHaveOtherFiles) {
   ASSERT_TRUE(light_buffer::save(folder_, key_, buffer_));
   light_buffer::BuildSettings finer = settings_;
   finer.detail.longest_walk = 0.25;
-  const light_buffer::CacheKey other_scene = light_buffer::cache_key({1, 2, 4}, settings_);
-  const light_buffer::CacheKey other_settings = light_buffer::cache_key({1, 2, 3}, finer);
+  const light_buffer::CacheKey other_scene = key_of(2, soup_, settings_);
+  const light_buffer::CacheKey other_settings = key_of(1, soup_, finer);
   std::string why;
   EXPECT_FALSE(light_buffer::load(folder_, other_scene, why));
   EXPECT_FALSE(light_buffer::load(folder_, other_settings, why));
@@ -100,6 +106,19 @@ TEST_F(Cache, OtherScenesAndSettingsHaveOtherFiles) {
                              light_buffer::cache_file(folder_, other_scene));
   EXPECT_FALSE(light_buffer::load(folder_, other_scene, why));
   EXPECT_EQ(why, "belongs to another scene");
+}
+
+// Whoever reads a scene says its content hash. One that lies must not give another scene its light buffers.
+TEST_F(Cache, WhatIsBuiltFromOtherInputHasAnotherFileWhateverItsHash) {
+  Soup moved = soup_, regrouped = soup_, larger = soup_, relit = soup_;
+  moved.mesh.positions[5].x += 0.5f;
+  std::swap(regrouped.mesh.triangles[0], regrouped.mesh.triangles[1]);
+  larger.bounds.max.y += 1;
+  relit.light.position.z += 1;
+  for (const Soup* other : {&moved, &regrouped, &larger, &relit}) {
+    EXPECT_NE(key_of(1, *other, settings_).build, key_.build);
+  }
+  EXPECT_EQ(key_of(1, soup_, settings_).build, key_.build);
 }
 
 TEST_F(Cache, AFileWhereTheFolderShouldBeIsAnError) {

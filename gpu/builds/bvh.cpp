@@ -1,4 +1,4 @@
-#include "gpu/tracers/bvh_build.h"
+#include "gpu/builds/bvh.h"
 
 #include <algorithm>
 #include <array>

@@ -7,10 +7,10 @@
 
 #include "common/result.h"
 
-namespace gnomon::scenes {
+namespace gnomon::daemon {
 
 struct Confinement {
-  std::filesystem::path folder;   // what may be read: its files and those of its subfolders
+  std::filesystem::path folder;   // what may be read: its files and those of its subfolders; empty: no file
   uint64_t max_memory_bytes = 0;  // of address space; 0: unlimited
   uint32_t max_cpu_seconds = 0;   // of processor time; 0: unlimited
   uint64_t max_file_bytes = 0;    // of a file that is written; 0: unlimited
@@ -22,4 +22,4 @@ struct Confinement {
 // it ends in SIGXCPU. Error: the kernel refused a part of it, named in the message.
 Result<void> confine(const Confinement& to);
 
-}  // namespace gnomon::scenes
+}  // namespace gnomon::daemon

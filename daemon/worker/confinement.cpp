@@ -1,4 +1,4 @@
-#include "scenes/worker/confinement.h"
+#include "daemon/worker/confinement.h"
 
 #include <fcntl.h>
 #include <linux/landlock.h>
@@ -16,7 +16,7 @@
 
 #include "common/log.h"
 
-namespace gnomon::scenes {
+namespace gnomon::daemon {
 namespace {
 
 Error because(const char* what, int error) { return Error{std::string(what) + ": " + std::strerror(error)}; }
@@ -64,15 +64,17 @@ Result<void> allow_folder(const std::filesystem::path& folder) {
                  {{"why", std::strerror(errno)}});
     return {};
   }
-  const Descriptor opened{open(folder.c_str(), O_PATH | O_CLOEXEC)};
-  if (opened.fd < 0) return because(folder.c_str(), errno);
-  landlock_path_beneath_attr beneath{};
-  beneath.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
-  beneath.parent_fd = opened.fd;
-  if (syscall(SYS_landlock_add_rule, ruleset.fd, LANDLOCK_RULE_PATH_BENEATH, &beneath, 0) != 0 ||
-      syscall(SYS_landlock_restrict_self, ruleset.fd, 0) != 0) {
-    return because("Landlock", errno);
+  if (!folder.empty()) {
+    const Descriptor opened{open(folder.c_str(), O_PATH | O_CLOEXEC)};
+    if (opened.fd < 0) return because(folder.c_str(), errno);
+    landlock_path_beneath_attr beneath{};
+    beneath.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+    beneath.parent_fd = opened.fd;
+    if (syscall(SYS_landlock_add_rule, ruleset.fd, LANDLOCK_RULE_PATH_BENEATH, &beneath, 0) != 0) {
+      return because("Landlock", errno);
+    }
   }
+  if (syscall(SYS_landlock_restrict_self, ruleset.fd, 0) != 0) return because("Landlock", errno);
   return {};
 }
 
@@ -161,4 +163,4 @@ Result<void> confine(const Confinement& to) {
   return allow_calls();
 }
 
-}  // namespace gnomon::scenes
+}  // namespace gnomon::daemon
