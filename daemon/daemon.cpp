@@ -76,7 +76,9 @@ Result<void> Daemon::bring_up() {
   if (!tls) return tls.error();
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   tls_.publish(*tls);
-  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, options_.read_scene);
+  scenes_ = std::make_unique<SceneHost>(
+      catalog_, devices_, metrics_, options_.read_scene,
+      SceneMemory{scene_memory_limits(options_.config), uint64_t{options_.config.render.light_buffer_mb} << 20});
   if (auto opened = open_store(); !opened) return opened;
   auto server = Server::open({.config = options_.config,
                               .tenants = tenant_directory_,
@@ -187,6 +189,7 @@ Result<void> Daemon::apply(const Config& next) {
   const SharingPolicy sharing = sharing_policy_of(by_id);
   sharing_policy_.publish(sharing);
   session_limits_.set_limits(by_id);
+  scenes_->set_memory_limits(scene_memory_limits(by_id));
   metrics_.add_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
   devices_.set_sharing(sharing);

@@ -1,4 +1,6 @@
 // gnomond: reads the configuration, starts the daemon, stops it on a signal.
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
 #include <asio/io_context.hpp>
 #include <asio/post.hpp>
@@ -39,6 +41,15 @@ std::filesystem::path installed(const char* below) {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   return program.parent_path().parent_path() / below;
+}
+
+// With less, drivers and threads fail in ways that name no reason.
+Result<void> check_address_space() {
+  constexpr rlim_t kLeast = rlim_t{3} << 29;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur >= kLeast) return {};
+  return Error{"the address space is limited to " + std::to_string(limit.rlim_cur >> 20) + " MiB (ulimit -v); " +
+               std::to_string(kLeast >> 20) + " MiB are the least to serve with"};
 }
 
 int check_scene(const std::filesystem::path& file) {
@@ -103,6 +114,7 @@ void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments&
 }
 
 int serve(const Config& config, const Arguments& arguments) {
+  if (const auto enough = check_address_space(); !enough) return fail(enough.error());
   asio::io_context events;
   std::optional<Error> failure;
   const auto failed = [&](const Error& error) {

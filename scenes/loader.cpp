@@ -217,6 +217,11 @@ Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const Loa
                                     const std::vector<NodeMotion>& motions) {
   auto scene = load(file, limits, motions);
   if (!scene) return scene.error();
+  const uint64_t needed = predicted_bytes(**scene);
+  if (limits.max_scene_bytes != 0 && needed > limits.max_scene_bytes) {
+    return about(file, "it needs " + std::to_string((needed >> 20) + 1) + " MiB of memory, and a scene may have " +
+                           std::to_string(limits.max_scene_bytes >> 20) + " MiB now");
+  }
   (*scene)->geometry = std::make_shared<const Geometry>(make_geometry(**scene));
   return ScenePtr(std::move(*scene));
 }

@@ -18,6 +18,7 @@ struct LoadLimits {
   uint64_t max_texels = uint64_t{256} << 20;  // of all images together
   uint32_t max_lights = 256;
   uint32_t max_node_depth = 1024;
+  uint64_t max_scene_bytes = 0;  // predicted_bytes() of a scene that gets its geometry; 0: no limit
 };
 
 // Supported: the default scene (the first if none is named; all roots if there are no scenes), nodes with matrices or

@@ -29,7 +29,7 @@ Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneRea
   }
 }
 
-Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop) {
+Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop, uint64_t max_bytes) {
   const auto found = entries_.find(name);
   if (found == entries_.end()) return Error{"there is no scene named '" + name + "'"};
   Entry& entry = found->second;
@@ -41,7 +41,7 @@ Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop)
     const auto& refusal = entry.refusal;
     if (refusal && refusal->changed == changed && Clock::now() - refusal->at < kRefusalLasts) return refusal->why;
   }
-  auto loaded = load(entry, stop);
+  auto loaded = load(entry, stop, max_bytes);
   std::lock_guard lock(mutex_);
   if (loaded) {
     entry.loaded = *loaded;
@@ -51,9 +51,11 @@ Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop)
   return loaded;
 }
 
-Result<LoadedScene> Registry::load(Entry& entry, std::stop_token stop) {
+Result<LoadedScene> Registry::load(Entry& entry, std::stop_token stop, uint64_t max_bytes) {
   const TimePoint start = Clock::now();
-  const Result<ScenePtr> scene = read_(entry.source, limits_, std::move(stop));
+  LoadLimits limits = limits_;
+  limits.max_scene_bytes = max_bytes;
+  const Result<ScenePtr> scene = read_(entry.source, limits, std::move(stop));
   if (!scene) return scene.error();
   const LoadedScene loaded{entry.id, *scene, to_seconds(Clock::now() - start), (*scene)->memory_bytes()};
   log::info("scene loaded", {{"scene", entry.source.name},

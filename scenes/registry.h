@@ -49,7 +49,8 @@ class Registry {
   Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read = read_here);
 
   // Error: there is no such scene, it could not be loaded, or reading it was stopped, which is no refusal.
-  Result<LoadedScene> get(const std::string& name, std::stop_token stop = {});
+  // `max_bytes`: LoadLimits::max_scene_bytes of this reading.
+  Result<LoadedScene> get(const std::string& name, std::stop_token stop = {}, uint64_t max_bytes = 0);
 
   // Makes the next get() read the file again, also if it was refused. Scenes that were returned before stay valid.
   void forget(const std::string& name);
@@ -75,7 +76,7 @@ class Registry {
     std::optional<Refusal> refusal;
   };
 
-  Result<LoadedScene> load(Entry& entry, std::stop_token stop);
+  Result<LoadedScene> load(Entry& entry, std::stop_token stop, uint64_t max_bytes);
 
   const LoadLimits limits_;
   const SceneReader read_;

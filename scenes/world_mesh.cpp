@@ -88,19 +88,19 @@ class Builder {
   WorldMesh& mesh_;
 };
 
-MovingMeshSize size_of(const Scene& scene, std::span<const Instance> instances) {
-  MovingMeshSize size;
+WorldMeshSize size_of(const Scene& scene, std::span<const Instance> instances) {
+  WorldMeshSize size;
   for (const Blocking wanted : {Blocking::always, Blocking::by_alpha}) {
     for_each_placement(scene, instances, wanted, [&](const Placement& placement) {
       const Primitive& p = placement.primitive;
-      size.vertices += static_cast<uint32_t>(p.normals.empty() ? 3 * p.triangles.size() : p.positions.size());
-      size.triangles += static_cast<uint32_t>(p.triangles.size());
+      size.vertices += p.normals.empty() ? 3 * p.triangles.size() : p.positions.size();
+      size.triangles += p.triangles.size();
     });
   }
   return size;
 }
 
-void reserve(const MovingMeshSize& size, WorldMesh& mesh) {
+void reserve(const WorldMeshSize& size, WorldMesh& mesh) {
   mesh.positions.reserve(size.vertices);
   mesh.normals.reserve(size.vertices);
   mesh.uvs.reserve(size.vertices);
@@ -148,7 +148,12 @@ WorldMesh build_moving_mesh(const Scene& scene, SceneTime time) {
   return build(scene, moved_instances(scene, time));
 }
 
-MovingMeshSize moving_mesh_size(const Scene& scene) { return size_of(scene, moved_instances(scene, SceneTime(0))); }
+WorldMeshSize world_mesh_size(const Scene& scene) { return size_of(scene, scene.instances); }
+
+MovingMeshSize moving_mesh_size(const Scene& scene) {
+  const WorldMeshSize size = size_of(scene, moved_instances(scene, SceneTime(0)));
+  return {static_cast<uint32_t>(size.vertices), static_cast<uint32_t>(size.triangles)};
+}
 
 bool passes_alpha_test(const Scene& scene, uint32_t material, glm::vec2 uv) {
   const Material& m = scene.materials[material];

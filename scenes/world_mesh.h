@@ -28,6 +28,13 @@ struct WorldMesh {
 WorldMesh build_world_mesh(const Scene& scene);                   // the part that rests
 WorldMesh build_moving_mesh(const Scene& scene, SceneTime time);  // the moving part at that time
 
+// Upper bounds of what build_world_mesh returns.
+struct WorldMeshSize {
+  uint64_t vertices = 0;
+  uint64_t triangles = 0;
+};
+WorldMeshSize world_mesh_size(const Scene& scene);
+
 // Upper bounds of what build_moving_mesh returns, for all times.
 struct MovingMeshSize {
   uint32_t vertices = 0;

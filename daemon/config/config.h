@@ -75,6 +75,7 @@ struct ScenesConfig {
   uint32_t worker_memory_mb = 8192;                // address space of the process that reads a scene, MiB
   std::chrono::seconds worker_time{120};           // its processor time
   std::chrono::seconds build_time{1800};           // that of the process that builds what traces a scene
+  uint32_t max_memory_mb = 0;                      // of all scenes, MiB; 0: half of what the process may use
   friend bool operator==(const ScenesConfig&, const ScenesConfig&) = default;
 };
 
@@ -124,6 +125,7 @@ struct TenantConfig {
   uint32_t least_size_percent = 100;         // then, of each side of its buffer
   uint32_t least_lights_percent = 100;       // then, of the scene's lights
   uint32_t max_memory_mb = 0;                // of its sessions' buffers on the device, MiB
+  uint32_t max_scene_memory_mb = 0;          // of the scenes that its clients asked for, MiB; 0: half of all scenes'
   std::vector<TokenHash> token_sha256 = {};  // of its tokens, each of which is accepted
   bool open = false;                         // clients need no token
 };

@@ -174,6 +174,7 @@ Keys<ScenesConfig> scenes_keys() {
       integer("worker_memory_mb", &ScenesConfig::worker_memory_mb, 256, 1 << 20),
       integer("worker_time_s", &ScenesConfig::worker_time, 1, 86'400),
       integer("build_time_s", &ScenesConfig::build_time, 1, 864'000),
+      integer("max_memory_mb", &ScenesConfig::max_memory_mb, 0, 1 << 24),
   };
 }
 
@@ -256,6 +257,7 @@ Keys<Config> all_keys() {
       integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
       integer("least_lights_percent", &TenantConfig::least_lights_percent, 1, 100),
       integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
+      integer("max_scene_memory_mb", &TenantConfig::max_scene_memory_mb, 0, 1 << 24),
       scalars("token_sha256", &TenantConfig::token_sha256,
               "a list of SHA-256 hashes of tokens, 64 hexadecimal digits each; gnomonctl make-token makes some",
               parse_hash),

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/log.h"
+#include "common/within_memory.h"
 
 namespace gnomon::daemon {
 
@@ -63,7 +64,15 @@ void EncodePool::work(std::optional<uint32_t> home) {
   RenderedFrame frame;
   SharedPtr shared;
   while (take(home, frame, shared)) {
-    if (!shared && frame.meta.spec.codec == protocol::CodecId::tiles_context) shared = share(frame);
+    if (!shared && frame.meta.spec.codec == protocol::CodecId::tiles_context) {
+      const auto split = within_memory([&]() -> Result<SharedPtr> { return share(frame); });
+      if (!split) {
+        deliver({frame.meta, {}}, split.error());
+        frame.mask.drop();
+        continue;
+      }
+      shared = *split;
+    }
     if (shared) {
       help(*shared);
     } else {
@@ -85,8 +94,9 @@ size_t payload_room(const FrameMeta& meta) {
 void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
   EncodedFrame out{frame.meta, {}};
   out.meta.times.encode_began = Clock::now();
-  const auto result =
-      encoder.encode(frame.mask.mask(), frame.meta.spec.codec, payload_room(frame.meta), out.slices);
+  const auto result = within_memory([&] {
+    return encoder.encode(frame.mask.mask(), frame.meta.spec.codec, payload_room(frame.meta), out.slices);
+  });
   frame.mask.drop();
   deliver(std::move(out), result);
 }
@@ -116,17 +126,26 @@ EncodePool::SharedPtr EncodePool::share(RenderedFrame& frame) {
 void EncodePool::help(Shared& shared) {
   const size_t units = shared.frame.unit_count();
   for (size_t unit = shared.next++; unit < units; unit = shared.next++) {
-    shared.frame.encode(unit);
+    const auto encoded = within_memory([&]() -> Result<void> {
+      shared.frame.encode(unit);
+      return {};
+    });
+    if (!encoded) shared.failed = true;
     if (++shared.done == units) finish(shared);
   }
 }
 
 void EncodePool::finish(Shared& shared) {
-  const auto result = shared.frame.join(shared.out.slices);
   const FrameMeta& meta = shared.out.meta;
-  if (result && meta.spec.references)
-    meta.spec.references->sent(
-        std::make_shared<protocol::MaskReference>(meta.route.frame, shared.frame.decoded(), meta.spec.camera));
+  const auto result = within_memory([&]() -> Result<void> {
+    if (shared.failed) throw std::bad_alloc();
+    if (auto joined = shared.frame.join(shared.out.slices); !joined) return joined;
+    if (meta.spec.references) {
+      meta.spec.references->sent(
+          std::make_shared<protocol::MaskReference>(meta.route.frame, shared.frame.decoded(), meta.spec.camera));
+    }
+    return {};
+  });
   deliver(std::move(shared.out), result);
 }
 

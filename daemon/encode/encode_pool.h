@@ -35,6 +35,7 @@ class EncodePool {
     EncodedFrame out;
     protocol::SplitFrame frame;
     std::atomic<size_t> next{0}, done{0};  // units
+    std::atomic<bool> failed = false;      // a unit ran out of memory
   };
   using SharedPtr = std::shared_ptr<Shared>;
 

@@ -1,5 +1,7 @@
 #include "daemon/net/net_thread.h"
 
+#include "common/within_memory.h"
+
 #include <asio/post.hpp>
 #include <future>
 
@@ -35,7 +37,18 @@ NetThread::~NetThread() { stop(); }
 void NetThread::run() {
   links_.start();
   tick();
-  thread_ = std::thread([this] { io_.run(); });
+  thread_ = std::thread([this] { serve(); });
+}
+
+// What runs out of memory costs one event, and its connection or session at most.
+void NetThread::serve() {
+  const auto run = [this]() -> Result<void> {
+    io_.run();
+    return {};
+  };
+  for (auto served = within_memory(run); !served; served = within_memory(run)) {
+    log::error("an event of the network was dropped", {{"why", served.error().message}});
+  }
 }
 
 void NetThread::stop(bool for_good) {

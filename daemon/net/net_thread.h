@@ -48,6 +48,7 @@ class NetThread {
   std::shared_ptr<const std::vector<SessionStatus>> sessions() const { return statistics_.latest(); }
 
  private:
+  void serve();  // the thread
   NetThread(const NetShared& shared, uint32_t index);
 
   void tick();

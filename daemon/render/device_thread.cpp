@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/within_memory.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -75,7 +77,13 @@ void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
 }
 
 void DeviceThread::handle(std::vector<RenderEvent>& batch) {
-  for (RenderEvent& event : batch) loop_->handle(std::move(event), Clock::now());
+  for (RenderEvent& event : batch) {
+    const auto handled = within_memory([&]() -> Result<void> {
+      loop_->handle(std::move(event), Clock::now());
+      return {};
+    });
+    if (!handled) log::error("an event of the device was dropped", {{"why", handled.error().message}});
+  }
 }
 
 bool DeviceThread::tell_change() {

@@ -1,5 +1,12 @@
 #include "daemon/scenes/scene_host.h"
 
+#include <limits>
+
+#include "common/within_memory.h"
+#include "daemon/scenes/machine_memory.h"
+#include "gpu/tracers/light_buffer/builder.h"
+#include "scenes/geometry/geometry.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -10,8 +17,24 @@ const Error kNobodyWaits{"nobody waits for it any more"};
 
 }  // namespace
 
-SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read)
-    : registry_(catalog.sources(), {}, std::move(read)), devices_(devices), metrics_(metrics), requests_(kLoaders) {
+SceneMemoryLimits scene_memory_limits(const Config& config) {
+  SceneMemoryLimits limits;
+  const uint64_t configured = uint64_t{config.scenes.max_memory_mb} << 20;
+  limits.all_bytes = configured != 0 ? configured : usable_memory_bytes() / 2;
+  for (const TenantConfig& tenant : config.tenants) {
+    limits.of_tenant.push_back(uint64_t{tenant.max_scene_memory_mb} << 20);
+  }
+  return limits;
+}
+
+SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read,
+                     SceneMemory memory)
+    : registry_(catalog.sources(), {}, std::move(read)),
+      light_buffer_bytes_(memory.light_buffer_bytes),
+      devices_(devices),
+      metrics_(metrics),
+      requests_(kLoaders) {
+  account_.set_limits(std::move(memory.limits));
   for (uint32_t i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
 }
 
@@ -68,7 +91,13 @@ std::optional<SceneHost::Request> SceneHost::next_request() {
 
 Result<scenes::LoadedScene> SceneHost::read(const Request& request, std::stop_token stop) {
   if (!request.asker) registry_.retry(request.name);
-  auto loaded = registry_.get(request.name, std::move(stop));
+  uint64_t most = 0;
+  {
+    std::lock_guard lock(mutex_);
+    most = account_.largest(request.asker, [this](const std::string& name) { return is_free(name); });
+  }
+  if (most == std::numeric_limits<uint64_t>::max()) most = 0;  // no limit
+  auto loaded = within_memory([&] { return registry_.get(request.name, std::move(stop), most); });
   if (loaded && loaded->scene->lights.empty()) return Error{"it has no lights: there is nothing to trace"};
   return loaded;
 }
@@ -80,6 +109,7 @@ FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker)
     id.value = ++last_fetch_;
     if (const auto found = resident_.find(name); found != resident_.end()) {
       SceneForUse scene{found->second.scene.loaded, SceneUse(found->second.uses)};
+      account_.used(name);
       lock.unlock();
       ready(std::move(scene));
       return id;
@@ -110,6 +140,7 @@ void SceneHost::give_up(FetchId fetch) {
 
 void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded) {
   if (!loaded) return request.ready(loaded.error());
+  if (auto room = make_room(request, *loaded); !room) return request.ready(room.error());
   SceneLoaded arrived;
   arrived.scene = *loaded;
   arrived.name = request.name;
@@ -121,17 +152,54 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
     hosted.lights = {request.name, 0, scene.scene->lights};
     request.ready(keep(request.name, hosted));
   };
-  {
-    std::lock_guard lock(mutex_);
-    on_the_way_.insert(request.name);
-  }
   devices_.bring(arrived);
+}
+
+// Enters the scene into the account, and takes away those that leave for it. Error: there is no room.
+Result<void> SceneHost::make_room(const Request& request, const scenes::LoadedScene& loaded) {
+  const scenes::Scene& scene = *loaded.scene;
+  const uint64_t light_buffers =
+      light_buffer_bytes_ != 0 ? light_buffer_bytes_ : gpu::light_buffer::default_budget(scene.lights.size());
+  const uint64_t bytes = scenes::predicted_bytes(scene) + light_buffers;
+  std::lock_guard lock(mutex_);
+  if (account_.bytes_of(request.name) == 0) {
+    const auto leaving =
+        account_.make_room(request.asker, bytes, [this](const std::string& n) { return is_free(n); });
+    if (!leaving) {
+      registry_.forget(request.name);
+      return leaving.error();
+    }
+    for (const std::string& name : *leaving) {
+      log::info("scene leaves for another one", {{"scene", name}, {"for", request.name}});
+      take_away(name);
+    }
+    account_.add(request.name, request.asker, bytes);
+  }
+  on_the_way_.insert(request.name);
+  return {};
+}
+
+bool SceneHost::is_free(const std::string& name) const {
+  const auto found = resident_.find(name);
+  return found != resident_.end() && *found->second.uses == 0 && !on_the_way_.contains(name);
+}
+
+// Under one lock, a caller that got the scene before counts as a user, and a caller that asks later has it brought
+// again: the devices receive the removal before the new arrival.
+void SceneHost::take_away(const std::string& name) {
+  const auto found = resident_.find(name);
+  devices_.take_away(found->second.scene.loaded.id);
+  resident_.erase(found);
+  account_.remove(name);
+  registry_.forget(name);
+  metrics_.scenes().unloaded(name);
 }
 
 void SceneHost::refuse(const Request& request, const Error& why) {
   {
     std::lock_guard lock(mutex_);
     on_the_way_.erase(on_the_way_.find(request.name));
+    if (!resident_.contains(request.name) && !on_the_way_.contains(request.name)) account_.remove(request.name);
   }
   request.ready(why);
 }
@@ -148,8 +216,6 @@ SceneForUse SceneHost::keep(const std::string& name, HostedScene scene) {
   return {kept.scene.loaded, SceneUse(kept.uses)};
 }
 
-// Under one lock, a caller that got the scene before counts as a user here, and a caller that asks later has it brought
-// again: the devices receive the removal before the new arrival.
 Result<void> SceneHost::unload(const std::string& name) {
   {
     std::lock_guard lock(mutex_);
@@ -158,11 +224,8 @@ Result<void> SceneHost::unload(const std::string& name) {
     const uint32_t users = *found->second.uses;
     if (users > 0) return Error{"sessions use it: " + std::to_string(users)};
     if (on_the_way_.contains(name)) return Error{"it is being loaded"};
-    devices_.take_away(found->second.scene.loaded.id);
-    resident_.erase(found);
+    take_away(name);
   }
-  registry_.forget(name);
-  metrics_.scenes().unloaded(name);
   log::info("scene unloaded", {{"scene", name}});
   return {};
 }
@@ -196,8 +259,19 @@ std::map<std::string, HostedScene> SceneHost::resident() const {
   for (const auto& [name, resident] : resident_) {
     HostedScene& scene = scenes.emplace(name, resident.scene).first->second;
     scene.users = *resident.uses;
+    scene.account_bytes = account_.bytes_of(name);
   }
   return scenes;
+}
+
+SceneHost::MemoryInUse SceneHost::memory() const {
+  std::lock_guard lock(mutex_);
+  return {account_.bytes(), account_.limits().all_bytes};
+}
+
+void SceneHost::set_memory_limits(SceneMemoryLimits limits) {
+  std::lock_guard lock(mutex_);
+  account_.set_limits(std::move(limits));
 }
 
 }  // namespace gnomon::daemon

@@ -13,11 +13,13 @@
 #include <thread>
 #include <vector>
 
+#include "daemon/config/config.h"
 #include "daemon/frame/scene_use.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/render/scene_motion.h"
 #include "daemon/scenes/load_queue.h"
+#include "daemon/scenes/scene_account.h"
 #include "daemon/scenes/scene_catalog.h"
 
 namespace gnomon::daemon {
@@ -31,7 +33,17 @@ struct HostedScene {
   scenes::LoadedScene loaded;
   gpu::SceneFootprint on_device;
   LightsUpdate lights;
-  uint32_t users = 0;  // when resident() was called
+  uint32_t users = 0;          // when resident() was called
+  uint64_t account_bytes = 0;  // what it counts with in the account of memory
+};
+
+// `config` lists tenants by id.
+SceneMemoryLimits scene_memory_limits(const Config& config);
+
+// The memory that scenes may have.
+struct SceneMemory {
+  SceneMemoryLimits limits = {};
+  uint64_t light_buffer_bytes = 0;  // predicted for a scene; 0: by its number of lights
 };
 
 // A request of SceneHost::fetch().
@@ -42,13 +54,15 @@ class SceneHost {
   using Ready = std::function<void(Result<SceneForUse>)>;
 
   // All references outlive the host. `read`: called by several threads at a time.
-  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read);
+  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read,
+            SceneMemory memory = {});
   ~SceneHost();  // stops reading; requests that still wait are not answered
 
   // Any thread. From now on no scene is read, and readers are stopped. Requests that still wait are not answered.
   void stop_reading();
 
-  // Any thread. Makes the scene resident if it is not. `ready` is called once, on the caller's, a loader's or a render
+  // Any thread. Makes the scene resident if it is not; scenes of tenants that nobody uses leave for it where memory is
+  // short. `ready` is called once, on the caller's, a loader's or a render
   // thread, or by give_up().
   FetchId fetch(const std::string& name, Ready ready, SceneAsker asker = std::nullopt);
 
@@ -66,6 +80,13 @@ class SceneHost {
   Result<void> unload(const std::string& name);
 
   std::map<std::string, HostedScene> resident() const;
+
+  // Any thread. The predicted memory of all scenes, and its limit (0: none).
+  struct MemoryInUse {
+    uint64_t bytes = 0, limit_bytes = 0;
+  };
+  MemoryInUse memory() const;
+  void set_memory_limits(SceneMemoryLimits limits);
 
   // Any thread. The current lights of a resident scene, for sessions that are opened later.
   void keep_lights(const LightsUpdate& update);
@@ -87,11 +108,15 @@ class SceneHost {
   void serve_requests();  // a loader's thread
   std::optional<Request> next_request();
   Result<scenes::LoadedScene> read(const Request& request, std::stop_token stop);
+  Result<void> make_room(const Request& request, const scenes::LoadedScene& loaded);
+  bool is_free(const std::string& name) const;  // with mutex_ held
+  void take_away(const std::string& name);      // with mutex_ held; the scene is resident
   void bring(Request request, const Result<scenes::LoadedScene>& loaded);
   void refuse(const Request& request, const Error& why);
   SceneForUse keep(const std::string& name, HostedScene scene);
 
   scenes::Registry registry_;
+  const uint64_t light_buffer_bytes_;
   DevicePool& devices_;
   Metrics& metrics_;
   mutable std::mutex mutex_;
@@ -102,6 +127,7 @@ class SceneHost {
   std::map<std::string, Resident> resident_;  // guarded by mutex_
   std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
   std::condition_variable changed_;           // of the two below
+  SceneAccount account_;                      // guarded by mutex_
   LoadQueue<Request> requests_;               // guarded by mutex_
   std::map<std::string, Reading> reading_;    // guarded by mutex_
   uint64_t last_fetch_ = 0;                   // guarded by mutex_

@@ -1,7 +1,6 @@
 #include "daemon/scenes/scene_worker.h"
 
-#include <new>
-
+#include "common/within_memory.h"
 #include "daemon/scenes/worker_process.h"
 
 namespace gnomon::daemon {
@@ -11,8 +10,6 @@ namespace {
 // cheaper when it is done.
 constexpr int32_t kNicenessOfReaders = 10;
 constexpr int32_t kNicenessOfLightBuffers = 5;
-
-const char* const kNoMemory = "there is not enough memory for it";
 
 WorkerTask task_of(const SceneWorkerOptions& options, std::chrono::seconds time) {
   WorkerTask task;
@@ -62,11 +59,7 @@ class BuildsInWorker : public gpu::StructureBuilds {
   Result<Built> answer(const WorkerTask& task, const Patience& patience, Read read) const {
     const auto outcome = run_worker(options_.program, task, patience);
     if (!outcome) return outcome.error();
-    try {
-      return read(outcome->bytes());
-    } catch (const std::bad_alloc&) {
-      return Error{kNoMemory};
-    }
+    return within_memory([&] { return read(outcome->bytes()); });
   }
 
   const SceneWorkerOptions options_;
@@ -89,11 +82,7 @@ Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const
   task.work = scenes::LoadTask{source.file, source.motions, limits};
   const auto outcome = run_worker(options.program, task, {.time = 2 * options.max_time, .stop = std::move(stop)});
   if (!outcome) return outcome.error();
-  try {
-    return scenes::read_outcome(outcome->bytes(), limits);
-  } catch (const std::bad_alloc&) {
-    return Error{kNoMemory};
-  }
+  return within_memory([&] { return scenes::read_outcome(outcome->bytes(), limits); });
 }
 
 scenes::SceneReader reader_in_worker(const SceneWorkerOptions& options) {

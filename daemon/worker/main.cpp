@@ -69,10 +69,19 @@ Result<void> done(const gpu::BuildTask& task, std::FILE* exchange) {
   return gpu::write_outcome(builds->light_buffer(task.own_mesh, task.bounds, task.lights, settings), exchange);
 }
 
+// Where the machine has no memory left, this process goes and not the daemon. A kernel that refuses keeps its own order.
+void offer_to_be_killed_first() {
+  if (std::FILE* const score = std::fopen("/proc/self/oom_score_adj", "w")) {
+    std::fputs("1000", score);
+    std::fclose(score);
+  }
+}
+
 Result<void> run() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const auto task = take_task();
   if (!task) return task.error();
+  offer_to_be_killed_first();
   [[maybe_unused]] const int niceness = nice(task->niceness);
   log::configure(task->log_level, task->log_format);
   std::FILE* exchange = fdopen(kExchange, "r+b");

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/freed_memory.h"
+#include "common/within_memory.h"
 
 namespace gnomon::gpu {
 
@@ -15,8 +16,9 @@ const ResidentScene* ResidentScenes::find(SceneId id) const {
 
 Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& scene) {
   if (scenes_.contains(id)) return {};
-  auto resident =
-      ResidentScene::create(pool_->device(), scene, &pool_->tracer(), pool_->variants().slots(), built_);
+  auto resident = within_memory([&] {
+    return ResidentScene::create(pool_->device(), scene, &pool_->tracer(), pool_->variants().slots(), built_);
+  });
   if (!resident) return resident.error();
   scenes_[id] = std::move(*resident);
   give_back_freed_memory();
@@ -49,7 +51,7 @@ void ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights,
   if (!found->second->needs_static_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
   background_.run(
       [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = std::move(lights), changed] {
-        const auto bvh = build_static_bvh(pool->tracer(), *scene);
+        const auto bvh = within_memory([&] { return build_static_bvh(pool->tracer(), *scene); });
         return [this, id, scene, bvh, lights, changed] {
           ResidentScene* resident = same_scene(id, scene);
           if (!resident) return changed(not_resident(id));
@@ -70,7 +72,7 @@ void ResidentScenes::rebuild_lights(SceneId id, std::function<void(Result<void>)
       id, found->second->light_count(),
       [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = found->second->lights(),
        settled](const BuildWatch& watch) {
-        const auto built = build_for_lights(pool->tracer(), *scene, lights, watch);
+        const auto built = within_memory([&] { return build_for_lights(pool->tracer(), *scene, lights, watch); });
         return [this, id, scene, built, settled] {
           ResidentScene* resident = same_scene(id, scene);
           if (!resident) return settled(not_resident(id));
@@ -90,7 +92,9 @@ void ResidentScenes::finish_background() {
 // Any thread may call this.
 ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
                                                bool variant_is_there) {
-  Arrived made{ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built),
+  Arrived made{within_memory([&] {
+                 return ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built);
+               }),
                nullptr};
   if (!made.scene || variant_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
   if (auto variant = pool.variants().make_motion())

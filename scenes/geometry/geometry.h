@@ -16,6 +16,10 @@ struct Geometry {
   uint64_t memory_bytes() const;
 };
 
+// The memory of a scene that has its geometry, on the host and on a device with a hierarchy of its triangles, but without
+// light buffers: an upper bound, known before the geometry is made.
+uint64_t predicted_bytes(const Scene& scene);
+
 // Blocking; any thread.
 Geometry make_geometry(const Scene& scene);
 

@@ -198,6 +198,7 @@ void visit(Archive& a, LoadTask& t) {
   a.plain(t.limits.max_texels);
   a.plain(t.limits.max_lights);
   a.plain(t.limits.max_node_depth);
+  a.plain(t.limits.max_scene_bytes);
 }
 
 Result<void> flush(const PackWriter& writer, std::FILE* file) {
