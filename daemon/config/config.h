@@ -121,11 +121,11 @@ struct TenantConfig {
   uint32_t max_gpu_percent = 0;  // of the device's time
   uint16_t max_width = 0;        // of a buffer, pixels
   uint16_t max_height = 0;
-  uint32_t least_rate_percent = 50;          // of what a session was granted, when the device cannot keep up
-  uint32_t least_size_percent = 100;         // then, of each side of its buffer
-  uint32_t least_lights_percent = 100;       // then, of the scene's lights
-  uint32_t max_memory_mb = 0;                // of its sessions' buffers on the device, MiB
-  uint32_t max_scene_memory_mb = 0;          // of the scenes that its clients asked for, MiB; 0: half of all scenes'
+  uint32_t least_rate_percent = 50;     // of what a session was granted, when the device cannot keep up
+  uint32_t least_size_percent = 100;    // then, of each side of its buffer
+  uint32_t least_lights_percent = 100;  // then, of the scene's lights
+  uint32_t max_memory_mb = 0;           // of its sessions' buffers on the device, MiB
+  uint32_t max_scene_memory_mb = 0;     // of the scenes that its clients asked for, MiB; 0: half of all scenes'
   std::vector<TokenHash> token_sha256 = {};  // of its tokens, each of which is accepted
   bool open = false;                         // clients need no token
 };

@@ -9,6 +9,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -21,8 +22,12 @@ namespace {
 
 Error because(const char* what, int error) { return Error{std::string(what) + ": " + std::strerror(error)}; }
 
+// What the daemon itself is limited to stays the limit, if that is less.
 Result<void> limit(int resource, const char* what, uint64_t most) {
-  const rlimit value{most, most};
+  rlimit value{};
+  if (getrlimit(static_cast<__rlimit_resource_t>(resource), &value) != 0) return because(what, errno);
+  value.rlim_max = std::min<rlim_t>(value.rlim_max, most);
+  value.rlim_cur = std::min(value.rlim_cur, value.rlim_max);
   if (setrlimit(static_cast<__rlimit_resource_t>(resource), &value) != 0) return because(what, errno);
   return {};
 }

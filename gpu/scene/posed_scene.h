@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "gpu/scene/frame_uniforms.h"
 #include "gpu/builds/bvh.h"
+#include "gpu/scene/frame_uniforms.h"
 #include "gpu/tracers/tracer.h"
 #include "scenes/geometry/clusters.h"
 #include "scenes/motion.h"

@@ -19,8 +19,9 @@ uint64_t Geometry::memory_bytes() const {
 uint64_t predicted_bytes(const Scene& scene) {
   constexpr uint64_t kVertex = 2 * sizeof(glm::vec3) + sizeof(glm::vec2);
   constexpr uint64_t kTriangle = sizeof(glm::uvec3) + sizeof(uint32_t);
-  constexpr uint64_t kClusters = sizeof(uint32_t) + sizeof(Cluster) / 8;  // of a triangle; clusters are seldom smaller
-  constexpr uint64_t kHierarchy = 48 + 32;  // of a triangle, and of its share of the nodes (gpu/builds/bvh.h)
+  constexpr uint64_t kClusters =
+      sizeof(uint32_t) + sizeof(Cluster) / 8;  // of a triangle; clusters are seldom smaller
+  constexpr uint64_t kHierarchy = 48 + 32;     // of a triangle, and of its share of the nodes (gpu/builds/bvh.h)
   const WorldMeshSize size = world_mesh_size(scene);
   const uint64_t geometry = size.vertices * kVertex + size.triangles * (kTriangle + kClusters);
   uint64_t textures = 0;

@@ -19,11 +19,10 @@ BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 LIMIT_MB = 600
 
 
-def ask(node, tenant, scene, frames=True):
-    """What a client of the tenant is told about the scene: "served", or why not."""
+def ask(node, tenant, scene):
+    """What a client of the tenant is told about the scene, or "served"."""
     load = node.load({tenant: 1}, size="64x64", rate=20, seconds=1, scene=scene)
-    load.process.wait()
-    text = load.process.stdout.read()
+    text = load.process.communicate()[0]
     refused = re.search(r"refused[^\n]*|error[^\n]*", text)
     return refused.group() if refused else "served"
 

@@ -167,22 +167,5 @@ TEST(Check, KeepsTheLimits) {
   EXPECT_FALSE(check(*scene, {.max_lights = 0}));
 }
 
-TEST(LoadTask, ComesBackAsItWas) {
-  const LoadTask task{.file = "folder/scene.glb",
-                      .motions = {{"fan", NodeMotion::Kind::shift, {1, 2, 3}, std::chrono::seconds(4)}},
-                      .limits = {.max_triangles = 5},
-                      .max_memory_bytes = 6,
-                      .max_cpu_seconds = 7};
-  const Bytes bytes = written([&](std::FILE* file) { return write_task(task, file); });
-  const auto back = read_task(bytes);
-  ASSERT_TRUE(back);
-  EXPECT_EQ(back->file, task.file);
-  EXPECT_EQ(back->motions, task.motions);
-  EXPECT_EQ(back->limits.max_triangles, 5u);
-  EXPECT_EQ(back->max_memory_bytes, 6u);
-  EXPECT_EQ(back->max_cpu_seconds, 7u);
-  EXPECT_FALSE(read_task(std::span(bytes).first(bytes.size() - 1)));
-}
-
 }  // namespace
 }  // namespace gnomon::scenes::testing

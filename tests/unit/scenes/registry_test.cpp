@@ -52,10 +52,11 @@ TEST(Registry, ARefusalIsRememberedWhileTheFileStaysTheSame) {
   const ScratchFolder folder;
   const auto file = folder.write("slow.gltf", std::string("{}"));
   int reads = 0;
-  Registry registry({{"slow", file}}, {}, [&](const SceneSource&, const LoadLimits&, std::stop_token) -> Result<ScenePtr> {
-    ++reads;
-    return Error{"it is a bomb"};
-  });
+  Registry registry({{"slow", file}}, {},
+                    [&](const SceneSource&, const LoadLimits&, std::stop_token) -> Result<ScenePtr> {
+                      ++reads;
+                      return Error{"it is a bomb"};
+                    });
   for (int i = 0; i < 3; ++i) EXPECT_EQ(registry.get("slow").error().message, "it is a bomb");
   EXPECT_EQ(reads, 1);
   registry.retry("slow");
