@@ -76,6 +76,7 @@ void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Messa
 
 asio::awaitable<void> Admission::admit(StreamPtr stream, protocol::Message first) {
   Applicant applicant{.stream = std::move(stream)};
+  if (has_departed(applicant)) co_return;  // before this coroutine was started
   const Verdict refusal = co_await take_steps(applicant, first);
   if (refusal) refuse(applicant.stream, *refusal, applicant.grant.tenant);
 }
