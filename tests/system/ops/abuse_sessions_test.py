@@ -132,6 +132,8 @@ class Places(unittest.TestCase):
         self.assertEqual(self.node.ctl("reload")[0], 0)
         for _ in range(LOBBY):
             self.sessions.ask(scene=SLOW, tenant="arcade").socket.close()
+        patient = self.sessions.ask(scene=SLOW, tenant="studio")
+        eventually(self.reader_runs, "a reader of the slow scene")
         waiting = []
         while not self.refused("too_many_sessions"):
             waiting.append(self.sessions.ask(scene=SLOW, tenant="arcade"))
@@ -139,7 +141,9 @@ class Places(unittest.TestCase):
         for control in waiting:
             control.socket.close()
         eventually(lambda: not self.is_full(), "places are free")
-        self.assertTrue(self.hold.exists(), "while what they asked for is still being read")
+        self.assertTrue(self.reader_runs(), "while the scene is still being read, for who waits")
+        patient.socket.close()
+        eventually(lambda: not self.reader_runs(), "nothing is read for whom nobody waits")
         session = self.sessions.open(tenant="studio")
         session.picture(session.welcome.scene.default_camera)
         session.close()

@@ -140,7 +140,6 @@ class Booted(unittest.TestCase):
         self.system.run("install", "-m", "640", "/root/certs/server.pem", "/root/certs/server-key.pem", CREDENTIALS)
 
     def back_to_demo(self):
-        self.end_load()
         self.system.write(CONFIG, CONFIG_TEXT % 1)
         self.system.systemctl("restart", "gnomond.service")
 
@@ -159,6 +158,7 @@ class Booted(unittest.TestCase):
                                               "living_room", "--size", "160x90", "--rate", 5, "--tenant", "studio::2",
                                               "--seconds", 600))), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(load.wait)
+        self.addCleanup(self.end_load)
         eventually(lambda: len(self.sessions()) == 2, "sessions")
         sessions = self.sessions()
         self.place_certificate("--renew")
