@@ -3,6 +3,7 @@
 
     booted_test.py BUILD
 """
+import re
 import subprocess
 import sys
 import unittest
@@ -133,7 +134,7 @@ class Booted(unittest.TestCase):
         """Of the certificate that new connections get."""
         ask = "openssl s_client -connect 127.0.0.1:7600 -alpn gnomon </dev/null | openssl x509 -noout -fingerprint -sha256"
         shown = self.system.run("sh", "-c", ask).stdout
-        return "sha256:" + shown.strip().splitlines()[-1].split("=")[1].replace(":", "").lower()
+        return "sha256:" + re.search(r"Fingerprint=(\S+)", shown).group(1).replace(":", "").lower()
 
     def place_certificate(self, *how):
         self.system.run("gnomonctl", "make-certs", "--out", "/root/certs", "--host", "127.0.0.1", *how)
