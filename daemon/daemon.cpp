@@ -47,6 +47,30 @@ std::unique_ptr<EncodePool> open_encoders(uint32_t asked, const std::vector<Pool
   return std::make_unique<EncodePool>(threads, std::move(near), metrics, sink);
 }
 
+// The sessions that the process before has left, if the service manager kept them.
+Result<std::unique_ptr<SessionStore>> open_store(const ServerConfig& server) {
+  auto store = SessionStore::open(kRecordsPerPermit * server.max_sessions, server.silence_timeout,
+                                  supervisor::take_memory(kStoreName));
+  if (!store) return store;
+  if (!(*store)->taken_over()) supervisor::keep_memory(kStoreName, (*store)->descriptor());
+  if ((*store)->resting() > 0) log::info("sessions may be resumed", {{"count", (*store)->resting()}});
+  return store;
+}
+
+// The tenants of a new configuration. Where there is no room for new ones, those that are known still change: what is
+// revoked is revoked.
+TenantDirectory next_tenants(const TenantDirectory& now, std::vector<TenantConfig> tenants,
+                             std::vector<Error>& kept) {
+  TenantDirectory next = now.with(tenants);
+  if (next.size() <= kMostTenants) return next;
+  kept.push_back(Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"});
+  const std::vector<std::string> known = names_of(now.configs());
+  std::erase_if(tenants, [&](const TenantConfig& tenant) {
+    return std::find(known.begin(), known.end(), tenant.name) == known.end();
+  });
+  return now.with(tenants);
+}
+
 }  // namespace
 
 Daemon::Daemon(Options options, SceneCatalog catalog)
@@ -55,7 +79,8 @@ Daemon::Daemon(Options options, SceneCatalog catalog)
       metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version,
                options_.make_renderers.size()),
       session_limits_(options_.config, options_.make_renderers.size()),
-      devices_(options_.make_renderers.size(), metrics_, health_) {}
+      devices_(options_.make_renderers.size(), metrics_, health_),
+      certificates_(metrics_) {}
 
 Daemon::~Daemon() { stop(); }
 
@@ -72,20 +97,26 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
 Result<void> Daemon::bring_up() {
   sharing_policy_.publish(sharing_policy_of(options_.config));
   tenant_directory_.publish(TenantDirectory().with(options_.config.tenants));
-  auto tls = open_tls(options_.config.server);
-  if (!tls) return tls.error();
+  if (auto opened = certificates_.open(options_.config.server); !opened) return opened;
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
+<<<<<<< HEAD
   tls_.publish(*tls);
   scenes_ = std::make_unique<SceneHost>(
       catalog_, devices_, metrics_, options_.read_scene,
       SceneMemory{scene_memory_limits(options_.config), uint64_t{options_.config.render.light_buffer_mb} << 20});
   if (auto opened = open_store(); !opened) return opened;
+=======
+  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, options_.read_scene);
+  auto store = open_store(options_.config.server);
+  if (!store) return store.error();
+  store_ = std::move(*store);
+>>>>>>> lobby
   auto server = Server::open({.config = options_.config,
                               .tenants = tenant_directory_,
                               .tracer = tracer_,
                               .catalog = catalog_,
                               .health = health_,
-                              .tls = tls_,
+                              .tls = certificates_.published(),
                               .scenes = *scenes_,
                               .limits = session_limits_,
                               .store = *store_,
@@ -103,17 +134,6 @@ Result<void> Daemon::bring_up() {
   return {};
 }
 
-Result<void> Daemon::open_store() {
-  const ServerConfig& server = options_.config.server;
-  auto store = SessionStore::open(kRecordsPerPermit * server.max_sessions, server.silence_timeout,
-                                  supervisor::take_memory(kStoreName));
-  if (!store) return store.error();
-  store_ = std::move(*store);
-  if (!store_->taken_over()) supervisor::keep_memory(kStoreName, store_->descriptor());
-  if (store_->resting() > 0) log::info("sessions may be resumed", {{"count", store_->resting()}});
-  return {};
-}
-
 Result<void> Daemon::open_admin() {
   operations_ = std::make_unique<Operations>(OperatedParts{.version = options_.version,
                                                            .catalog = catalog_,
@@ -121,6 +141,7 @@ Result<void> Daemon::open_admin() {
                                                            .metrics = metrics_,
                                                            .tenants = tenant_directory_,
                                                            .sharing = sharing_policy_,
+                                                           .tls = certificates_.published(),
                                                            .devices = devices_,
                                                            .scenes = *scenes_,
                                                            .server = *server_,
@@ -163,42 +184,51 @@ std::string Daemon::summary() const {
          std::to_string(session_limits_.taken()) + " sessions";
 }
 
-Result<void> Daemon::reload(const Result<Config>& next) {
-  const auto done = next ? apply(*next) : Result<void>(next.error());
-  metrics_.reloaded(done.has_value());
-  return done;
+Result<void> Daemon::reload(const Result<Config>& next, std::vector<Error> missing) {
+  if (!next) {
+    metrics_.operation().reloaded(false);
+    log::error("configuration not reloaded", {{"why", next.error().message}});
+    return next.error();
+  }
+  apply(*next, missing);
+  metrics_.operation().reloaded(missing.empty());
+  if (missing.empty()) return {};
+  std::string why;
+  for (const Error& each : missing) why += (why.empty() ? "" : "; ") + each.message;
+  log::error("configuration reloaded in part", {{"why", why}});
+  return Error{"reloaded, but for this: " + why};
 }
 
-Result<void> Daemon::apply(const Config& next) {
-  if (auto reachable = check_tenants(next); !reachable) return reachable;
+void Daemon::apply(const Config& next, std::vector<Error>& kept) {
+  if (auto reachable = check_tenants(next); !reachable) kept.push_back(reachable.error());
   ServerConfig server = options_.config.server;
   server.tls = next.server.tls;
-  const auto tls = open_tls(server);
-  if (!tls) return tls.error();
+  for (const Error& each : certificates_.reopen(server)) kept.push_back(each);
   AdminConfig admin = options_.config.admin;
   admin.token_file = next.admin.token_file;
-  const auto token = read_operator_token(admin);
-  if (!token) return token.error();
-  const TenantDirectory directory = tenant_directory_.get()->with(next.tenants);
-  if (directory.size() > kMostTenants) {
-    return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};
+  if (const auto token = read_operator_token(admin)) {
+    admin_->set_token(*token);
+  } else {
+    kept.push_back(token.error());
   }
+  const TenantDirectory directory = next_tenants(*tenant_directory_.get(), next.tenants, kept);
   if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
   Config by_id = next;
   by_id.tenants = directory.configs();
   const SharingPolicy sharing = sharing_policy_of(by_id);
   sharing_policy_.publish(sharing);
+<<<<<<< HEAD
   session_limits_.set_limits(by_id);
   scenes_->set_memory_limits(scene_memory_limits(by_id));
+=======
+  session_limits_.set_limits(next, directory);
+>>>>>>> lobby
   metrics_.add_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
   devices_.set_sharing(sharing);
-  tls_.publish(*tls);
-  admin_->set_token(*token);
   tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms
-  server_->close_closed_tenants();
-  log::info("configuration reloaded", {{"policy", sharing.policy}, {"pin", protocol::to_string((*tls)->pin)}});
-  return {};
+  server_->close_unwelcome();
+  log::info("configuration reloaded", {{"policy", sharing.policy}, {"pin", protocol::to_string(pin())}});
 }
 
 void Daemon::drain() {

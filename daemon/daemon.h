@@ -1,6 +1,7 @@
 // The daemon as a whole: makes every part, connects them, and stops them in the right order.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include "daemon/admin/operations.h"
 #include "daemon/config/config.h"
 #include "daemon/encode/encode_pool.h"
+#include "daemon/net/daemon_certificates.h"
 #include "daemon/net/server.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_host.h"
@@ -45,10 +47,14 @@ class Daemon final : private FrameSink {
   void give_up();
 
   // Applies the sharing terms, tenants, limits and log level of `next`, its certificates (for new connections) and the
-  // operators' token, whose files are read again. No session is closed except those of tenants that `next` no longer
-  // names. Other differences need a restart; the log says so. An error in place of a configuration is counted and
-  // returned. The main thread.
-  Result<void> reload(const Result<Config>& next);
+  // operators' token, whose files are read again. Each of these is applied on its own: one that cannot be stays as it
+  // was, and the error says why, while the others hold; so does what `missing` names, which was found out before. Sessions
+  // are closed whose tenant is no longer named or whose credential is no longer accepted. Other differences need a
+  // restart; the log says so. An error in place of a configuration changes nothing. Counted and logged. The main thread.
+  Result<void> reload(const Result<Config>& next, std::vector<Error> missing = {});
+
+  // Reminds operators in the log of a certificate that expires. Called now and then, on the main thread.
+  void remind(std::chrono::sys_seconds now) { certificates_.remind(now); }
 
   // The session's frames use the codec from the next one on. Precondition: its client decodes it. Any thread.
   void choose_codec(SessionId session, protocol::CodecId codec) { devices_.choose_codec({session, codec}); }
@@ -56,7 +62,9 @@ class Daemon final : private FrameSink {
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
   uint16_t admin_port() const { return admin_->port(); }
-  protocol::Pin pin() const { return (*tls_.get())->pin; }  // of the certificate for new connections
+  protocol::Pin pin() const {
+    return (*certificates_.published().get())->pin;
+  }  // of the certificate for new connections
   Metrics& metrics() { return metrics_; }
   std::vector<Heartbeat*> heartbeats() { return devices_.heartbeats(); }  // for one watchdog
   void alive(TimePoint at) { health_.alive_at = at; }                     // the watchdog found all of them alive
@@ -65,14 +73,13 @@ class Daemon final : private FrameSink {
  private:
   Daemon(Options options, SceneCatalog catalog);
 
-  Result<void> apply(const Config& next);
+  void apply(const Config& next, std::vector<Error>& kept);
   Result<void> bring_up();
   Result<void> open_devices();
   void on_rendered(RenderedFrame frame) override;
   void on_encoded(EncodedFrame frame) override;
   void on_degraded(const SessionDegraded& session) override;
   void on_lights(const LightsUpdate& lights) override;
-  Result<void> open_store();
   Result<void> open_admin();
   void stop();
 
@@ -87,7 +94,7 @@ class Daemon final : private FrameSink {
   Published<SharingPolicy> sharing_policy_;
   Published<TenantDirectory> tenant_directory_;
   std::string tracer_;
-  PublishedTls tls_;
+  DaemonCertificates certificates_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
   std::unique_ptr<SceneHost> scenes_;

@@ -5,10 +5,12 @@
 #include <asio/io_context.hpp>
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
+#include <asio/steady_timer.hpp>
 #include <csignal>
 #include <cstdio>
 #include <thread>
 
+#include "common/wall_clock.h"
 #include "daemon/daemon.h"
 #include "daemon/render/vulkan_renderers.h"
 #include "daemon/scenes/scene_worker.h"
@@ -22,6 +24,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr auto kBetweenReminders = 10min;  // looks at the dates of certificates
 constexpr auto kStopTime = 1500ms;  // beyond server.drain_timeout_ms, for frames in flight and the last messages
 
 struct Arguments {
@@ -29,6 +32,7 @@ struct Arguments {
   std::vector<std::string> overrides;
   std::filesystem::path check_scene;
   bool check_config = false;
+  bool for_reload = false;
 };
 
 int fail(const Error& error) {
@@ -61,13 +65,28 @@ int check_scene(const std::filesystem::path& file) {
   return EXIT_SUCCESS;
 }
 
-Result<Config> load_config(const Arguments& arguments) {
+// `missing`: for each scene whose file does not exist.
+struct LoadedConfig {
+  Config config;
+  std::vector<Error> missing;
+};
+
+Result<LoadedConfig> load_config(const Arguments& arguments) {
   auto config = read_config(arguments.config, arguments.overrides);
-  if (!config) return config;
+  if (!config) return config.error();
   const auto folder = std::filesystem::absolute(arguments.config).parent_path();
-  if (auto found = find_files(*config, folder, installed("share/gnomon/scenes")); !found) return found.error();
-  if (config->render.passes.empty()) config->render.passes = gpu::RendererOptions{}.passes;
-  return config;
+  LoadedConfig loaded{std::move(*config), {}};
+  loaded.missing = find_files(loaded.config, folder, installed("share/gnomon/scenes"));
+  if (loaded.config.render.passes.empty()) loaded.config.render.passes = gpu::RendererOptions{}.passes;
+  return loaded;
+}
+
+// A reload goes on without files that are missing; a start does not.
+int check_config(const Arguments& arguments, const LoadedConfig& loaded) {
+  for (const Error& missing : loaded.missing) std::fprintf(stderr, "gnomond: %s\n", missing.message.c_str());
+  if (!loaded.missing.empty() && !arguments.for_reload) return EXIT_FAILURE;
+  std::printf("%s: ok\n", arguments.config.c_str());
+  return EXIT_SUCCESS;
 }
 
 // The address as it is written before a colon and a port: IPv6 in brackets.
@@ -95,12 +114,13 @@ void leave_at(TimePoint deadline) {
   }).detach();
 }
 
-// Reads the file and the command line's overrides again. An error in them leaves the configuration unchanged.
+// Reads the file and the command line's overrides again.
 Result<void> reload(Daemon& daemon, const Arguments& arguments) {
   supervisor::reloading();
-  auto done = daemon.reload(load_config(arguments));
-  if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
-  supervisor::ready(done ? daemon.summary() : "configuration not reloaded: " + done.error().message);
+  auto loaded = load_config(arguments);
+  auto done = loaded ? daemon.reload(loaded->config, loaded->missing) : daemon.reload(loaded.error());
+  const std::string how = loaded ? "configuration " : "configuration not reloaded: ";
+  supervisor::ready(done ? daemon.summary() : how + done.error().message);
   return done;
 }
 
@@ -110,6 +130,14 @@ void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments&
     if (error) return;
     (void)reload(daemon, arguments);  // it logs its errors
     reload_on_hangup(hangup, daemon, arguments);
+  });
+}
+
+void remind_daily(asio::steady_timer& timer, Daemon& daemon) {
+  daemon.remind(wall_now());
+  timer.expires_after(kBetweenReminders);
+  timer.async_wait([&timer, &daemon](asio::error_code error) {
+    if (!error) remind_daily(timer, daemon);
   });
 }
 
@@ -137,6 +165,8 @@ int serve(const Config& config, const Arguments& arguments) {
   signals.async_wait([&](asio::error_code, int) { events.stop(); });
   asio::signal_set hangup(events, SIGHUP);
   reload_on_hangup(hangup, **daemon, arguments);
+  asio::steady_timer reminders(events);
+  remind_daily(reminders, **daemon);
   if (const int left = supervisor::close_untaken(); left > 0) {
     log::warning("sockets were opened for us that the configuration does not use", {{"count", left}});
   }
@@ -163,14 +193,12 @@ int serve(const Config& config, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   if (!arguments.check_scene.empty()) return check_scene(arguments.check_scene);
-  const auto config = load_config(arguments);
-  if (!config) return fail(config.error());
-  if (arguments.check_config) {
-    std::printf("%s: ok\n", arguments.config.c_str());
-    return EXIT_SUCCESS;
-  }
-  log::configure(config->log.level, config->log.format);
-  return serve(*config, arguments);
+  const auto loaded = load_config(arguments);
+  if (!loaded) return fail(loaded.error());
+  if (arguments.check_config) return check_config(arguments, *loaded);
+  if (!loaded->missing.empty()) return fail(loaded->missing.front());
+  log::configure(loaded->config.log.level, loaded->config.log.format);
+  return serve(loaded->config, arguments);
 }
 
 }  // namespace
@@ -183,7 +211,10 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.overrides, "key.path=value: overrides the file; may be repeated")
       ->allow_extra_args(false)
       ->needs(config);
-  app.add_flag("--check-config", arguments.check_config, "Check the configuration and leave")->needs(config);
+  auto* check =
+      app.add_flag("--check-config", arguments.check_config, "Check the configuration and leave")->needs(config);
+  app.add_flag("--for-reload", arguments.for_reload, "With --check-config: files that are missing are no mistake")
+      ->needs(check);
   auto* scene =
       app.add_option("--check-scene", arguments.check_scene, "Check a glTF file and leave")->excludes(config);
   app.set_version_flag("--version", "gnomond " GNOMON_VERSION);

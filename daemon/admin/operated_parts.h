@@ -11,6 +11,7 @@
 #include "daemon/metrics/health.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/net/server.h"
+#include "daemon/net/tls.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_catalog.h"
 #include "daemon/scenes/scene_host.h"
@@ -25,6 +26,7 @@ struct OperatedParts {
   Metrics& metrics;
   const Published<TenantDirectory>& tenants;
   const Published<SharingPolicy>& sharing;
+  const PublishedTls& tls;
   DevicePool& devices;
   SceneHost& scenes;
   Server& server;

@@ -141,7 +141,7 @@ Admin::Pages Operations::pages() {
        }},
       {"/metrics",
        [this] {
-         parts_.metrics.ready(parts_.health.ready());
+         parts_.metrics.operation().ready(parts_.health.ready());
          return Page{200, "text/plain; version=0.0.4; charset=utf-8", parts_.metrics.text()};
        }},
       {"/status",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/wall_clock.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -77,6 +79,12 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
           {"total_us", session.stats.total_us}};
 }
 
+json to_json(const FirstExpiry& first, std::chrono::sys_seconds now) {
+  return {{"key", first.key},
+          {"expires", first.at.time_since_epoch().count()},
+          {"days_left", std::chrono::floor<std::chrono::days>(first.at - now).count()}};
+}
+
 }  // namespace
 
 std::string status_json(const OperatedParts& parts) {
@@ -91,6 +99,7 @@ std::string status_json(const OperatedParts& parts) {
               {"scene_memory",
                {{"bytes", parts.scenes.memory().bytes}, {"limit_bytes", parts.scenes.memory().limit_bytes}}},
               {"scenes", json::array()},
+              {"certificate", to_json(first_expiry(**parts.tls.get()), wall_now())},
               {"policy", sharing->policy},
               {"jain", shares.jain},
               {"worst_lag_ms", to_milliseconds(shares.worst_lag)},

@@ -53,6 +53,10 @@ Result<void> check_together(const Config& config) {
                  std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
                  std::to_string(65536 - server.net_threads)};
   }
+  if (!server.tls.client_crl.empty() && server.tls.client_ca.empty()) {
+    return Error{
+        "server.tls.client_crl: without server.tls.client_ca there is no authority that could revoke anything"};
+  }
   return check_admin(config.admin);
 }
 
@@ -92,26 +96,28 @@ Result<Config> read_config(const std::filesystem::path& file, const std::vector<
   return parse_config(*text, file.string(), overrides);
 }
 
-Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
-                        const std::filesystem::path& share_folder) {
+std::vector<Error> find_files(Config& config, const std::filesystem::path& config_folder,
+                              const std::filesystem::path& share_folder) {
+  std::vector<Error> missing;
   for (SceneFile& scene : config.scenes.list) {
     const auto beside = absolute_below(config_folder, scene.file);
     const auto shared = absolute_below(share_folder, scene.file);
     std::error_code none;
     const bool is_beside = std::filesystem::is_regular_file(beside, none);
-    if (!is_beside && !std::filesystem::is_regular_file(shared, none)) {
-      return Error{scene.place + ": file " + scene.file.string() + " of scene " + scene.name +
-                   " does not exist; looked at " + beside.string() + " and " + shared.string()};
+    const bool is_shared = !is_beside && std::filesystem::is_regular_file(shared, none);
+    if (!is_beside && !is_shared) {
+      missing.push_back(Error{scene.place + ": file " + scene.file.string() + " of scene " + scene.name +
+                              " does not exist; looked at " + beside.string() + " and " + shared.string()});
     }
-    scene.file = is_beside ? beside : shared;
+    scene.file = is_shared ? shared : beside;
   }
   TlsConfig& tls = config.server.tls;
   for (auto* path : {&config.admin.token_file, &config.render.cache_folder, &config.server.state_folder,
-                     &tls.certificate, &tls.key, &tls.client_ca}) {
+                     &tls.certificate, &tls.key, &tls.client_ca, &tls.client_crl}) {
     if (!path->empty()) *path = absolute_below(config_folder, *path);
   }
   for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
-  return {};
+  return missing;
 }
 
 Result<void> check_admin(const AdminConfig& admin) {

@@ -23,6 +23,7 @@ struct TlsConfig {
   std::filesystem::path certificate;  // the server's own first, then intermediate ones
   std::filesystem::path key;
   std::filesystem::path client_ca;  // authorities of clients' certificates; empty: clients are not asked for one
+  std::filesystem::path client_crl = {};  // revocation lists, one of each authority; empty: none is looked at
   friend bool operator==(const TlsConfig&, const TlsConfig&) = default;
 };
 
@@ -37,11 +38,12 @@ struct ServerConfig {
   std::chrono::milliseconds handshake_timeout{3000};  // from the connection to the Hello
   std::chrono::milliseconds silence_timeout{5000};    // then a session whose client sends nothing is closed
   std::chrono::milliseconds drain_timeout{2000};      // from SIGTERM until the remaining sessions are closed
-  uint32_t max_half_open = 1024;  // connections without a session; a further one replaces the oldest
+  uint32_t max_half_open = 1024;                      // connections of clients that have not shown who they are
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
-  uint32_t connections_per_s = 100;     // of an address, in the long run; max_sessions_per_address in a burst
-  bool require_path_validation = true;  // clients without the feature are refused
+  uint32_t connections_per_s = 100;         // of an address, in the long run; max_sessions_per_address in a burst
+  bool require_path_validation = true;      // clients without the feature are refused
+  std::chrono::seconds max_session_age{0};  // then the client has to authenticate anew; 0: no limit
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 
@@ -113,8 +115,9 @@ struct TenantConfig {
   std::string name;
   uint32_t weight = 1;
   uint32_t priority = 0;
+  // nullopt: as many as leave every other tenant its reserved places, see SessionLimits; 0: no limit of its own.
+  std::optional<uint32_t> max_sessions = {};
   // Limits of the tenant's sessions together, or of each buffer; 0: no limit of its own.
-  uint32_t max_sessions = 0;
   uint32_t max_vbps = 0;         // visibility buffers a second, of all its sessions
   uint64_t max_bits_per_s = 0;   // visibility bits: pixels x lights
   uint64_t max_bytes_per_s = 0;  // of datagrams to its clients
@@ -157,10 +160,11 @@ Result<Config> read_config(const std::filesystem::path& file, const std::vector<
 Result<Config> parse_config(const std::string& text, const std::string& name,
                             const std::vector<std::string>& overrides = {});
 
-// Makes paths absolute: relative ones are below `config_folder`; scenes that are not there, below `share_folder`. The
-// error names the scene's place in the configuration and where it was searched for.
-Result<void> find_files(Config& config, const std::filesystem::path& config_folder,
-                        const std::filesystem::path& share_folder);
+// Makes paths absolute: relative ones are below `config_folder`; scenes that are not there, below `share_folder`. Returns
+// an error for each scene whose file does not exist, which names its place in the configuration and where it was searched
+// for; its path is that below `config_folder`.
+std::vector<Error> find_files(Config& config, const std::filesystem::path& config_folder,
+                              const std::filesystem::path& share_folder);
 
 // Error if the admin server would listen on another address than loopback without a token.
 Result<void> check_admin(const AdminConfig& admin);

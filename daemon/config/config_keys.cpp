@@ -14,6 +14,8 @@ namespace {
 using namespace schema;
 
 constexpr int64_t kHourMs = 3'600'000;
+constexpr int64_t kYearS = 31'536'000;
+constexpr int64_t kMostSessions = 1'000'000;
 constexpr const char* kNoLimit = " (0: no limit of its own)";
 constexpr const char* kNameRule = "1 to 64 letters, digits, '_', '-' or '.'";
 
@@ -87,6 +89,14 @@ std::optional<std::optional<std::chrono::microseconds>> parse_quantum(const YAML
   return quantum ? std::optional<Quantum>(quantum) : std::nullopt;
 }
 
+// "auto" is read as a nullopt limit; the outer nullopt is an error.
+std::optional<std::optional<uint32_t>> parse_sessions(const YAML::Node& node) {
+  using Most = std::optional<uint32_t>;
+  if (plain_scalar(node) == "auto") return Most();
+  const auto most = parse_integer<uint32_t>(node, 0, kMostSessions);
+  return most ? std::optional<Most>(most) : std::nullopt;
+}
+
 template <class S>
 bool has_name(const std::vector<S>& items, const std::string& name) {
   return std::any_of(items.begin(), items.end(), [&](const S& item) { return item.name == name; });
@@ -128,6 +138,7 @@ Keys<TlsConfig> tls_keys() {
       scalar("certificate", &T::certificate, "a PEM file, or '' for none", parse_path_or_none),
       scalar("key", &T::key, "a PEM file, or '' for none", parse_path_or_none),
       scalar("client_ca", &T::client_ca, "a PEM file, or '' for none", parse_path_or_none),
+      scalar("client_crl", &T::client_crl, "a PEM file, or '' for none", parse_path_or_none),
   };
 }
 
@@ -145,10 +156,11 @@ Keys<ServerConfig> server_keys() {
       integer("silence_timeout_ms", &S::silence_timeout, 100, kHourMs),
       integer("drain_timeout_ms", &S::drain_timeout, 0, kHourMs),
       integer("max_half_open", &S::max_half_open, 1, 65536),
-      integer("max_sessions", &S::max_sessions, 1, 1'000'000),
-      integer("max_sessions_per_address", &S::max_sessions_per_address, 1, 1'000'000),
+      integer("max_sessions", &S::max_sessions, 1, kMostSessions),
+      integer("max_sessions_per_address", &S::max_sessions_per_address, 1, kMostSessions),
       integer("connections_per_s", &S::connections_per_s, 1, 1'000'000),
       choice("require_path_validation", &S::require_path_validation, {{"false", false}, {"true", true}}),
+      integer("max_session_age_s", &S::max_session_age, 0, kYearS, " (0: no limit)"),
   };
 }
 
@@ -246,7 +258,8 @@ Keys<Config> all_keys() {
       name_key(&TenantConfig::name),
       integer("weight", &TenantConfig::weight, 1, 1000),
       integer("priority", &TenantConfig::priority, 0, 100),
-      integer("max_sessions", &TenantConfig::max_sessions, 0, 1'000'000, kNoLimit),
+      scalar("max_sessions", &TenantConfig::max_sessions,
+             "auto, or an integer from 0 to " + std::to_string(kMostSessions) + kNoLimit, parse_sessions),
       integer("max_vbps", &TenantConfig::max_vbps, 0, 1'000'000, kNoLimit),
       integer("max_bits_per_s", &TenantConfig::max_bits_per_s, 0, int64_t{1} << 50, kNoLimit),
       integer("max_bytes_per_s", &TenantConfig::max_bytes_per_s, 0, int64_t{1} << 40, kNoLimit),

@@ -66,12 +66,22 @@ std::string tenants_table(const json& status, const std::vector<Rated>& sessions
   return table.text();
 }
 
+// The certificate that expires first; empty if the daemon does not say.
+std::string certificate_line(const json& status) {
+  const auto certificate = status.find("certificate");
+  if (certificate == status.end() || !certificate->is_object()) return "";
+  const double days = number(*certificate, "days_left");
+  const std::string left = days < 0 ? "has EXPIRED: clients refuse it" : "expires in " + fixed(days, 0) + " days";
+  return text(*certificate, "key") + " " + left + "\n";
+}
+
 }  // namespace
 
 std::string status_text(const json& status) {
   std::string out = "gnomond " + text(status, "version") + ": " + state_of(status) + ", policy " +
                     text(status, "policy") + ", " + std::to_string(list(status, "sessions").size()) +
                     " sessions, Jain index " + fixed(number(status, "jain"), 3) + "\n";
+  out += certificate_line(status);
   int device_number = 0;
   for (const json& device : list(status, "devices")) {
     out += "device " + std::to_string(device_number++) + ": " + text(device, "name") + " (" +

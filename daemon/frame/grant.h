@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/ids.h"
+#include "daemon/frame/credential.h"
 #include "protocol/types.h"
 
 namespace gnomon::daemon {
@@ -14,6 +15,7 @@ namespace gnomon::daemon {
 // A plain value.
 struct SessionGrant {
   TenantId tenant{};
+  Credential credential = {};
   std::string scene_name = {};  // as the server names it
   uint16_t width = 0;           // pixels, prediction border included
   uint16_t height = 0;

@@ -121,22 +121,18 @@ struct Metrics::Families {
   Stages stage{stages};
   Family<Histogram>& frames =
       histogram_family(registry, "gnomon_frame_seconds", "Time from a camera's arrival until its frame was sent.");
-  Gauge& ready = gauge_family(registry, "gnomon_ready", "1: new clients are served.").Add({});
   Gauge& resident_memory =
       gauge_family(registry, "gnomon_process_resident_memory_bytes", "Memory of the process, as the system has it.")
           .Add({});
   Gauge& open_files = gauge_family(registry, "gnomon_process_open_fds", "Open file descriptors.").Add({});
   Gauge& threads = gauge_family(registry, "gnomon_process_threads", "Threads of the process.").Add({});
 
-  Family<Counter>& all_reloads =
-      counter_family(registry, "gnomon_config_reloads_total", "Configurations read while running, taken or not.");
-  Counter& reloads = all_reloads.Add({{"result", "done"}});
-  Counter& failed_reloads = all_reloads.Add({{"result", "failed"}});
   Family<Counter>& limit_refusals = counter_family(registry, "gnomon_tenant_refusals_total",
                                                    "Sessions refused a tenant, by the limit that they met.");
 
   std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; nullptr: not used yet
   LinkMetrics links{registry};
+  OperationMetrics operation{registry};
   SceneMetrics scenes;
   DeviceMetrics devices;
   // Reserved once: adding a tenant moves no series that other threads may be counting in.

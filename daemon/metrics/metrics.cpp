@@ -9,11 +9,13 @@ namespace gnomon::daemon {
 namespace {
 
 // Series of such faults are made when there is something to count, as a node has room for few: refusals have many
-// reasons, and the others happen once a session at most.
+// reasons, and the others happen once a session at most, or once in the life of a daemon or a device.
 bool is_rare(const FaultRow& row) {
   switch (row.fault) {
     case Fault::feedback_invented:
     case Fault::path_unproven:
+    case Fault::view_draining:
+    case Fault::device_lost:
     case Fault::submit_failed:
     case Fault::encode_failed: return true;
     default: return row.kind == FaultKind::refusal || row.kind == FaultKind::admin_closed;
@@ -69,6 +71,7 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
 
 SceneMetrics& Metrics::scenes() { return families_->scenes; }
 DeviceMetrics& Metrics::devices() { return families_->devices; }
+OperationMetrics& Metrics::operation() { return families_->operation; }
 
 void Metrics::datagram_received() { families_->datagrams.Increment(); }
 void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coalesced.Increment(); }
@@ -93,11 +96,7 @@ void Metrics::dropped(TenantId tenant, SessionId session, Fault fault, const std
   families_->tenant_dropped.Add(labels).Increment();
 }
 
-void Metrics::reloaded(bool done) { (done ? families_->reloads : families_->failed_reloads).Increment(); }
-
 void Metrics::degraded(bool down) { (down ? families_->degraded : families_->restored).Increment(); }
-
-void Metrics::ready(bool ready) { families_->ready.Set(ready ? 1 : 0); }
 
 void Metrics::link(const LinkReport& report) { families_->links.count(report); }
 

@@ -14,6 +14,7 @@
 #include "daemon/metrics/device_metrics.h"
 #include "daemon/metrics/faults.h"
 #include "daemon/metrics/link_report.h"
+#include "daemon/metrics/operation_metrics.h"
 #include "daemon/metrics/scene_metrics.h"
 #include "daemon/metrics/share_report.h"
 #include "scheduler/admission_control.h"
@@ -44,6 +45,7 @@ class Metrics {
 
   SceneMetrics& scenes();
   DeviceMetrics& devices();
+  OperationMetrics& operation();
 
   void datagram_received();  // counts datagrams of every kind, accepted or not
   void coalesced(TenantId tenant);
@@ -56,9 +58,7 @@ class Metrics {
   void dropped(TenantId tenant, SessionId session, Fault fault, const std::string& why = {});
   const std::string& name(TenantId tenant) const;
   void shares(const ShareReport& report);
-  void reloaded(bool done);
   void degraded(bool down);
-  void ready(bool ready);
   void link(const LinkReport& report);
   void refused(TenantId tenant, std::string_view limit);
 

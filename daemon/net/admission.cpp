@@ -3,6 +3,8 @@
 #include <asio/co_spawn.hpp>
 #include <asio/detached.hpp>
 
+#include <algorithm>
+
 #include "daemon/net/answer.h"
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/credentials.h"
@@ -27,6 +29,16 @@ protocol::Refused refusal_of(const scheduler::AdmissionRejection& rejection) {
   return refused;
 }
 
+// The reason without the scene's folder, whose name is no client's business.
+std::string without_folder(std::string why, const std::string& scene, const SceneCatalog& catalog) {
+  const auto& sources = catalog.sources();
+  const auto source = std::find_if(sources.begin(), sources.end(), [&](const auto& s) { return s.name == scene; });
+  if (source == sources.end()) return why;
+  const std::string folder = source->file.parent_path().string() + "/";
+  for (size_t at = 0; (at = why.find(folder, at)) != std::string::npos;) why.erase(at, folder.size());
+  return why;
+}
+
 }  // namespace
 
 Admission::Admission(const NetShared& shared, uint16_t data_port, asio::io_context& io, SessionControl& control,
@@ -36,14 +48,17 @@ Admission::Admission(const NetShared& shared, uint16_t data_port, asio::io_conte
 void Admission::on_accept(asio::ip::tcp::socket socket) {
   const std::shared_ptr<Tls> tls = *shared_.tls.get();
   auto stream = std::make_shared<ControlStream>(std::move(socket), tls->context, kMaxClientMessageBytes);
-  for (const PendingConnection& pushed_out :
-       pending_.add({stream, Clock::now() + shared_.config.server.handshake_timeout})) {
+  const auto deadline = Clock::now() + shared_.config.server.handshake_timeout;
+  if (const PendingConnection pushed_out = pending_.add(stream, deadline); pushed_out.stream) {
     if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
     pushed_out.stream->close();
   }
-  listen(stream, [this](const StreamPtr& from, Result<protocol::Message> message) {
-    on_first_message(from, std::move(message));
-  });
+  listen(
+      stream,
+      [this](const StreamPtr& from, Result<protocol::Message> message) {
+        on_first_message(from, std::move(message));
+      },
+      std::stop_source(std::nostopstate));
   stream->start();
 }
 
@@ -61,6 +76,7 @@ void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Messa
 
 asio::awaitable<void> Admission::admit(StreamPtr stream, protocol::Message first) {
   Applicant applicant{.stream = std::move(stream)};
+  if (has_departed(applicant)) co_return;  // before this coroutine was started
   const Verdict refusal = co_await take_steps(applicant, first);
   if (refusal) refuse(applicant.stream, *refusal, applicant.grant.tenant);
 }
@@ -84,13 +100,16 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
 Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hello& hello) const {
   if (shared_.health.draining) return refused(RefusalCode::draining, "the server is going away");
   if (const auto message = check_version(hello)) return refused(*message);
-  const auto who = daemon::identify(hello, applicant.stream->certificate_names(), *shared_.tenants.get(),
-                                    shared_.config.server.mode);
+  const auto who =
+      daemon::identify(hello, applicant.stream->certificate(), *shared_.tenants.get(), shared_.config.server.mode);
   if (const auto* rejected = std::get_if<Rejected>(&who)) return Refusal{rejected->refused, rejected->fault};
-  auto granted = check_hello(hello, std::get<TenantId>(who), shared_.config,
+  const auto& identified = std::get<Identified>(who);
+  auto granted = check_hello(hello, identified.tenant, shared_.config,
                              [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) return refused(*message);
   applicant.grant = std::get<SessionGrant>(std::move(granted));
+  applicant.grant.credential = identified.credential;
+  applicant.grant.credential.shown = wall_now();
   return std::nullopt;
 }
 
@@ -102,22 +121,27 @@ asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, con
   if (!proof) co_return refused(RefusalCode::internal, proof.error().message);
   if (!protocol::is_equal(*proof, resume.proof) || !secret)
     co_return refused(RefusalCode::unknown_session, kNoSession);
-  hold(applicant.stream);
+  hold(applicant);
   const Ask<StoredSession> claim = [&](auto on_answer) {
     shared_.store.claim(resume.session, std::move(on_answer));
   };
-  applicant.stored = co_await answer_of(io_, claim);
-  if (has_departed(applicant)) co_return departed();
+  auto claimed = co_await answer_of(io_, claim, applicant.departure.get_token());
+  if (!claimed || has_departed(applicant)) co_return departed();
+  applicant.stored = std::move(*claimed);
   if (!applicant.stored) co_return refused(RefusalCode::unknown_session, kNoSession);
   auto granted = grant_of(applicant.stored.record(), *shared_.tenants.get(), shared_.config,
                           [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) co_return refused(*message);
   applicant.grant = std::get<SessionGrant>(std::move(granted));
+  if (const auto objection = objection_to(applicant.grant, shared_)) {
+    applicant.stored.forget();
+    co_return refused(RefusalCode::unknown_session, *objection);
+  }
   co_return std::nullopt;
 }
 
 Admission::Verdict Admission::take_permit(Applicant& applicant) {
-  auto permit = shared_.limits.take(applicant.grant.tenant, applicant.stream->peer());
+  auto permit = shared_.limits.take(applicant.grant.tenant, network_of(applicant.stream->peer()));
   if (const auto* message = std::get_if<protocol::Refused>(&permit)) {
     return Refusal{*message, fault_of(message->code), scheduler::Limit::sessions};
   }
@@ -127,13 +151,22 @@ Admission::Verdict Admission::take_permit(Applicant& applicant) {
 
 asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant) {
   SessionGrant& grant = applicant.grant;
-  hold(applicant.stream);
+  hold(applicant);
+  FetchId request;
   const Ask<Result<SceneForUse>> fetch = [&](auto on_answer) {
-    shared_.scenes.fetch(grant.scene_name, std::move(on_answer), grant.tenant);
+    request = shared_.scenes.fetch(grant.scene_name, std::move(on_answer), grant.tenant);
   };
-  auto fetched = co_await answer_of(io_, fetch);
-  if (has_departed(applicant)) co_return departed();
-  if (!fetched) co_return refused(RefusalCode::scene_unavailable, fetched.error().message);
+  auto answer = co_await answer_of(io_, fetch, applicant.departure.get_token());
+  if (!answer) shared_.scenes.give_up(request);
+  if (!answer || has_departed(applicant)) co_return departed();
+  Result<SceneForUse>& fetched = *answer;
+  if (!fetched) {
+    const std::string& why = fetched.error().message;
+    Refusal refusal =
+        refused(RefusalCode::scene_unavailable, without_folder(why, grant.scene_name, shared_.catalog));
+    refusal.for_operators = why;
+    co_return refusal;
+  }
   applicant.scene = std::move(*fetched);
   const scenes::LoadedScene& scene = applicant.scene;
   if (applicant.stored && applicant.stored.record().scene_hash != scene.scene->content_hash) {
@@ -167,10 +200,12 @@ asio::awaitable<Admission::Verdict> Admission::find_room(const Applicant& applic
                               .height = grant.height,
                               .answer = std::move(on_answer)});
   };
-  const auto room = co_await answer_of(io_, ask);
-  if (has_departed(applicant)) co_return departed();
-  if (!shared_.tenants.get()->open(grant.tenant)) {
-    co_return refused(RefusalCode::unknown_tenant, "the tenant is no longer served");
+  const auto answer = co_await answer_of(io_, ask, applicant.departure.get_token());
+  if (!answer || has_departed(applicant)) co_return departed();
+  const Result<void>& room = *answer;
+  if (const auto objection = objection_to(grant, shared_)) {  // a reload may have changed who is welcome
+    const bool served = shared_.tenants.get()->open(grant.tenant);
+    co_return refused(served ? RefusalCode::bad_token : RefusalCode::unknown_tenant, *objection);
   }
   if (room) co_return std::nullopt;
   Refusal refusal = refused(RefusalCode::over_capacity, "no memory for its frames: " + room.error().message);
@@ -251,36 +286,41 @@ void Admission::send_welcome(ControlStream& stream, const Session& session,
 }
 
 template <typename OnMessage>
-void Admission::listen(const StreamPtr& stream, OnMessage on_message) {
+void Admission::listen(const StreamPtr& stream, OnMessage on_message, std::stop_source departure) {
   const std::weak_ptr<ControlStream> weak = stream;  // weak, as the stream owns the callbacks
   stream->listen(
       [weak, on_message](Result<protocol::Message> message) {
         if (const auto from = weak.lock()) on_message(from, std::move(message));
       },
-      [this, weak](Fault fault, const std::string& why) {
+      [this, weak, departure](Fault fault, const std::string& why) {
         const auto from = weak.lock();
         if (from && pending_.remove(from.get())) {
           shared_.metrics.report(fault, {{"why", why}, {"address", from->peer().to_string()}});
         }
+        departure.request_stop();
       });
 }
 
-// Keeps the connection pending without a deadline while it waits for another thread. A further message before the first
-// one is answered is refused.
-void Admission::hold(const StreamPtr& stream) {
-  pending_.remove(stream.get());
-  pending_.add({stream, TimePoint::max()});
-  listen(stream, [this](const StreamPtr& from, const Result<protocol::Message>&) {
-    refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
-  });
+// Keeps the connection pending without a deadline, and safe from strangers, while it waits for another thread. A further
+// message before the first one is answered is refused.
+void Admission::hold(const Applicant& applicant) {
+  pending_.prove(applicant.stream.get());
+  listen(
+      applicant.stream,
+      [this, departure = applicant.departure](const StreamPtr& from, const Result<protocol::Message>&) {
+        refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
+        departure.request_stop();
+      },
+      applicant.departure);
 }
 
 void Admission::refuse(const StreamPtr& stream, const Refusal& refusal, TenantId tenant) {
   if (refusal.departed) return;
   if (refusal.limit) shared_.metrics.refused(tenant, to_string(*refusal.limit));
-  shared_.metrics.report(refusal.fault, {{"reason", row_of(refusal.fault).label},
-                                         {"text", refusal.message.text},
-                                         {"address", stream->peer().to_string()}});
+  const std::string& why = refusal.for_operators.empty() ? refusal.message.text : refusal.for_operators;
+  shared_.metrics.report(
+      refusal.fault,
+      {{"reason", row_of(refusal.fault).label}, {"text", why}, {"address", stream->peer().to_string()}});
   pending_.remove(stream.get());
   stream->send(refusal.message);
   pending_.close_gracefully(stream, Clock::now());

@@ -3,8 +3,8 @@
 //   identify or reclaim -> take a permit -> fetch the scene -> book -> find room -> open
 //
 // The first message of each connection starts one coroutine on the net thread's event loop. While it waits for another
-// thread, its connection stays among the pending ones; if the connection ends meanwhile, the coroutine ends when it is
-// resumed.
+// thread, its connection stays among the pending ones, as an applicant; if the connection ends meanwhile, so does the
+// coroutine, and gives back what it has taken.
 #pragma once
 
 #include <asio/awaitable.hpp>
@@ -13,6 +13,8 @@
 
 #include <memory>
 #include <optional>
+#include <stop_token>
+#include <string>
 
 #include "daemon/net/net_shared.h"
 #include "daemon/net/pending_connections.h"
@@ -37,6 +39,7 @@ class Admission {
   // What a connection has gathered on its way to a session.
   struct Applicant {
     StreamPtr stream;
+    std::stop_source departure = {};  // stopped when the connection ends while the applicant waits
     SessionGrant grant = {};
     StoredSession stored = {};  // the session that is resumed; empty if a new one is opened
     std::optional<SessionPermit> permit = {};
@@ -49,6 +52,7 @@ class Admission {
     Fault fault;
     std::optional<scheduler::Limit> limit = {};  // the exceeded limit; nullopt if none was exceeded
     bool departed = false;                       // the connection has ended, so that no refusal is sent
+    std::string for_operators = {};              // logged in the place of the message's text
   };
   using Verdict = std::optional<Refusal>;  // nullopt if the step was taken
 
@@ -64,8 +68,8 @@ class Admission {
 
   void on_first_message(const StreamPtr& stream, Result<protocol::Message> message);
   template <typename OnMessage>
-  void listen(const StreamPtr& stream, OnMessage on_message);
-  void hold(const StreamPtr& stream);
+  void listen(const StreamPtr& stream, OnMessage on_message, std::stop_source departure);
+  void hold(const Applicant& applicant);
   bool has_departed(const Applicant& applicant) const { return !pending_.is_waiting(applicant.stream.get()); }
   Result<std::unique_ptr<protocol::Seal>> make_seal(Applicant& applicant, SessionId id) const;
   void send_welcome(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene) const;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <utility>
 
 #include "common/clock.h"
@@ -28,14 +29,16 @@ using Ask = std::function<void(OnAnswer<Answer>)>;
 // The state of a waiting coroutine.
 template <typename Answer>
 struct Awaited {
-  asio::steady_timer timer;  // never expires; cancelled when the answer has arrived
+  asio::steady_timer timer;  // never expires; cancelled when the answer has arrived or nobody needs it any more
   std::optional<Answer> answer;
 };
 
-// Calls `ask` and returns the answer. If there is never an answer, the coroutine waits until `io` is destroyed, and is
+// Calls `ask` and returns the answer; nullopt once `unwanted` is stopped, which happens on the event loop's thread. An
+// answer that comes later is dropped. If there is never an answer, the coroutine waits until `io` is destroyed, and is
 // destroyed with it. Precondition: `io` runs on one thread, the caller's.
 template <typename Answer>
-asio::awaitable<Answer> answer_of(asio::io_context& io, const Ask<Answer>& ask) {
+asio::awaitable<std::optional<Answer>> answer_of(asio::io_context& io, const Ask<Answer>& ask,
+                                                 std::stop_token unwanted = {}) {
   const auto awaited =
       std::make_shared<Awaited<Answer>>(Awaited<Answer>{asio::steady_timer(io, TimePoint::max()), std::nullopt});
   ask([&io, weak = std::weak_ptr<Awaited<Answer>>(awaited)](Answer answer) {
@@ -46,9 +49,12 @@ asio::awaitable<Answer> answer_of(asio::io_context& io, const Ask<Answer>& ask) 
       still_awaited->timer.cancel();
     });
   });
+  const std::stop_callback give_up(std::move(unwanted), [&timer = awaited->timer] {
+    timer.expires_at(TimePoint::min());  // which also ends a wait that begins only now
+  });
   asio::error_code cancelled;
   co_await awaited->timer.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
-  co_return std::move(*awaited->answer);
+  co_return std::move(awaited->answer);
 }
 
 }  // namespace gnomon::daemon

@@ -1,16 +1,14 @@
 // Limits the connections of each address: `at_once` in a burst, then `per_second`. A TLS handshake costs a server more
 // than a client, so that clients that make nothing but handshakes are turned away before the first byte of one.
 //
-// IPv6 addresses count by their /64, which is what one host or one home has. One thread at a time.
+// One thread at a time.
 #pragma once
 
-#include <asio/ip/address.hpp>
-
-#include <array>
 #include <cstdint>
 #include <map>
 
 #include "common/clock.h"
+#include "daemon/session/client_network.h"
 
 namespace gnomon::daemon {
 
@@ -18,27 +16,25 @@ class ConnectionRate {
  public:
   ConnectionRate(uint32_t at_once, uint32_t per_second) : at_once_(at_once), per_second_(per_second) {}
 
-  // Returns false if the address has exceeded its rate.
-  bool admit(const asio::ip::address& address, TimePoint now);
+  // Returns false if the network has exceeded its rate.
+  bool admit(const ClientNetwork& network, TimePoint now);
 
-  // Most addresses that are remembered. Beyond it, addresses with a full allowance are forgotten; if there are none,
-  // all are.
-  static constexpr size_t kMaxAddresses = 16'384;
+  // Most networks that are remembered. Beyond it, those are forgotten that have most of their allowance left, a share of
+  // all at a time: a flood of fresh addresses forgets its own, and none that has spent what it may.
+  static constexpr size_t kMaxNetworks = 16'384;
   size_t size() const { return saved_.size(); }
 
  private:
-  using Network = std::array<uint8_t, 8>;
   struct Account {
     double left = 0;  // connections
     TimePoint counted;
   };
-  static Network network_of(const asio::ip::address& address);
   double left(const Account& account, TimePoint now) const;
   void make_room(TimePoint now);
 
   double at_once_;
   double per_second_;
-  std::map<Network, Account> saved_;
+  std::map<ClientNetwork, Account> saved_;
 };
 
 }  // namespace gnomon::daemon

@@ -3,7 +3,6 @@
 #include <netinet/tcp.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
-#include <openssl/x509v3.h>
 
 #include <asio/buffer.hpp>
 #include <asio/post.hpp>
@@ -36,32 +35,6 @@ Fault fault_of_handshake(const asio::error_code& error) {
     case SSL_R_TLSV1_ALERT_UNKNOWN_CA: return Fault::tls_distrusted;
     default: return Fault::tls_failed;
   }
-}
-
-std::string text_of(const ASN1_STRING* string) {
-  unsigned char* utf8 = nullptr;
-  const int size = ASN1_STRING_to_UTF8(&utf8, string);
-  if (size < 0) return {};
-  const std::string text(reinterpret_cast<char*>(utf8), static_cast<size_t>(size));
-  OPENSSL_free(utf8);
-  return text;
-}
-
-void add_common_names(X509* certificate, std::vector<std::string>& names) {
-  const X509_NAME* const subject = X509_get_subject_name(certificate);
-  for (int at = -1; (at = X509_NAME_get_index_by_NID(subject, NID_commonName, at)) >= 0;) {
-    names.push_back(text_of(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at))));
-  }
-}
-
-void add_dns_names(X509* certificate, std::vector<std::string>& names) {
-  auto* const others =
-      static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
-  for (int i = 0; i < sk_GENERAL_NAME_num(others); ++i) {
-    const GENERAL_NAME* const name = sk_GENERAL_NAME_value(others, i);
-    if (name->type == GEN_DNS) names.push_back(text_of(name->d.dNSName));
-  }
-  GENERAL_NAMES_free(others);
 }
 
 }  // namespace
@@ -187,16 +160,7 @@ void ControlStream::end(Fault fault, const std::string& why) {
   if (on_end) on_end(fault, why);
 }
 
-std::vector<std::string> ControlStream::certificate_names() const {
-  std::vector<std::string> names;
-  // OpenSSL's accessors take a non-const SSL, but do not modify it.
-  SSL* const tls = const_cast<ControlStream*>(this)->stream_.native_handle();
-  X509* const certificate = SSL_get0_peer_certificate(tls);
-  if (!certificate || SSL_get_verify_result(tls) != X509_V_OK) return names;
-  add_common_names(certificate, names);
-  add_dns_names(certificate, names);
-  return names;
-}
+ClientCertificate ControlStream::certificate() { return certificate_of(stream_.native_handle()); }
 
 Result<protocol::SealSecrets> ControlStream::seal_secrets(SessionId session, protocol::CipherId cipher) {
   return protocol::export_secrets(stream_.native_handle(), session, cipher);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "daemon/metrics/faults.h"
+#include "daemon/security/client_certificates.h"
 #include "protocol/messages.h"
 #include "protocol/seal.h"
 
@@ -45,9 +46,7 @@ class ControlStream : public std::enable_shared_from_this<ControlStream> {
 
   // The following are exported from the TLS session. Precondition: a message has been received.
 
-  // The common names and DNS names of the client's certificate, which one of our authorities has signed; empty if the
-  // client showed none.
-  std::vector<std::string> certificate_names() const;
+  ClientCertificate certificate();  // without names if the client showed none
 
   // The first secrets of the session's data channel.
   Result<protocol::SealSecrets> seal_secrets(SessionId session, protocol::CipherId cipher);

@@ -79,7 +79,7 @@ Result<TlsConfig> demo_certificate(const ServerConfig& config) {
     if (auto made = make_demo_certificate(file, config.listen); !made) return made.error();
   }
   if (auto written = write_pin(file, pin); !written) return written.error();
-  return TlsConfig{file, file, config.tls.client_ca};
+  return TlsConfig{file, file, config.tls.client_ca, config.tls.client_crl};
 }
 
 }  // namespace gnomon::daemon

@@ -1,9 +1,11 @@
 // What the net threads share with the rest of the daemon.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "common/published.h"
+#include "common/wall_clock.h"
 #include "daemon/config/config.h"
 #include "daemon/config/tenant_directory.h"
 #include "daemon/metrics/health.h"
@@ -11,6 +13,7 @@
 #include "daemon/net/tls.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_host.h"
+#include "daemon/session/credentials.h"
 #include "daemon/session/session_limits.h"
 #include "daemon/session/session_store.h"
 
@@ -30,5 +33,18 @@ struct NetShared {
   DevicePool& devices;
   Metrics& metrics;
 };
+
+// Why a session with this grant may not go on now, as its client is told; nullopt if it may.
+inline std::optional<std::string> objection_to(const SessionGrant& grant, const NetShared& shared) {
+  const auto tenants = shared.tenants.get();
+  const auto tls = shared.tls.get();
+  const ServerConfig& server = shared.config.server;
+  return objection_to(grant.credential, grant.tenant,
+                      {.tenants = *tenants,
+                       .authorities = (*tls)->authorities,
+                       .mode = server.mode,
+                       .max_age = server.max_session_age},
+                      wall_now());
+}
 
 }  // namespace gnomon::daemon

@@ -11,6 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kTick = 50ms;
+constexpr auto kReview = 1s;                 // between two looks for credentials that have expired
 constexpr auto kFarewellTime = 100ms;        // for the last messages to clients when the server stops
 constexpr auto kAnswerTime = 1s;             // for this thread to answer another; after it, it must have ended
 constexpr uint32_t kMaxFramesWaiting = 256;  // encoded frames that wait for this thread to send them
@@ -72,6 +73,10 @@ void NetThread::stop_when_all_left(TimePoint deadline) {
 void NetThread::tick() {
   const TimePoint now = Clock::now();
   control_.close_silent(now);
+  if (now >= next_review_) {
+    control_.close_unwelcome();
+    next_review_ = now + kReview;
+  }
   if (index_ == 0) shared_.store.expire(now);
   admission_->close_overdue(now);
   statistics_.tick(now);
@@ -119,8 +124,8 @@ void NetThread::announce_lights(const LightsUpdate& update) {
   asio::post(io_, [this, update] { control_.announce_lights(update); });
 }
 
-void NetThread::close_closed_tenants() {
-  asio::post(io_, [this] { control_.close_closed_tenants(); });
+void NetThread::close_unwelcome() {
+  asio::post(io_, [this] { control_.close_unwelcome(); });
 }
 
 }  // namespace gnomon::daemon

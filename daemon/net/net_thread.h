@@ -41,7 +41,7 @@ class NetThread {
   bool kick(SessionId id, const std::string& why);  // false if the session is not here. Blocks
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
-  void close_closed_tenants();                       // the sessions of tenants that are no longer served
+  void close_unwelcome();                            // at once the sessions that may not go on after a reload
   // Ends the thread; blocks until it has ended. `for_good`: every session is closed; otherwise those that can be
   // resumed are left for the next process.
   void stop(bool for_good = true);
@@ -65,6 +65,7 @@ class NetThread {
   SessionControl control_{shared_, index_, io_, sessions_, links_, pending_};
   SessionStatistics statistics_{shared_, sessions_};
   std::optional<Admission> admission_;  // set by open()
+  TimePoint next_review_{};             // of who may not go on
   std::atomic<uint32_t> frames_waiting_{0};
   std::thread thread_;
 };

@@ -69,7 +69,7 @@ void Server::accept() {
     if (!error) {
       asio::error_code gone;
       const auto from = socket.remote_endpoint(gone);
-      if (gone || rate_.admit(from.address(), Clock::now())) {
+      if (gone || rate_.admit(network_of(from.address()), Clock::now())) {
         owner.adopt(std::move(socket));
       } else {
         metrics_.report(Fault::connection_rate);
@@ -99,8 +99,8 @@ void Server::announce_lights(const LightsUpdate& update) {
   for (const auto& thread : threads_) thread->announce_lights(update);
 }
 
-void Server::close_closed_tenants() {
-  for (const auto& thread : threads_) thread->close_closed_tenants();
+void Server::close_unwelcome() {
+  for (const auto& thread : threads_) thread->close_unwelcome();
 }
 
 std::vector<uint16_t> Server::data_ports() const {

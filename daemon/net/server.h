@@ -31,7 +31,7 @@ class Server {
   bool kick(SessionId id, const std::string& why);  // false if there is no such session. Blocks; not a net thread
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);
-  void close_closed_tenants();
+  void close_unwelcome();
   std::vector<SessionStatus> sessions() const;
 
   // Both block until the net threads have ended. They are called on one thread, not a net thread.

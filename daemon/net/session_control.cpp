@@ -5,13 +5,8 @@
 #include "gpu/wire/translate.h"
 
 namespace gnomon::daemon {
-namespace {
 
 using namespace std::chrono_literals;
-
-constexpr const char* kTenantClosed = "the tenant is no longer served";
-
-}  // namespace
 
 SessionControl::SessionControl(const NetShared& shared, uint32_t net_thread, asio::io_context& io,
                                OpenSessions& sessions, SessionLinks& links, PendingConnections& pending)
@@ -100,13 +95,12 @@ void SessionControl::close_silent(TimePoint now) {
   }
 }
 
-void SessionControl::close_closed_tenants() {
-  const auto tenants = shared_.tenants.get();
-  std::vector<SessionId> closed;
+void SessionControl::close_unwelcome() {
+  std::vector<std::pair<SessionId, std::string>> unwelcome;
   for (const auto& [id, session] : sessions_.table()) {
-    if (!tenants->open(session->grant().tenant)) closed.push_back(id);
+    if (auto why = objection_to(session->grant(), shared_)) unwelcome.emplace_back(id, std::move(*why));
   }
-  for (const SessionId id : closed) close(id, kTenantClosed);
+  for (const auto& [id, why] : unwelcome) close(id, why);
 }
 
 void SessionControl::end_all(bool for_good) {

@@ -26,7 +26,9 @@ class SessionControl {
   void close(SessionId id, const std::string& why);
   // Closes the sessions whose client has been silent for too long, or has not come back to resume them.
   void close_silent(TimePoint now);
-  void close_closed_tenants();  // the sessions of tenants that are no longer served
+  // Closes the sessions that may not go on: their tenant is no longer served, or their credential was revoked, has
+  // expired or is too old.
+  void close_unwelcome();
 
   // Ends every session: closes it if `for_good` or if it cannot be resumed, else leaves it to be resumed elsewhere.
   void end_all(bool for_good);

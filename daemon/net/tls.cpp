@@ -3,6 +3,7 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
+#include "common/log.h"
 #include "daemon/net/demo_certificate.h"
 #include "daemon/security/private_file.h"
 #include "protocol/messages.h"
@@ -52,23 +53,68 @@ Result<void> use_identity(SSL_CTX* context, const TlsConfig& tls) {
   if (SSL_CTX_use_PrivateKey_file(context, tls.key.c_str(), SSL_FILETYPE_PEM) != 1) {
     return library_error("server.tls.key: " + tls.key.string());
   }
-  if (X509_cmp_current_time(X509_get0_notAfter(SSL_CTX_get0_certificate(context))) < 0) {
-    return Error{"server.tls.certificate: " + tls.certificate.string() +
-                 " has expired: every client would refuse it; make another with gnomonctl make-certs"};
+  return {};
+}
+
+// Reads revocation lists into the store. A certificate whose authority has none there, or an outdated one, is refused.
+Result<void> read_revocations(X509_STORE* store, const fs::path& lists) {
+  if (lists.empty()) return {};
+  X509_LOOKUP* const files = X509_STORE_add_lookup(store, X509_LOOKUP_file());
+  if (!files || X509_load_crl_file(files, lists.c_str(), X509_FILETYPE_PEM) < 1) {
+    return library_error("server.tls.client_crl: " + lists.string());
   }
+  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
   return {};
 }
 
 // Clients may show a certificate; if they do, one of the authorities must have signed it.
-Result<void> ask_clients(SSL_CTX* context, const fs::path& authorities) {
-  if (authorities.empty()) return {};
-  STACK_OF(X509_NAME)* const names = SSL_load_client_CA_file(authorities.c_str());
-  if (!names || SSL_CTX_load_verify_file(context, authorities.c_str()) != 1) {
-    return library_error("server.tls.client_ca: " + authorities.string());
+Result<void> ask_clients(SSL_CTX* context, const TlsConfig& tls) {
+  if (tls.client_ca.empty()) return {};
+  STACK_OF(X509_NAME)* const names = SSL_load_client_CA_file(tls.client_ca.c_str());
+  if (!names || SSL_CTX_load_verify_file(context, tls.client_ca.c_str()) != 1) {
+    sk_X509_NAME_pop_free(names, X509_NAME_free);
+    return library_error("server.tls.client_ca: " + tls.client_ca.string());
   }
   SSL_CTX_set_client_CA_list(context, names);
+  if (auto read = read_revocations(SSL_CTX_get_cert_store(context), tls.client_crl); !read) return read;
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
   return {};
+}
+
+void ask_clients_as(SSL_CTX* context, SSL_CTX* before) {
+  SSL_CTX_set1_cert_store(context, SSL_CTX_get_cert_store(before));
+  SSL_CTX_set_client_CA_list(context, SSL_dup_CA_list(SSL_CTX_get_client_CA_list(before)));
+  SSL_CTX_set_verify(context, SSL_CTX_get_verify_mode(before), nullptr);
+}
+
+// Precondition: `before` has an identity.
+void use_identity_of(SSL_CTX* context, SSL_CTX* before) {
+  STACK_OF(X509)* chain = nullptr;
+  SSL_CTX_get0_chain_certs(before, &chain);
+  SSL_CTX_use_cert_and_key(context, SSL_CTX_get0_certificate(before), SSL_CTX_get0_privatekey(before), chain, 1);
+}
+
+bool has_expired(SSL_CTX* context) {
+  return X509_cmp_current_time(X509_get0_notAfter(SSL_CTX_get0_certificate(context))) < 0;
+}
+
+std::string expiry(const fs::path& certificate) {
+  return "server.tls.certificate: " + certificate.string() +
+         " has expired: clients refuse it; make another with gnomonctl make-certs";
+}
+
+std::shared_ptr<Tls> hardened() {
+  auto tls = std::make_shared<Tls>();
+  harden(tls->context.native_handle());
+  return tls;
+}
+
+// Notes what others ask of a complete context.
+void describe(Tls& tls) {
+  SSL_CTX* const context = tls.context.native_handle();
+  tls.pin = protocol::pin_of(SSL_CTX_get0_certificate(context));
+  tls.expires = end_of(SSL_CTX_get0_certificate(context));
+  tls.authorities = authorities_in(SSL_CTX_get_cert_store(context));
 }
 
 Result<TlsConfig> files_of(const ServerConfig& config) {
@@ -91,13 +137,43 @@ Result<TlsConfig> files_of(const ServerConfig& config) {
 Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config) {
   const auto files = files_of(config);
   if (!files) return files.error();
-  auto tls = std::make_shared<Tls>();
+  auto tls = hardened();
   SSL_CTX* const context = tls->context.native_handle();
-  harden(context);
   if (auto used = use_identity(context, *files); !used) return used.error();
-  if (auto asked = ask_clients(context, files->client_ca); !asked) return asked.error();
-  tls->pin = protocol::pin_of(SSL_CTX_get0_certificate(context));
+  if (auto asked = ask_clients(context, *files); !asked) return asked.error();
+  if (has_expired(context)) log::error("no client will connect", {{"why", expiry(files->certificate)}});
+  describe(*tls);
   return tls;
+}
+
+ReopenedTls reopen_tls(const ServerConfig& config, const Tls& before) {
+  SSL_CTX* const old = const_cast<Tls&>(before).context.native_handle();  // it is only read
+  ReopenedTls reopened{hardened(), {}};
+  const auto keep_identity = [&](const Error& why) {
+    reopened.kept.push_back(why);
+    reopened.tls = hardened();  // without what was read of another one
+    use_identity_of(reopened.tls->context.native_handle(), old);
+  };
+  const auto files = files_of(config);
+  if (!files) {
+    keep_identity(files.error());
+  } else if (auto used = use_identity(reopened.tls->context.native_handle(), *files); !used) {
+    keep_identity(used.error());
+  } else if (has_expired(reopened.tls->context.native_handle())) {
+    keep_identity(Error{expiry(files->certificate)});
+  }
+  SSL_CTX* const context = reopened.tls->context.native_handle();
+  if (auto asked = ask_clients(context, config.tls); !asked) {
+    reopened.kept.push_back(asked.error());
+    ask_clients_as(context, old);
+  }
+  describe(*reopened.tls);
+  return reopened;
+}
+
+FirstExpiry first_expiry(const Tls& tls) {
+  if (tls.authorities.expires < tls.expires) return {"server.tls.client_ca", tls.authorities.expires};
+  return {"server.tls.certificate", tls.expires};
 }
 
 }  // namespace gnomon::daemon

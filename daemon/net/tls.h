@@ -3,24 +3,44 @@
 #pragma once
 
 #include <asio/ssl/context.hpp>
+#include <chrono>
 #include <memory>
+#include <vector>
 
 #include "common/published.h"
 #include "common/result.h"
 #include "daemon/config/config.h"
-#include "daemon/metrics/status.h"
+#include "daemon/security/client_certificates.h"
 #include "protocol/pin.h"
 
 namespace gnomon::daemon {
 
 struct Tls {
   asio::ssl::context context{asio::ssl::context::tls_server};
-  protocol::Pin pin{};  // of the server's certificate
+  protocol::Pin pin{};                 // of the server's certificate
+  std::chrono::sys_seconds expires{};  // the server's certificate
+  ClientAuthorities authorities;       // of clients' certificates; none if clients are not asked for one
 };
 
 // Reads the certificate and key that the configuration names; in demo mode without them, the demo certificate. The
-// error names the configuration key, the file and the remedy, for example if others may read the private key.
+// error names the configuration key, the file and the remedy, for example if others may read the private key. A
+// certificate that has expired is used, as a daemon that runs can be given another one; its clients refuse it.
 Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config);
+
+// For a reload: as open_tls(), but the certificate and what is accepted of clients each stay as they are in `before` if
+// they cannot be read or, for the certificate, if it has expired; `kept` says which and why.
+struct ReopenedTls {
+  std::shared_ptr<Tls> tls;
+  std::vector<Error> kept;
+};
+ReopenedTls reopen_tls(const ServerConfig& config, const Tls& before);
+
+// Which of the certificates of a daemon expires first.
+struct FirstExpiry {
+  const char* key;  // of the configuration
+  std::chrono::sys_seconds at;
+};
+FirstExpiry first_expiry(const Tls& tls);
 
 // The context of new connections. Established connections keep the one that they began with.
 using PublishedTls = Published<std::shared_ptr<Tls>>;

@@ -43,22 +43,56 @@ Rejected reject(RefusalCode code, Fault fault) {
 
 }  // namespace
 
-std::variant<TenantId, Rejected> identify(const protocol::Hello& hello, const Names& certificate_names,
-                                          const TenantDirectory& directory, ServerMode mode) {
-  const std::string name = wanted_tenant(hello, certificate_names, directory);
+std::variant<Identified, Rejected> identify(const protocol::Hello& hello, const ClientCertificate& certificate,
+                                            const TenantDirectory& directory, ServerMode mode) {
+  const std::string name = wanted_tenant(hello, certificate.names, directory);
   const auto id = directory.find(name);
   // A tenant that does not exist is checked against a hash that no known token has, for the same amount of work.
   TenantConfig tenant;
   tenant.token_sha256 = {TokenHash{}};
   if (id) tenant = directory.config(*id);
-  const bool token_is_good = is_among(hash_of(hello.token), tenant.token_sha256);
+  const TokenHash token = hash_of(hello.token);
+  const bool token_is_good = is_among(token, tenant.token_sha256);
   if (!id) {
     const auto code =
-        may_know(certificate_names, directory, mode) ? RefusalCode::unknown_tenant : RefusalCode::bad_token;
+        may_know(certificate.names, directory, mode) ? RefusalCode::unknown_tenant : RefusalCode::bad_token;
     return reject(code, Fault::refused_unknown_tenant);
   }
-  if (token_is_good || contains(certificate_names, name) || lets_anybody_in(tenant, mode)) return *id;
+  if (token_is_good) return Identified{*id, {.kind = Credential::Kind::token, .id = token}};
+  if (contains(certificate.names, name)) {
+    return Identified{*id,
+                      {.kind = Credential::Kind::certificate,
+                       .id = certificate.id,
+                       .authority = certificate.authority,
+                       .expires = certificate.expires}};
+  }
+  if (lets_anybody_in(tenant, mode)) return Identified{*id, {}};
   return reject(RefusalCode::bad_token, Fault::refused_bad_token);
+}
+
+std::optional<std::string> objection_to(const Credential& credential, TenantId id, const CredentialRules& rules,
+                                        std::chrono::sys_seconds now) {
+  if (!rules.tenants.open(id)) return "the tenant is no longer served";
+  const TenantConfig& tenant = rules.tenants.config(id);
+  switch (credential.kind) {
+    case Credential::Kind::none:
+      if (!lets_anybody_in(tenant, rules.mode)) return "the tenant is no longer open to everybody";
+      break;
+    case Credential::Kind::token:
+      if (!is_among(credential.id, tenant.token_sha256)) return "its token was revoked";
+      break;
+    case Credential::Kind::certificate:
+      if (rules.authorities.revoked.contains(credential.id)) return "its certificate was revoked";
+      if (!rules.authorities.trusted.contains(credential.authority)) {
+        return "the authority of its certificate is no longer trusted";
+      }
+      if (credential.expires <= now) return "its certificate has expired";
+      break;
+  }
+  if (rules.max_age.count() > 0 && now - credential.shown >= rules.max_age) {
+    return "it is older than " + std::to_string(rules.max_age.count()) + " s: authenticate anew";
+  }
+  return std::nullopt;
 }
 
 Result<void> check_tenants(const Config& config) {

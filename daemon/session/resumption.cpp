@@ -20,7 +20,8 @@ bool makes_sense(const SessionRecord& record) {
       record.cipher == protocol::CipherId::aes_128_gcm || record.cipher == protocol::CipherId::chacha20_poly1305;
   const uint64_t epoch = record.seal.sent / protocol::kEpochDatagrams;
   const bool epochs = record.seal.sending.epoch <= epoch && epoch <= record.seal.sending.epoch + 1;
-  return cipher && epochs && is_known(record.codec) && is_known(record.dense_codec) && record.rate_hz >= 0;
+  return cipher && epochs && record.credential.kind <= Credential::Kind::certificate && is_known(record.codec) &&
+         is_known(record.dense_codec) && record.rate_hz >= 0;
 }
 
 }  // namespace
@@ -35,6 +36,7 @@ SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::stri
                        .codec = grant.codec,
                        .dense_codec = grant.dense_codec,
                        .cipher = grant.cipher,
+                       .credential = grant.credential,
                        .scene_hash = keys.scene_hash,
                        .resumption = keys.resumption,
                        .seal = keys.seal};
@@ -60,6 +62,7 @@ std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& reco
     grant->codec = record.codec;
     grant->dense_codec = record.dense_codec;
     grant->cipher = record.cipher;
+    grant->credential = record.credential;
   }
   return verdict;
 }

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
+#include "daemon/session/handshake.h"
+
 namespace gnomon::daemon {
 namespace {
 
 protocol::Refused full(const std::string& whose, uint32_t limit) {
-  protocol::Refused refused;
-  refused.code = protocol::RefusalCode::too_many_sessions;
-  refused.text = whose + " has its " + std::to_string(limit) + " sessions already";
-  return refused;
+  return refusal(protocol::RefusalCode::too_many_sessions,
+                 whose + " has its " + std::to_string(limit) + " sessions already");
 }
 
 // `sessions` is 0, no limit: sessions are counted when a permit is taken, before the scene is brought.
@@ -31,33 +31,60 @@ SessionPermit::~SessionPermit() {
 }
 
 SessionLimits::SessionLimits(const Config& config, size_t devices) : devices_(static_cast<double>(devices)) {
-  set_limits(config);
+  set_limits(config, TenantDirectory().with(config.tenants));
 }
 
-void SessionLimits::set_limits(const Config& config) {
+void SessionLimits::set_limits(const Config& config, const TenantDirectory& tenants) {
+  const std::vector<TenantConfig> configs = tenants.configs();
   std::vector<scheduler::TenantLimits> limits;
-  for (const TenantConfig& tenant : config.tenants) limits.push_back(limits_of(tenant));
+  uint32_t open = 0;
+  for (uint32_t id = 0; id < configs.size(); ++id) {
+    limits.push_back(limits_of(configs[id]));
+    open += tenants.open(TenantId{id});
+  }
   std::lock_guard lock(mutex_);
   max_all_ = config.server.max_sessions;
   max_per_address_ = config.server.max_sessions_per_address;
-  of_tenant_.resize(std::max(of_tenant_.size(), config.tenants.size()));
-  max_of_tenant_.clear();
-  for (const TenantConfig& tenant : config.tenants) max_of_tenant_.push_back(tenant.max_sessions);
+  of_tenant_.resize(configs.size());
+  const uint32_t reserve = max_all_ / 2 / std::max(1u, open);
+  for (uint32_t id = 0; id < configs.size(); ++id) {
+    Places& places = of_tenant_[id];
+    places.most = configs[id].max_sessions;
+    const bool limited = places.most.value_or(0) > 0;
+    places.reserved = !tenants.open(TenantId{id}) ? 0 : limited ? std::min(reserve, *places.most) : reserve;
+  }
   admission_.set_limits(devices_ * config.scheduler.admit_percent / 100.0, std::move(limits));
 }
 
-std::variant<SessionPermit, protocol::Refused> SessionLimits::take(TenantId tenant,
-                                                                   const asio::ip::address& address) {
-  std::lock_guard lock(mutex_);
-  const uint32_t tenant_limit = max_of_tenant_[tenant.value];
+uint32_t SessionLimits::reserved_for_others(TenantId tenant) const {
+  uint32_t reserved = 0;
+  for (uint32_t id = 0; id < of_tenant_.size(); ++id) {
+    const Places& places = of_tenant_[id];
+    if (TenantId{id} != tenant && places.taken < places.reserved) reserved += places.reserved - places.taken;
+  }
+  return reserved;
+}
+
+std::optional<protocol::Refused> SessionLimits::obstacle(TenantId tenant, const ClientNetwork& from) const {
+  const Places& own = of_tenant_[tenant.value];
   if (all_ >= max_all_) return full("the server", max_all_);
-  if (tenant_limit != 0 && of_tenant_[tenant.value] >= tenant_limit) return full("the tenant", tenant_limit);
-  const auto here = of_address_.find(address);
-  if (here != of_address_.end() && here->second >= max_per_address_) return full("your address", max_per_address_);
+  if (own.most.value_or(0) > 0 && own.taken >= *own.most) return full("the tenant", *own.most);
+  if (!own.most && own.taken >= own.reserved && all_ + reserved_for_others(tenant) >= max_all_) {
+    return refusal(protocol::RefusalCode::too_many_sessions,
+                   "the tenant has " + std::to_string(own.taken) + " sessions, and what is left is for others");
+  }
+  const auto here = of_network_.find(from);
+  if (here != of_network_.end() && here->second >= max_per_address_) return full("your address", max_per_address_);
+  return std::nullopt;
+}
+
+std::variant<SessionPermit, protocol::Refused> SessionLimits::take(TenantId tenant, const ClientNetwork& from) {
+  std::lock_guard lock(mutex_);
+  if (auto refused = obstacle(tenant, from)) return *std::move(refused);
   ++all_;
-  ++of_tenant_[tenant.value];
-  ++of_address_[address];
-  return SessionPermit(*this, tenant, address);
+  ++of_tenant_[tenant.value].taken;
+  ++of_network_[from];
+  return SessionPermit(*this, tenant, from);
 }
 
 std::optional<scheduler::AdmissionRejection> SessionLimits::book(SessionPermit& permit,
@@ -73,10 +100,10 @@ std::optional<scheduler::AdmissionRejection> SessionLimits::book(SessionPermit& 
 void SessionLimits::give_back(const SessionPermit& permit) {
   std::lock_guard lock(mutex_);
   --all_;
-  --of_tenant_[permit.tenant_.value];
+  --of_tenant_[permit.tenant_.value].taken;
   if (permit.booking_) admission_.release(permit.tenant_, *permit.booking_);
-  const auto here = of_address_.find(permit.address_);
-  if (--here->second == 0) of_address_.erase(here);
+  const auto here = of_network_.find(permit.network_);
+  if (--here->second == 0) of_network_.erase(here);
 }
 
 uint32_t SessionLimits::taken() const {

@@ -1,8 +1,10 @@
 // Limits the number of sessions in all, of a tenant and from an address, and what a tenant's sessions may ask for
 // together. A permit counts as a session while it exists.
+//
+// Half of all places are reserved, equal parts for the tenants. A tenant without a limit of its own may take any place
+// beyond its reserve that is not reserved for another tenant: alone it gets most of the node, and however many sessions
+// the others have, a tenant finds its reserve free.
 #pragma once
-
-#include <asio/ip/address.hpp>
 
 #include <map>
 #include <mutex>
@@ -13,6 +15,8 @@
 
 #include "common/ids.h"
 #include "daemon/config/config.h"
+#include "daemon/config/tenant_directory.h"
+#include "daemon/session/client_network.h"
 #include "protocol/messages.h"
 #include "scheduler/admission_control.h"
 
@@ -23,12 +27,12 @@ class SessionLimits;
 // Move-only; any thread may drop it. Outlived by its SessionLimits.
 class SessionPermit {
  public:
-  SessionPermit(SessionLimits& limits, TenantId tenant, asio::ip::address address)
-      : limits_(&limits), tenant_(tenant), address_(std::move(address)) {}
+  SessionPermit(SessionLimits& limits, TenantId tenant, const ClientNetwork& network)
+      : limits_(&limits), tenant_(tenant), network_(network) {}
   SessionPermit(SessionPermit&& other) noexcept
       : limits_(std::exchange(other.limits_, nullptr)),
         tenant_(other.tenant_),
-        address_(other.address_),
+        network_(other.network_),
         booking_(other.booking_) {}
   SessionPermit& operator=(SessionPermit&&) = delete;
   ~SessionPermit();
@@ -38,7 +42,7 @@ class SessionPermit {
 
   SessionLimits* limits_;
   TenantId tenant_;
-  asio::ip::address address_;
+  ClientNetwork network_;
   std::optional<scheduler::Booking> booking_;
 };
 
@@ -49,30 +53,36 @@ class SessionLimits {
   explicit SessionLimits(const Config& config, size_t devices = 1);
 
   // Returns a permit, or the refusal that names the limit that is reached.
-  std::variant<SessionPermit, protocol::Refused> take(TenantId tenant, const asio::ip::address& address);
+  std::variant<SessionPermit, protocol::Refused> take(TenantId tenant, const ClientNetwork& from);
 
   // Books what the session asks for on its permit. Returns nullopt, or the exceeded limit and what would fit.
   std::optional<scheduler::AdmissionRejection> book(SessionPermit& permit, const scheduler::Demand& demand,
                                                     const scheduler::CostModel& model);
 
-  // The limits of `config`, which lists tenants by id, hold from now on. Permits that were given out stay valid.
-  void set_limits(const Config& config);
+  // The limits of `config` and of the tenants hold from now on. Permits that were given out stay valid.
+  void set_limits(const Config& config, const TenantDirectory& tenants);
 
   uint32_t taken() const;  // the number of permits that exist
 
  private:
   friend class SessionPermit;
   void give_back(const SessionPermit& permit);
+  std::optional<protocol::Refused> obstacle(TenantId tenant, const ClientNetwork& from) const;
+  uint32_t reserved_for_others(TenantId tenant) const;
 
   const double devices_;
   mutable std::mutex mutex_;  // guards what follows
   uint32_t max_all_ = 0;
   uint32_t max_per_address_ = 0;
-  std::vector<uint32_t> max_of_tenant_;  // 0: no limit
+  struct Places {
+    uint32_t taken = 0;
+    uint32_t reserved = 0;             // places that others leave free for it, as long as it has fewer
+    std::optional<uint32_t> most = 0;  // 0: no limit; nullopt: what is not reserved for others
+  };
+  std::vector<Places> of_tenant_;  // by id
   scheduler::AdmissionControl admission_;
   uint32_t all_ = 0;
-  std::vector<uint32_t> of_tenant_;
-  std::map<asio::ip::address, uint32_t> of_address_;
+  std::map<ClientNetwork, uint32_t> of_network_;
 };
 
 }  // namespace gnomon::daemon

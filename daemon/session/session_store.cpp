@@ -27,7 +27,7 @@ static_assert(std::is_trivially_copyable_v<SessionRecord>);
 // The layout counts up with every change to SessionRecord or to what its fields mean.
 Head head_of(size_t records) {
   return {{'g', 'n', 'o', 'm', 'o', 'n', ' ', 's', 'e', 's', 's', 'i', 'o', 'n', 's'},
-          1,
+          2,
           sizeof(SessionRecord),
           records};
 }

@@ -20,6 +20,7 @@
 #include "common/clock.h"
 #include "common/ids.h"
 #include "common/result.h"
+#include "daemon/frame/credential.h"
 #include "protocol/seal.h"
 
 namespace gnomon::daemon {
@@ -34,6 +35,7 @@ struct SessionRecord {
   uint16_t width = 0, height = 0;
   protocol::CodecId codec{}, dense_codec{};
   protocol::CipherId cipher{};
+  Credential credential;
   std::array<char, 257> tenant{};
   std::array<char, 1025> scene{};
   protocol::Bytes16 scene_hash{};

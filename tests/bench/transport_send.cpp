@@ -101,7 +101,7 @@ class SealedFlow {
  public:
   SealedFlow(CipherId cipher, daemon::DataSocket& socket)
       : socket_(socket), client_(kBenchSession, cipher, kBenchSecrets, Side::client) {
-    auto permit = std::get<daemon::SessionPermit>(limits_.take(TenantId{0}, asio::ip::address_v4::loopback()));
+    auto permit = std::get<daemon::SessionPermit>(limits_.take(TenantId{0}, daemon::ClientNetwork{}));
     auto seal = std::make_unique<Seal>(kBenchSession, cipher, kBenchSecrets, Side::server);
     daemon::SessionGrant grant;
     grant.features = protocol::kFeatureFeedback | protocol::kFeatureParity;

@@ -3,6 +3,7 @@
 
     booted_test.py BUILD
 """
+import re
 import subprocess
 import sys
 import unittest
@@ -18,6 +19,13 @@ render: {device: cpu, cache_folder: /var/cache/gnomon}
 scenes: {list: [{name: living_room, file: living_room.glb}]}
 tenants: [{name: studio, weight: %d}, {name: arcade}]
 """
+PRODUCTION = """
+server: {mode: production, tls: {certificate: credentials/server.pem, key: credentials/server-key.pem}}
+render: {device: cpu, cache_folder: /var/cache/gnomon}
+scenes: {list: [{name: living_room, file: living_room.glb}]}
+tenants: [{name: studio, open: true}]
+"""
+CREDENTIALS = "/etc/gnomon/credentials"
 FAULTS = """[Service]
 WatchdogSec=6s
 Environment=VK_ADD_LAYER_PATH=/opt/faults VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=/run/gnomon
@@ -121,6 +129,49 @@ class Booted(unittest.TestCase):
         eventually(lambda: self.system.property("ActiveState") == "inactive", "inactive after gnomonctl drain")
         self.assertEqual(self.system.property("ExecMainStatus"), "0")
         self.assertEqual(int(self.system.property("NRestarts")), 0, "who was asked to go is not started again")
+
+    def shown_pin(self):
+        """Of the certificate that new connections get."""
+        ask = "openssl s_client -connect 127.0.0.1:7600 -alpn gnomon </dev/null | openssl x509 -noout -fingerprint -sha256"
+        shown = self.system.run("sh", "-c", ask).stdout
+        return "sha256:" + re.search(r"Fingerprint=(\S+)", shown).group(1).replace(":", "").lower()
+
+    def place_certificate(self, *how):
+        self.system.run("gnomonctl", "make-certs", "--out", "/root/certs", "--host", "127.0.0.1", *how)
+        self.system.run("install", "-m", "640", "/root/certs/server.pem", "/root/certs/server-key.pem", CREDENTIALS)
+
+    def back_to_demo(self):
+        self.system.write(CONFIG, CONFIG_TEXT % 1)
+        self.system.systemctl("restart", "gnomond.service")
+
+    def test_rotated(self):
+        """A reload shows new clients the new certificate, and sessions go on."""
+        self.place_certificate()
+        self.assertEqual(self.system.run("stat", "-c", "%A %U %G", CREDENTIALS).stdout, "drwxr-s--- root gnomon\n")
+        self.assertEqual(self.system.run("stat", "-c", "%A %U %G", CREDENTIALS + "/server-key.pem").stdout,
+                         "-rw-r----- root gnomon\n")
+        self.system.write(CONFIG, PRODUCTION)
+        self.addCleanup(self.back_to_demo)
+        self.system.systemctl("restart", "gnomond.service")
+        before, main = self.shown_pin(), self.system.property("MainPID")
+        load = subprocess.Popen(
+            list(map(str, self.system.command("gnomon-load", "--server", "127.0.0.1:7600", "--pin", before, "--scene",
+                                              "living_room", "--size", "160x90", "--rate", 5, "--tenant", "studio::2",
+                                              "--seconds", 600))), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(load.wait)
+        self.addCleanup(self.end_load)
+        eventually(lambda: len(self.sessions()) == 2, "sessions")
+        sessions = self.sessions()
+        self.place_certificate("--renew")
+        self.system.systemctl("reload", "gnomond.service")
+        eventually(lambda: self.shown_pin() != before, "the new certificate")
+        self.assertEqual(self.system.property("MainPID"), main)
+        self.assertEqual(self.sessions(), sessions)
+        self.system.write(CREDENTIALS + "/server.pem", "half a certificate")
+        second = self.shown_pin()
+        self.system.systemctl("reload", "gnomond.service")
+        eventually(lambda: "reloaded in part" in self.system.journal(), "what could not be applied")
+        self.assertEqual(self.shown_pin(), second)
 
     def test_whoever_connects_starts_it(self):
         self.system.systemctl("stop", "gnomond.service")

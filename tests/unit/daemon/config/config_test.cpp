@@ -323,19 +323,39 @@ TEST(SceneFiles, AreFoundBesideTheConfigurationThenInShare) {
       parse_config("scenes:\n  list: [{name: a, file: both.glb}, {name: b, file: only.glb}]\n", "edge.yaml");
   ASSERT_TRUE(config);
   const auto found = find_files(*config, folder / "etc", folder / "share");
-  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found.empty()) << found.front().message;
   EXPECT_EQ(config->scenes.list[0].file, folder / "etc/both.glb");
   EXPECT_EQ(config->scenes.list[1].file, folder / "share/only.glb");
 
-  auto missing = parse_config("scenes:\n  list:\n  - {name: a, file: none.glb}\n", "edge.yaml");
+  auto missing =
+      parse_config("scenes:\n  list:\n  - {name: a, file: none.glb}\n  - {name: b, file: only.glb}\n", "edge.yaml");
   ASSERT_TRUE(missing);
-  const auto error = find_files(*missing, folder / "etc", folder / "share");
-  ASSERT_FALSE(error);
+  const auto errors = find_files(*missing, folder / "etc", folder / "share");
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(missing->scenes.list[1].file, folder / "share/only.glb") << "the others are found all the same";
   for (const std::string& part : std::vector<std::string>{"edge.yaml:3: scenes.list", "none.glb",
                                                           (folder / "etc").string(), (folder / "share").string()}) {
-    EXPECT_NE(error.error().message.find(part), std::string::npos) << error.error().message;
+    EXPECT_NE(errors[0].message.find(part), std::string::npos) << errors[0].message;
   }
   std::filesystem::remove_all(folder);
+}
+
+TEST(Config, ATenantsPlacesAreItsShareANumberOrAll) {
+  const auto config = parse_config(
+      "tenants: [{name: a}, {name: b, max_sessions: auto}, {name: c, max_sessions: 0}, {name: d, max_sessions: "
+      "7}]\n",
+      "edge.yaml");
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->tenants[0].max_sessions, std::nullopt);
+  EXPECT_EQ(config->tenants[1].max_sessions, std::nullopt);
+  EXPECT_EQ(config->tenants[2].max_sessions, 0u);
+  EXPECT_EQ(config->tenants[3].max_sessions, 7u);
+}
+
+TEST(Config, RevocationListsNeedAnAuthority) {
+  const auto config = parse_config("server: {tls: {client_crl: crl.pem}}\n", "edge.yaml");
+  ASSERT_FALSE(config);
+  EXPECT_NE(config.error().message.find("server.tls.client_ca"), std::string::npos) << config.error().message;
 }
 
 }  // namespace

@@ -12,16 +12,21 @@ namespace {
 
 using Number = std::unique_ptr<int>;  // move-only, as StoredSession is
 
-asio::awaitable<void> wait(asio::io_context& io, Ask<Number> ask, std::shared_ptr<int> got) {
-  const Number number = co_await answer_of(io, ask);
-  *got = *number;
+// `got` becomes the answer, or -1 if it is not waited for any more.
+asio::awaitable<void> wait(asio::io_context& io, Ask<Number> ask, std::shared_ptr<int> got,
+                           std::stop_token unwanted) {
+  const std::optional<Number> number = co_await answer_of(io, ask, unwanted);
+  *got = number ? **number : -1;
 }
 
 class AnswerTest : public testing::Test {
  protected:
-  void spawn(Ask<Number> ask) { asio::co_spawn(*io_, wait(*io_, std::move(ask), got_), asio::detached); }
+  void spawn(Ask<Number> ask) {
+    asio::co_spawn(*io_, wait(*io_, std::move(ask), got_, departure_.get_token()), asio::detached);
+  }
 
   std::unique_ptr<asio::io_context> io_ = std::make_unique<asio::io_context>(1);
+  std::stop_source departure_;
   std::shared_ptr<int> got_ = std::make_shared<int>(0);
 };
 
@@ -58,6 +63,27 @@ TEST_F(AnswerTest, ThatComesBeforeTheEndButIsNotSeenIsDroppedWithTheEventLoop) {
   io_.reset();
   EXPECT_EQ(*got_, 0);
   EXPECT_EQ(got_.use_count(), 1);
+}
+
+TEST_F(AnswerTest, IsNotWaitedForOnceNobodyWantsIt) {
+  OnAnswer<Number> kept;
+  spawn([&](OnAnswer<Number> on_answer) { kept = std::move(on_answer); });
+  io_->poll();
+  departure_.request_stop();
+  io_->poll();
+  EXPECT_EQ(*got_, -1);
+  EXPECT_EQ(got_.use_count(), 1) << "the coroutine has ended";
+  kept(std::make_unique<int>(9));  // and the answer that comes later is dropped
+  io_->restart();
+  io_->poll();
+  EXPECT_EQ(*got_, -1);
+}
+
+TEST_F(AnswerTest, IsNotWaitedForIfNobodyWantedItFromTheStart) {
+  departure_.request_stop();
+  spawn([](const OnAnswer<Number>&) {});
+  io_->run();
+  EXPECT_EQ(*got_, -1);
 }
 
 }  // namespace

@@ -68,8 +68,8 @@ class FakeRenderer : public gpu::Renderer {
     for (const auto& each : std::exchange(background_, {})) each();
   }
   gpu::LightState light_state(SceneId) const override { return state_of_lights; }
-  gpu::LightState state_of_lights;  // of every scene
-  bool holds_scenes = false, holds_builds = false;
+  gpu::LightState state_of_lights;                               // of every scene
+  std::atomic<bool> holds_scenes = false, holds_builds = false;  // any thread
   int brought = 0;
 
   uint32_t free_slots() const override {

@@ -1,11 +1,11 @@
-// Unit tests of tokens, certificates and connection rates.
+// Unit tests of tokens, certificates and the life of credentials.
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <set>
 
-#include "daemon/net/connection_rate.h"
 #include "daemon/security/certificates.h"
+#include "daemon/security/expiry_reminder.h"
 #include "daemon/security/tokens.h"
 #include "daemon/session/credentials.h"
 #include "protocol/pin.h"
@@ -57,7 +57,7 @@ TEST(Pin, SurvivesItsTextAndTakesOpensslsForm) {
   EXPECT_FALSE(pin_of_pem("nothing"));
 }
 
-struct Identified {
+struct Answered {
   std::optional<TenantId> tenant;
   RefusalCode code{};
   Fault fault{};
@@ -71,13 +71,15 @@ struct Credentials : testing::Test {
                               {.name = "lobby", .open = true},
                               {.name = "vault"}});
 
-  Identified ask(const std::string& tenant, const std::string& token,
-                 const std::vector<std::string>& certificate = {}, ServerMode mode = ServerMode::production) {
+  Answered ask(const std::string& tenant, const std::string& token,
+               const std::vector<std::string>& certificate = {}, ServerMode mode = ServerMode::production) {
     protocol::Hello hello;
     hello.tenant = tenant;
     hello.token = token;
-    const auto who = identify(hello, certificate, directory, mode);
-    if (const auto* id = std::get_if<TenantId>(&who)) return {*id, {}, {}, {}};
+    ClientCertificate shown;
+    shown.names = certificate;
+    const auto who = identify(hello, shown, directory, mode);
+    if (const auto* found = std::get_if<Identified>(&who)) return {found->tenant, {}, {}, {}};
     const Rejected& rejected = std::get<Rejected>(who);
     return {std::nullopt, rejected.refused.code, rejected.fault, rejected.refused.text};
   }
@@ -88,7 +90,7 @@ TEST_F(Credentials, ATokenIsGoodForItsTenantAlone) {
   EXPECT_EQ(ask("studio", "s2").tenant, TenantId{0});
   EXPECT_EQ(ask("arcade", "a").tenant, TenantId{1});
   for (const char* token : {"", "a", "S1", "s1 "}) {
-    const Identified got = ask("studio", token);
+    const Answered got = ask("studio", token);
     EXPECT_FALSE(got.tenant) << token;
     EXPECT_EQ(got.code, RefusalCode::bad_token);
     EXPECT_EQ(got.fault, Fault::refused_bad_token);
@@ -97,8 +99,8 @@ TEST_F(Credentials, ATokenIsGoodForItsTenantAlone) {
 }
 
 TEST_F(Credentials, StrangersDoNotLearnWhichTenantsThereAre) {
-  const Identified wrong_token = ask("studio", "x"), no_such = ask("nobody", "x"), no_name = ask("", "");
-  for (const Identified& got : {no_such, no_name}) {
+  const Answered wrong_token = ask("studio", "x"), no_such = ask("nobody", "x"), no_name = ask("", "");
+  for (const Answered& got : {no_such, no_name}) {
     EXPECT_EQ(got.code, wrong_token.code);
     EXPECT_EQ(got.text, wrong_token.text);
     EXPECT_EQ(got.fault, Fault::refused_unknown_tenant) << "the operator sees the difference";
@@ -142,36 +144,75 @@ TEST(Tenants, ThatNobodyCouldConnectAsAreAnError) {
   EXPECT_TRUE(check_tenants(config));
 }
 
-TEST(ConnectionRate, GivesABurstThenARate) {
-  ConnectionRate rate(5, 10);
-  const auto here = asio::ip::make_address("192.0.2.1"), there = asio::ip::make_address("192.0.2.2");
-  TimePoint now{1h};
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(rate.admit(here, now)) << i;
-  EXPECT_FALSE(rate.admit(here, now));
-  EXPECT_TRUE(rate.admit(there, now)) << "others are not to suffer";
-  now += 100ms;
-  EXPECT_TRUE(rate.admit(here, now));
-  EXPECT_FALSE(rate.admit(here, now));
-  now += 1h;
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(rate.admit(here, now)) << i;
-  EXPECT_FALSE(rate.admit(here, now)) << "no more is saved up";
-}
+// Why a session may not go on at `now`, one that was opened as `studio` with this credential; empty if it may.
+struct LifeOfCredentials : testing::Test {
+  TenantDirectory directory = TenantDirectory().with({{.name = "studio", .token_sha256 = {hash_of("s")}}});
+  ClientAuthorities authorities = {.trusted = {{1}}, .revoked = {{9}}};
+  std::chrono::seconds max_age{0};
+  std::chrono::sys_seconds now{1000s};
+  ServerMode mode = ServerMode::production;
 
-TEST(ConnectionRate, CountsAHomesIpv6AddressesAsOne) {
-  ConnectionRate rate(1, 1);
-  EXPECT_TRUE(rate.admit(asio::ip::make_address("2001:db8:1:2::1"), TimePoint(1h)));
-  EXPECT_FALSE(rate.admit(asio::ip::make_address("2001:db8:1:2:ffff::2"), TimePoint(1h)));
-  EXPECT_TRUE(rate.admit(asio::ip::make_address("2001:db8:1:3::1"), TimePoint(1h)));
-  EXPECT_TRUE(rate.admit(asio::ip::make_address("192.0.2.1"), TimePoint(1h)));
-  EXPECT_FALSE(rate.admit(asio::ip::make_address("::ffff:192.0.2.1"), TimePoint(1h))) << "the same, mapped";
-}
-
-TEST(ConnectionRate, RemembersABoundedNumberOfAddresses) {
-  ConnectionRate rate(2, 1);
-  for (uint32_t i = 0; i < 3 * ConnectionRate::kMaxAddresses; ++i) {
-    EXPECT_TRUE(rate.admit(asio::ip::address_v4(i), TimePoint(1h)));
-    ASSERT_LE(rate.size(), ConnectionRate::kMaxAddresses);
+  std::string objection(const Credential& credential) {
+    return objection_to(credential, TenantId{0}, {directory, authorities, mode, max_age}, now).value_or("");
   }
+  Credential token(const std::string& text) {
+    return {.kind = Credential::Kind::token, .id = hash_of(text), .shown = now};
+  }
+  Credential certificate(uint8_t id = 2, uint8_t authority = 1) {
+    return {.kind = Credential::Kind::certificate, .id = {id}, .authority = {authority}, .expires = now + 1h};
+  }
+};
+
+TEST_F(LifeOfCredentials, ATokenIsGoodAsLongAsTheTenantHasIt) {
+  EXPECT_EQ(objection(token("s")), "");
+  directory = directory.with({{.name = "studio", .token_sha256 = {hash_of("t"), hash_of("s")}}});
+  EXPECT_EQ(objection(token("s")), "") << "another one is good too";
+  directory = directory.with({{.name = "studio", .token_sha256 = {hash_of("t")}}});
+  EXPECT_EQ(objection(token("s")), "its token was revoked");
+  directory = directory.with({{.name = "arcade", .token_sha256 = {hash_of("s")}}});
+  EXPECT_EQ(objection(token("s")), "the tenant is no longer served");
+}
+
+TEST_F(LifeOfCredentials, ACertificateIsGoodUntilItExpiresOrItsAuthorityTakesItBack) {
+  EXPECT_EQ(objection(certificate()), "");
+  EXPECT_EQ(objection(certificate(9)), "its certificate was revoked");
+  EXPECT_EQ(objection(certificate(2, 3)), "the authority of its certificate is no longer trusted");
+  Credential old = certificate();
+  old.expires = now;
+  EXPECT_EQ(objection(old), "its certificate has expired");
+}
+
+TEST_F(LifeOfCredentials, WhoCameInWithoutAnyStaysWhileTheTenantIsOpen) {
+  EXPECT_EQ(objection({}), "the tenant is no longer open to everybody");
+  directory = directory.with({{.name = "studio", .open = true}});
+  EXPECT_EQ(objection({}), "");
+  directory = directory.with({{.name = "studio"}});
+  EXPECT_EQ(objection({}), "the tenant is no longer open to everybody");
+  mode = ServerMode::demo;
+  EXPECT_EQ(objection({}), "");
+}
+
+TEST_F(LifeOfCredentials, AnAgeEndsASession) {
+  const Credential shown = token("s");
+  now += 24h;
+  EXPECT_EQ(objection(shown), "") << "by default none";
+  max_age = 24h;
+  EXPECT_EQ(objection(shown), "it is older than 86400 s: authenticate anew");
+  now -= 1s;
+  EXPECT_EQ(objection(shown), "");
+}
+
+TEST(ExpiryReminder, RemindsOnceADayFromThirtyDaysBefore) {
+  using std::chrono::days;
+  ExpiryReminder reminder;
+  const std::chrono::sys_seconds expires{days(1000)};
+  EXPECT_FALSE(reminder.due(expires, expires - days(30) - 1s));
+  EXPECT_EQ(reminder.due(expires, expires - days(30)), days(30));
+  EXPECT_FALSE(reminder.due(expires, expires - days(29) - 1s));
+  EXPECT_EQ(reminder.due(expires, expires - days(29)), days(29));
+  EXPECT_EQ(reminder.due(expires, expires - 1s), days(0));
+  EXPECT_EQ(reminder.due(expires, expires + days(2)), days(-2)) << "and goes on";
+  EXPECT_FALSE(reminder.due(expires + days(400), expires + days(4))) << "until there is another one";
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ class Journey {
 
  private:
   SessionParts parts(uint64_t features) {
-    auto permit = limits_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    auto permit = limits_.take(TenantId{0}, ClientNetwork{});
     return {.id = SessionId{1},
             .grant = {.features = features},
             .seal = seal(protocol::Side::server),

@@ -17,7 +17,7 @@ class SessionTest : public testing::Test {
   static constexpr TimePoint kStart = TimePoint(1h);
 
   Session& add(uint64_t id, TimePoint now, uint64_t features = 0) {
-    auto permit = limits_.take(TenantId{0}, asio::ip::address_v4::loopback());
+    auto permit = limits_.take(TenantId{0}, ClientNetwork{});
     return table_.add(std::make_unique<Session>(SessionParts{.id = SessionId{id},
                                                              .grant = {.features = features},
                                                              .seal = this->seal(id, protocol::Side::server),
@@ -211,20 +211,6 @@ TEST_F(SessionTest, ClosingASessionGivesItsPermitBack) {
   EXPECT_EQ(limits_.taken(), 2u);
   table_.remove(SessionId{1});
   EXPECT_EQ(limits_.taken(), 1u);
-}
-
-TEST(SessionLimits, LimitPerAddress) {
-  Config config;
-  config.server.max_sessions_per_address = 1;
-  SessionLimits limits(config);
-  const auto near = asio::ip::make_address("127.0.0.1"), far = asio::ip::make_address("192.0.2.1");
-  {
-    const auto first = limits.take(TenantId{0}, near);
-    EXPECT_TRUE(std::holds_alternative<SessionPermit>(first));
-    EXPECT_TRUE(std::holds_alternative<protocol::Refused>(limits.take(TenantId{0}, near)));
-    EXPECT_TRUE(std::holds_alternative<SessionPermit>(limits.take(TenantId{0}, far)));
-  }
-  EXPECT_TRUE(std::holds_alternative<SessionPermit>(limits.take(TenantId{0}, near)));
 }
 
 protocol::MaskReferencePtr sent_frame(uint32_t frame, uint32_t width = 8) {

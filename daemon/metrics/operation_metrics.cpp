@@ -1,0 +1,32 @@
+#include "daemon/metrics/operation_metrics.h"
+
+#include "daemon/metrics/prometheus_families.h"
+
+namespace gnomon::daemon {
+namespace {
+
+prometheus::Family<prometheus::Counter>& reload_family(prometheus::Registry& registry) {
+  return counter_family(registry, "gnomon_config_reloads_total",
+                        "Configurations read while running, taken or not.");
+}
+
+}  // namespace
+
+OperationMetrics::OperationMetrics(prometheus::Registry& registry)
+    : ready_(gauge_family(registry, "gnomon_ready", "1: new clients are served.").Add({})),
+      certificate_expiry_(
+          gauge_family(registry, "gnomon_certificate_expiry_timestamp_seconds",
+                       "When the first of the daemon's certificates expires, its clients' authorities included.")
+              .Add({})),
+      reloads_(reload_family(registry).Add({{"result", "done"}})),
+      failed_reloads_(reload_family(registry).Add({{"result", "failed"}})) {}
+
+void OperationMetrics::ready(bool ready) { ready_.Set(ready ? 1 : 0); }
+
+void OperationMetrics::reloaded(bool wholly) { (wholly ? reloads_ : failed_reloads_).Increment(); }
+
+void OperationMetrics::certificate_expires(std::chrono::sys_seconds at) {
+  certificate_expiry_.Set(static_cast<double>(at.time_since_epoch().count()));
+}
+
+}  // namespace gnomon::daemon

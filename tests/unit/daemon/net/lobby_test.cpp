@@ -1,0 +1,87 @@
+// Who gets a place among connections without a session, in virtual time: rates of addresses and shares of places.
+#include <gtest/gtest.h>
+
+#include "daemon/net/connection_rate.h"
+#include "daemon/net/half_open_places.h"
+
+namespace gnomon::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+ClientNetwork at(const char* address) { return network_of(asio::ip::make_address(address)); }
+ClientNetwork number(uint32_t i) { return network_of(asio::ip::address_v4(i)); }
+
+TEST(ClientNetworks, CountAHomesIpv6AddressesAsOne) {
+  EXPECT_EQ(at("2001:db8:1:2::1"), at("2001:db8:1:2:ffff::2"));
+  EXPECT_NE(at("2001:db8:1:2::1"), at("2001:db8:1:3::1"));
+  EXPECT_NE(at("192.0.2.1"), at("192.0.2.2"));
+  EXPECT_EQ(at("192.0.2.1"), at("::ffff:192.0.2.1")) << "the same, mapped";
+}
+
+TEST(ConnectionRate, GivesABurstThenARate) {
+  ConnectionRate rate(5, 10);
+  const auto here = at("192.0.2.1"), there = at("192.0.2.2");
+  TimePoint now{1h};
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(rate.admit(here, now)) << i;
+  EXPECT_FALSE(rate.admit(here, now));
+  EXPECT_TRUE(rate.admit(there, now)) << "others are not to suffer";
+  now += 100ms;
+  EXPECT_TRUE(rate.admit(here, now));
+  EXPECT_FALSE(rate.admit(here, now));
+  now += 1h;
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(rate.admit(here, now)) << i;
+  EXPECT_FALSE(rate.admit(here, now)) << "no more is saved up";
+}
+
+TEST(ConnectionRate, RemembersABoundedNumberOfNetworks) {
+  ConnectionRate rate(2, 1);
+  for (uint32_t i = 0; i < 3 * ConnectionRate::kMaxNetworks; ++i) {
+    EXPECT_TRUE(rate.admit(number(i), TimePoint(1h)));
+    ASSERT_LE(rate.size(), ConnectionRate::kMaxNetworks);
+  }
+}
+
+TEST(ConnectionRate, AFloodOfFreshAddressesWinsNothingForWhoHasSpentTheirs) {
+  ConnectionRate rate(3, 1);
+  const TimePoint now{1h};
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(rate.admit(at("192.0.2.1"), now));
+  for (uint32_t i = 0; i < 3 * ConnectionRate::kMaxNetworks; ++i) EXPECT_TRUE(rate.admit(number(i), now)) << i;
+  EXPECT_FALSE(rate.admit(at("192.0.2.1"), now)) << "it is still remembered";
+}
+
+TEST(HalfOpenPlaces, OneAddressPushesOutItsOwnAlone) {
+  HalfOpenPlaces<int> places(8);
+  ASSERT_FALSE(places.take(0, at("192.0.2.1")));
+  for (int i = 1; i <= 1000; ++i) {
+    const auto out = places.take(i, at("198.51.100.7"));
+    EXPECT_NE(out, 0) << "of another address, and the oldest of all";
+    if (i > 7) {
+      EXPECT_EQ(out, i - 7) << "its oldest";
+    }
+  }
+  EXPECT_EQ(places.taken(), 8u);
+  EXPECT_TRUE(places.give_back(0));
+  EXPECT_FALSE(places.give_back(0));
+}
+
+TEST(HalfOpenPlaces, ANetworkOfManyAddressesIsOneAddress) {
+  HalfOpenPlaces<int> places(8);
+  places.take(0, at("192.0.2.1"));
+  for (int i = 1; i <= 1000; ++i) {
+    const std::string address = "2001:db8::" + std::to_string(i);
+    EXPECT_NE(places.take(i, at(address.c_str())), 0);
+  }
+}
+
+TEST(HalfOpenPlaces, WhoComesLaterFromElsewhereFindsAPlace) {
+  HalfOpenPlaces<int> places(4);
+  for (int i = 0; i < 4; ++i) places.take(i, at("192.0.2.1"));
+  EXPECT_EQ(places.take(10, at("192.0.2.2")), 0);
+  EXPECT_EQ(places.take(11, at("192.0.2.3")), 1);
+  EXPECT_EQ(places.take(12, at("192.0.2.4")), 2);
+  EXPECT_EQ(places.take(13, at("192.0.2.5")), 3) << "of equals the oldest";
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
