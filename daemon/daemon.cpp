@@ -99,18 +99,12 @@ Result<void> Daemon::bring_up() {
   tenant_directory_.publish(TenantDirectory().with(options_.config.tenants));
   if (auto opened = certificates_.open(options_.config.server); !opened) return opened;
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
-<<<<<<< HEAD
-  tls_.publish(*tls);
   scenes_ = std::make_unique<SceneHost>(
       catalog_, devices_, metrics_, options_.read_scene,
       SceneMemory{scene_memory_limits(options_.config), uint64_t{options_.config.render.light_buffer_mb} << 20});
-  if (auto opened = open_store(); !opened) return opened;
-=======
-  scenes_ = std::make_unique<SceneHost>(catalog_, devices_, metrics_, options_.read_scene);
   auto store = open_store(options_.config.server);
   if (!store) return store.error();
   store_ = std::move(*store);
->>>>>>> lobby
   auto server = Server::open({.config = options_.config,
                               .tenants = tenant_directory_,
                               .tracer = tracer_,
@@ -217,12 +211,8 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   by_id.tenants = directory.configs();
   const SharingPolicy sharing = sharing_policy_of(by_id);
   sharing_policy_.publish(sharing);
-<<<<<<< HEAD
-  session_limits_.set_limits(by_id);
-  scenes_->set_memory_limits(scene_memory_limits(by_id));
-=======
   session_limits_.set_limits(next, directory);
->>>>>>> lobby
+  scenes_->set_memory_limits(scene_memory_limits(by_id));
   metrics_.add_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
   devices_.set_sharing(sharing);
