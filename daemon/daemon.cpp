@@ -67,7 +67,8 @@ Daemon::Daemon(Options options, SceneCatalog catalog)
       metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version,
                options_.make_renderers.size()),
       session_limits_(options_.config, options_.make_renderers.size()),
-      devices_(options_.make_renderers.size(), metrics_, health_) {}
+      devices_(options_.make_renderers.size(), metrics_, health_),
+      reload_audit_(options_.config) {}
 
 Daemon::~Daemon() { stop(); }
 
@@ -139,6 +140,7 @@ Result<void> Daemon::open_admin() {
   auto admin = Admin::start(options_.config.admin, operations_->pages(), operations_->actions(), metrics_);
   if (!admin) return admin.error();
   admin_ = std::move(*admin);
+  log::info("admin server open", {{"port", admin_->port()}, {"socket", admin_->socket().string()}});
   return {};
 }
 
@@ -173,9 +175,15 @@ std::string Daemon::summary() const {
          std::to_string(session_limits_.taken()) + " sessions";
 }
 
-Result<void> Daemon::reload(const Result<Config>& next) {
+Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by) {
+  const protocol::Pin old_pin = pin();
   const auto done = next ? apply(*next) : Result<void>(next.error());
   metrics_.reloaded(done.has_value());
+  if (done) {
+    reload_audit_.applied(*next, old_pin, pin(), asked_by);
+  } else {
+    reload_audit_.refused(done.error().message, asked_by);
+  }
   return done;
 }
 
@@ -187,11 +195,15 @@ Result<void> Daemon::apply(const Config& next) {
   if (!tls) return tls.error();
   AdminConfig admin = options_.config.admin;
   admin.token_file = next.admin.token_file;
-  const auto token = read_operator_token(admin);
-  if (!token) return token.error();
+  admin.tls = next.admin.tls;
+  const auto secrets = read_admin_secrets(admin);
+  if (!secrets) return secrets.error();
   const TenantDirectory directory = tenant_directory_.get()->with(next.tenants);
   if (directory.size() > kMostTenants) {
     return Error{"tenants: more than " + std::to_string(kMostTenants) + " different ones since the start"};
+  }
+  if (auto opened = log::set_audit_file(next.log.audit_file); !opened) {
+    return Error{"log.audit_file: " + opened.error().message};
   }
   if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
   Config by_id = next;
@@ -203,7 +215,7 @@ Result<void> Daemon::apply(const Config& next) {
   log::set_level(next.log.level);
   devices_.set_sharing(sharing);
   tls_.publish(*tls);
-  admin_->set_token(*token);
+  admin_->set_secrets(*secrets);
   tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms
   server_->close_closed_tenants();
   log::info("configuration reloaded", {{"policy", sharing.policy}, {"pin", protocol::to_string((*tls)->pin)}});

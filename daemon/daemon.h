@@ -12,6 +12,7 @@
 #include "daemon/config/config.h"
 #include "daemon/encode/encode_pool.h"
 #include "daemon/net/server.h"
+#include "daemon/reload_audit.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_worker.h"
 #include "daemon/session/session_store.h"
@@ -48,15 +49,16 @@ class Daemon final : private FrameSink {
   // Applies the sharing terms, tenants, limits and log level of `next`, its certificates (for new connections) and the
   // operators' token, whose files are read again. No session is closed except those of tenants that `next` no longer
   // names. Other differences need a restart; the log says so. An error in place of a configuration is counted and
-  // returned. The main thread.
-  Result<void> reload(const Result<Config>& next);
+  // returned. The audit log's file is opened anew either way, and gets a line with the difference; `asked_by` stands in
+  // it. The main thread.
+  Result<void> reload(const Result<Config>& next, const char* asked_by = "operator");
 
   // The session's frames use the codec from the next one on. Precondition: its client decodes it. Any thread.
   void choose_codec(SessionId session, protocol::CodecId codec) { devices_.choose_codec({session, codec}); }
 
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
-  uint16_t admin_port() const { return admin_->port(); }
+  const Admin& admin() const { return *admin_; }
   protocol::Pin pin() const { return (*tls_.get())->pin; }  // of the certificate for new connections
   Metrics& metrics() { return metrics_; }
   std::vector<Heartbeat*> heartbeats() { return devices_.heartbeats(); }  // for one watchdog
@@ -94,6 +96,7 @@ class Daemon final : private FrameSink {
   std::unique_ptr<SceneHost> scenes_;
   std::unique_ptr<Operations> operations_;
   std::unique_ptr<Admin> admin_;
+  ReloadAudit reload_audit_;
 };
 
 }  // namespace gnomon::daemon

@@ -67,10 +67,12 @@ std::string bracketed(const std::string& address) {
 void print_ready_line(const Daemon& daemon, const Config& config) {
   std::string data;
   for (const uint16_t port : daemon.data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
-  std::printf("gnomond ready control=%s:%u data=%s admin=http://%s:%u pin=%s\n",
+  const Admin& admin = daemon.admin();
+  const std::string socket = admin.socket().empty() ? "" : " socket=" + admin.socket().string();
+  std::printf("gnomond ready control=%s:%u data=%s admin=%s://%s:%u pin=%s%s\n",
               bracketed(config.server.listen).c_str(), daemon.control_port(), data.c_str(),
-              bracketed(config.admin.listen).c_str(), daemon.admin_port(),
-              protocol::to_string(daemon.pin()).c_str());
+              is_loopback(config.admin) ? "http" : "https", bracketed(config.admin.listen).c_str(), admin.port(),
+              protocol::to_string(daemon.pin()).c_str(), socket.c_str());
   std::fflush(stdout);
 }
 
@@ -84,9 +86,9 @@ void leave_at(TimePoint deadline) {
 }
 
 // Reads the file and the command line's overrides again. An error in them leaves the configuration unchanged.
-Result<void> reload(Daemon& daemon, const Arguments& arguments) {
+Result<void> reload(Daemon& daemon, const Arguments& arguments, const char* asked_by) {
   supervisor::reloading();
-  auto done = daemon.reload(load_config(arguments));
+  auto done = daemon.reload(load_config(arguments), asked_by);
   if (!done) log::error("configuration not reloaded", {{"why", done.error().message}});
   supervisor::ready(done ? daemon.summary() : "configuration not reloaded: " + done.error().message);
   return done;
@@ -96,7 +98,7 @@ Result<void> reload(Daemon& daemon, const Arguments& arguments) {
 void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
   hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
     if (error) return;
-    (void)reload(daemon, arguments);  // it logs its errors
+    (void)reload(daemon, arguments, "SIGHUP");  // it logs its errors
     reload_on_hangup(hangup, daemon, arguments);
   });
 }
@@ -113,7 +115,7 @@ int serve(const Config& config, const Arguments& arguments) {
   const auto drain = [&] { asio::post(events, [&] { events.stop(); }); };
   Daemon* running = nullptr;  // set before the events run
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
-    asio::post(events, [&, answer] { answer(reload(*running, arguments)); });
+    asio::post(events, [&, answer] { answer(reload(*running, arguments, "operator")); });
   };
   auto daemon = Daemon::start({config, vulkan_renderers(config), GNOMON_VERSION, drain, failed, ask_for_reload,
                                installed("libexec/gnomon/gnomon-scene-worker")});
@@ -156,6 +158,9 @@ int run(const Arguments& arguments) {
     return EXIT_SUCCESS;
   }
   log::configure(config->log.level, config->log.format);
+  if (auto opened = log::set_audit_file(config->log.audit_file); !opened) {
+    return fail(Error{"log.audit_file: " + opened.error().message});
+  }
   return serve(*config, arguments);
 }
 
