@@ -1,13 +1,19 @@
 #include "common/log.h"
 
+#include <fcntl.h>
+#include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <atomic>
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
 #include <mutex>
 
 #include "common/log_rate_limiter.h"
+#include "common/printable.h"
+#include "common/published.h"
 
 namespace gnomon::log {
 namespace {
@@ -38,29 +44,16 @@ spdlog::level::level_enum to_spdlog(Level level) {
 // Escapes the characters that would break a line or a JSON document, so that a log line never spans two lines, whatever
 // a client has sent.
 void append_quoted(std::string& out, std::string_view text) {
-  out += '"';
+  std::string quoted;
   for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      char escaped[8];
-      std::snprintf(escaped, sizeof escaped, "\\u%04x", static_cast<unsigned char>(c));
-      out += escaped;
-    } else {
-      out += c;
-    }
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
   }
-  out += '"';
+  out += '"' + without_controls(quoted) + '"';
 }
 
 bool is_bare(std::string_view text) {
-  if (text.empty()) return false;
-  for (const char c : text) {
-    const auto u = static_cast<unsigned char>(c);
-    if (u <= 0x20 || u == 0x7f || c == '"' || c == '=' || c == '\\') return false;
-  }
-  return true;
+  return !text.empty() && text.find_first_of(" \"=\\") == std::string_view::npos && without_controls(text) == text;
 }
 
 void append_value(std::string& out, const Field& field, Format format) {
@@ -86,17 +79,20 @@ void append_value(std::string& out, const Field& field, Format format) {
 // Limits for each event, so that neither an unauthenticated peer nor a fault in every frame can fill the disk.
 constexpr double kLinesAtOnce = 200, kLinesPerSecond = 20;
 
-std::optional<uint64_t> admit(std::string_view event) {
-  static std::mutex mutex;
-  static LogRateLimiter limiter(kLinesAtOnce, kLinesPerSecond);  // guarded by mutex
-  std::lock_guard lock(mutex);
-  return limiter.admit(event, Clock::now());
-}
+class SharedRateLimiter {
+ public:
+  std::optional<uint64_t> admit(std::string_view event) {
+    std::lock_guard lock(mutex_);
+    return limiter_.admit(event, Clock::now());
+  }
 
-void write(spdlog::level::level_enum level, std::string_view event, Fields fields) {
-  if (!logger().should_log(level)) return;
-  const auto left_out = admit(event);
-  if (!left_out) return;
+ private:
+  std::mutex mutex_;
+  LogRateLimiter limiter_{kLinesAtOnce, kLinesPerSecond};  // guarded by mutex_
+};
+
+// What follows time and level.
+std::string line_of(std::string_view event, Fields fields, uint64_t left_out) {
   const Format format = line_format.load(std::memory_order_relaxed);
   std::string line;
   if (format == Format::json) {
@@ -108,7 +104,7 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
       line += ':';
       append_value(line, field, format);
     }
-    if (*left_out > 0) line += ",\"left_out\":" + std::to_string(*left_out);
+    if (left_out > 0) line += ",\"left_out\":" + std::to_string(left_out);
     line += '}';
   } else {
     line += event;
@@ -118,9 +114,42 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
       line += '=';
       append_value(line, field, format);
     }
-    if (*left_out > 0) line += " left_out=" + std::to_string(*left_out);
+    if (left_out > 0) line += " left_out=" + std::to_string(left_out);
   }
-  logger().log(level, spdlog::string_view_t(line.data(), line.size()));
+  return line;
+}
+
+void write(spdlog::logger& to, spdlog::level::level_enum level, std::string_view event, Fields fields,
+           uint64_t left_out) {
+  const std::string line = line_of(event, fields, left_out);
+  to.log(level, spdlog::string_view_t(line.data(), line.size()));
+}
+
+void write(spdlog::level::level_enum level, std::string_view event, Fields fields) {
+  static SharedRateLimiter limiter;
+  if (!logger().should_log(level)) return;
+  if (const auto left_out = limiter.admit(event)) write(logger(), level, event, fields, *left_out);
+}
+
+std::shared_ptr<spdlog::logger> make_audit_logger(spdlog::sink_ptr sink) {
+  auto made = std::make_shared<spdlog::logger>("audit", std::move(sink));
+  made->set_pattern(line_format.load() == Format::json
+                        ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e","level":"%l","logger":"%n",%v)"
+                        : "%Y-%m-%dT%H:%M:%S.%e %n %v");
+  made->flush_on(spdlog::level::info);
+  return made;
+}
+
+std::shared_ptr<spdlog::logger> audit_logger_to_stderr() {
+  return make_audit_logger(std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+}
+
+// Replaced when its file is opened anew: a thread that is writing keeps the one that it began with.
+Published<std::shared_ptr<spdlog::logger>>& audit_logger() {
+  static Published<std::shared_ptr<spdlog::logger>> instance;
+  static std::once_flag made;
+  std::call_once(made, [] { instance.publish(audit_logger_to_stderr()); });
+  return instance;
 }
 
 }  // namespace
@@ -131,6 +160,7 @@ void configure(Level level, Format format) {
     logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%e","level":"%l",%v)");
   }
   set_level(level);
+  audit_logger().publish(audit_logger_to_stderr());
 }
 
 void set_level(Level level) { logger().set_level(to_spdlog(level)); }
@@ -139,5 +169,31 @@ void debug(std::string_view event, Fields fields) { write(spdlog::level::debug, 
 void info(std::string_view event, Fields fields) { write(spdlog::level::info, event, fields); }
 void warning(std::string_view event, Fields fields) { write(spdlog::level::warn, event, fields); }
 void error(std::string_view event, Fields fields) { write(spdlog::level::err, event, fields); }
+
+void audit(std::string_view event, Fields fields) {
+  write(**audit_logger().get(), spdlog::level::info, event, fields, 0);
+}
+
+void audit_refusal(std::string_view event, Fields fields) {
+  static SharedRateLimiter limiter;
+  const auto left_out = limiter.admit(event);
+  if (left_out) write(**audit_logger().get(), spdlog::level::info, event, fields, *left_out);
+}
+
+Result<void> set_audit_file(const std::string& file) {
+  if (file.empty()) {
+    audit_logger().publish(audit_logger_to_stderr());
+    return {};
+  }
+  const int made = open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
+  if (made < 0) return Error{file + ": cannot be written: " + std::strerror(errno)};
+  close(made);
+  try {
+    audit_logger().publish(make_audit_logger(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file)));
+  } catch (const spdlog::spdlog_ex& error) {
+    return Error{file + ": " + error.what()};
+  }
+  return {};
+}
 
 }  // namespace gnomon::log

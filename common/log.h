@@ -14,6 +14,8 @@
 #include <string_view>
 #include <variant>
 
+#include "common/result.h"
+
 namespace gnomon::log {
 
 enum class Level { debug, info, warning, error, off };
@@ -45,5 +47,14 @@ void debug(std::string_view event, Fields fields = {});
 void info(std::string_view event, Fields fields = {});
 void warning(std::string_view event, Fields fields = {});
 void error(std::string_view event, Fields fields = {});
+
+// The audit log: who did, or tried, what. Its lines are those of a logger of its own, `audit` (in the place of the level,
+// or "logger" in JSON), and are written at every log level. They go to standard error, or where set_audit_file() said.
+void audit(std::string_view event, Fields fields = {});          // of somebody with the right to it; never left out
+void audit_refusal(std::string_view event, Fields fields = {});  // of strangers; rate-limited as other lines
+
+// Appends the audit log to `file`, which is made with mode 0640 where it is not there; '': standard error. Called again,
+// it opens the file anew, as one that was rotated needs. On an error the log stays where it was.
+Result<void> set_audit_file(const std::string& file);
 
 }  // namespace gnomon::log

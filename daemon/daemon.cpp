@@ -80,7 +80,8 @@ Daemon::Daemon(Options options, SceneCatalog catalog)
                options_.make_renderers.size()),
       session_limits_(options_.config, options_.make_renderers.size()),
       devices_(options_.make_renderers.size(), metrics_, health_),
-      certificates_(metrics_) {}
+      certificates_(metrics_),
+      reload_audit_(options_.config) {}
 
 Daemon::~Daemon() { stop(); }
 
@@ -144,6 +145,7 @@ Result<void> Daemon::open_admin() {
   auto admin = Admin::start(options_.config.admin, operations_->pages(), operations_->actions(), metrics_);
   if (!admin) return admin.error();
   admin_ = std::move(*admin);
+  log::info("admin server open", {{"port", admin_->port()}, {"socket", admin_->socket().string()}});
   return {};
 }
 
@@ -178,17 +180,20 @@ std::string Daemon::summary() const {
          std::to_string(session_limits_.taken()) + " sessions";
 }
 
-Result<void> Daemon::reload(const Result<Config>& next, std::vector<Error> missing) {
+Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by, std::vector<Error> missing) {
   if (!next) {
     metrics_.operation().reloaded(false);
     log::error("configuration not reloaded", {{"why", next.error().message}});
+    reload_audit_.refused(next.error().message, asked_by);
     return next.error();
   }
+  const protocol::Pin old_pin = pin();
   apply(*next, missing);
   metrics_.operation().reloaded(missing.empty());
-  if (missing.empty()) return {};
   std::string why;
   for (const Error& each : missing) why += (why.empty() ? "" : "; ") + each.message;
+  reload_audit_.applied(*next, why, old_pin, pin(), asked_by);
+  if (missing.empty()) return {};
   log::error("configuration reloaded in part", {{"why", why}});
   return Error{"reloaded, but for this: " + why};
 }
@@ -200,10 +205,14 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   for (const Error& each : certificates_.reopen(server)) kept.push_back(each);
   AdminConfig admin = options_.config.admin;
   admin.token_file = next.admin.token_file;
-  if (const auto token = read_operator_token(admin)) {
-    admin_->set_token(*token);
+  admin.tls = next.admin.tls;
+  if (const auto secrets = read_admin_secrets(admin)) {
+    admin_->set_secrets(*secrets);
   } else {
-    kept.push_back(token.error());
+    kept.push_back(secrets.error());
+  }
+  if (auto opened = log::set_audit_file(next.log.audit_file); !opened) {
+    kept.push_back(Error{"log.audit_file: " + opened.error().message});
   }
   const TenantDirectory directory = next_tenants(*tenant_directory_.get(), next.tenants, kept);
   if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");

@@ -14,6 +14,7 @@
 #include "daemon/encode/encode_pool.h"
 #include "daemon/net/daemon_certificates.h"
 #include "daemon/net/server.h"
+#include "daemon/reload_audit.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_host.h"
 #include "daemon/session/session_store.h"
@@ -50,8 +51,10 @@ class Daemon final : private FrameSink {
   // operators' token, whose files are read again. Each of these is applied on its own: one that cannot be stays as it
   // was, and the error says why, while the others hold; so does what `missing` names, which was found out before. Sessions
   // are closed whose tenant is no longer named or whose credential is no longer accepted. Other differences need a
-  // restart; the log says so. An error in place of a configuration changes nothing. Counted and logged. The main thread.
-  Result<void> reload(const Result<Config>& next, std::vector<Error> missing = {});
+  // restart; the log says so. An error in place of a configuration changes nothing. Counted and logged; the audit log's
+  // file is opened anew either way, and gets a line with the difference and with `asked_by`. The main thread.
+  Result<void> reload(const Result<Config>& next, const char* asked_by = "operator",
+                      std::vector<Error> missing = {});
 
   // Reminds operators in the log of a certificate that expires. Called now and then, on the main thread.
   void remind(std::chrono::sys_seconds now) { certificates_.remind(now); }
@@ -61,10 +64,9 @@ class Daemon final : private FrameSink {
 
   uint16_t control_port() const { return server_->control_port(); }
   std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
-  uint16_t admin_port() const { return admin_->port(); }
-  protocol::Pin pin() const {
-    return (*certificates_.published().get())->pin;
-  }  // of the certificate for new connections
+  const Admin& admin() const { return *admin_; }
+  // Of the certificate for new connections.
+  protocol::Pin pin() const { return (*certificates_.published().get())->pin; }
   Metrics& metrics() { return metrics_; }
   std::vector<Heartbeat*> heartbeats() { return devices_.heartbeats(); }  // for one watchdog
   void alive(TimePoint at) { health_.alive_at = at; }                     // the watchdog found all of them alive
@@ -100,6 +102,7 @@ class Daemon final : private FrameSink {
   std::unique_ptr<SceneHost> scenes_;
   std::unique_ptr<Operations> operations_;
   std::unique_ptr<Admin> admin_;
+  ReloadAudit reload_audit_;
 };
 
 }  // namespace gnomon::daemon

@@ -98,10 +98,12 @@ std::string bracketed(const std::string& address) {
 void print_ready_line(const Daemon& daemon, const Config& config) {
   std::string data;
   for (const uint16_t port : daemon.data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
-  std::printf("gnomond ready control=%s:%u data=%s admin=http://%s:%u pin=%s\n",
+  const Admin& admin = daemon.admin();
+  const std::string socket = admin.socket().empty() ? "" : " socket=" + admin.socket().string();
+  std::printf("gnomond ready control=%s:%u data=%s admin=%s://%s:%u pin=%s%s\n",
               bracketed(config.server.listen).c_str(), daemon.control_port(), data.c_str(),
-              bracketed(config.admin.listen).c_str(), daemon.admin_port(),
-              protocol::to_string(daemon.pin()).c_str());
+              is_loopback(config.admin) ? "http" : "https", bracketed(config.admin.listen).c_str(), admin.port(),
+              protocol::to_string(daemon.pin()).c_str(), socket.c_str());
   std::fflush(stdout);
 }
 
@@ -115,10 +117,11 @@ void leave_at(TimePoint deadline) {
 }
 
 // Reads the file and the command line's overrides again.
-Result<void> reload(Daemon& daemon, const Arguments& arguments) {
+Result<void> reload(Daemon& daemon, const Arguments& arguments, const char* asked_by) {
   supervisor::reloading();
   auto loaded = load_config(arguments);
-  auto done = loaded ? daemon.reload(loaded->config, loaded->missing) : daemon.reload(loaded.error());
+  auto done =
+      loaded ? daemon.reload(loaded->config, asked_by, loaded->missing) : daemon.reload(loaded.error(), asked_by);
   const std::string how = loaded ? "configuration " : "configuration not reloaded: ";
   supervisor::ready(done ? daemon.summary() : how + done.error().message);
   return done;
@@ -128,7 +131,7 @@ Result<void> reload(Daemon& daemon, const Arguments& arguments) {
 void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
   hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
     if (error) return;
-    (void)reload(daemon, arguments);  // it logs its errors
+    (void)reload(daemon, arguments, "SIGHUP");  // it logs its errors
     reload_on_hangup(hangup, daemon, arguments);
   });
 }
@@ -154,7 +157,7 @@ int serve(const Config& config, const Arguments& arguments) {
   const auto drain = [&] { asio::post(events, [&] { events.stop(); }); };
   Daemon* running = nullptr;  // set before the events run
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
-    asio::post(events, [&, answer] { answer(reload(*running, arguments)); });
+    asio::post(events, [&, answer] { answer(reload(*running, arguments, "operator")); });
   };
   const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
   auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, drain,
@@ -198,6 +201,9 @@ int run(const Arguments& arguments) {
   if (arguments.check_config) return check_config(arguments, *loaded);
   if (!loaded->missing.empty()) return fail(loaded->missing.front());
   log::configure(loaded->config.log.level, loaded->config.log.format);
+  if (auto opened = log::set_audit_file(loaded->config.log.audit_file); !opened) {
+    return fail(Error{"log.audit_file: " + opened.error().message});
+  }
   return serve(loaded->config, arguments);
 }
 

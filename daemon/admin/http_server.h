@@ -8,25 +8,22 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "common/clock.h"
 #include "common/result.h"
+#include "daemon/admin/http_message.h"
+#include "daemon/admin/unix_socket.h"
 #include "daemon/config/config.h"
 #include "daemon/metrics/metrics.h"
 
 namespace gnomon::daemon {
 
-struct Page {
-  int status = 200;
-  const char* content_type = "text/plain; charset=utf-8";
-  std::string body;
-};
+struct HttpTls;
 
-struct HttpRequest {
-  std::string path;  // decoded, without what follows a question mark
-  std::string content_type, authorization;
-  std::string body;
-};
+// TLS 1.3 with the certificate and key that the files hold. The error names the key of the configuration.
+Result<std::shared_ptr<HttpTls>> open_http_tls(const AdminTlsConfig& files);
 
 class HttpServer {
  public:
@@ -34,19 +31,30 @@ class HttpServer {
   static constexpr size_t kMostAnswering = 64;
   static constexpr std::chrono::seconds kRequestTime{1};  // for a client to send its request
 
-  // Called on the server's threads, several at a time. GET and POST have threads of their own, so that a GET never
-  // waits for a POST.
   using Answer = std::function<Page(const HttpRequest&)>;
   struct Answers {
+    // Called on the server's threads, several at a time. GET and POST have threads of their own, so that a GET never
+    // waits for a POST.
     Answer get;
     Answer post;
+    // Called before, on the thread that reads: the answer to a request that goes no further, nullopt for the others.
+    std::function<std::optional<Page>(const HttpRequest&, TimePoint)> refuse = {};
+  };
+
+  struct Listening {
+    std::string listen = "127.0.0.1";
+    uint16_t port = 0;                             // 0: a free one
+    std::shared_ptr<HttpTls> tls = nullptr;        // of TCP; nullptr: none is spoken
+    std::unique_ptr<UnixSocket> socket = nullptr;  // nullptr: none
   };
 
   // Error if the port cannot be opened. `metrics` counts connections that are closed before they have asked.
-  static Result<std::unique_ptr<HttpServer>> start(const AdminConfig& config, Answers answers, Metrics& metrics);
+  static Result<std::unique_ptr<HttpServer>> start(Listening listening, Answers answers, Metrics& metrics);
   ~HttpServer();  // blocks until received requests are answered
 
   uint16_t port() const;
+  // For new connections; has no effect on a server that speaks none. Any thread.
+  void set_tls(std::shared_ptr<HttpTls> tls);
 
  private:
   struct Impl;

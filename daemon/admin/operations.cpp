@@ -102,17 +102,20 @@ Page Operations::reload_page() {
 
 Admin::Actions Operations::actions() {
   using Groups = std::vector<std::string>;
+  using Body = std::string;
   return {
-      {"/sessions/([0-9]+)/kick", [this](const Groups& g, const std::string& body) { return kick(g[0], body); }},
-      {"/devices/([0-9]+)/drain", [this](const Groups& g, const std::string&) { return drain_device(g[0], true); }},
+      {"/sessions/([0-9]+)/kick", {"kick", [this](const Groups& g, const Body& body) { return kick(g[0], body); }}},
+      {"/devices/([0-9]+)/drain",
+       {"drain device", [this](const Groups& g, const Body&) { return drain_device(g[0], true); }}},
       {"/devices/([0-9]+)/resume",
-       [this](const Groups& g, const std::string&) { return drain_device(g[0], false); }},
-      {"/reload", [this](const Groups&, const std::string&) { return reload_page(); }},
-      {"/drain", [this](const Groups&, const std::string&) { return begin_drain(); }},
-      {"/scenes/(.+)/load", [this](const Groups& g, const std::string&) { return load_scene(g[0]); }},
-      {"/scenes/(.+)/unload", [this](const Groups& g, const std::string&) { return unload_scene(g[0]); }},
+       {"resume device", [this](const Groups& g, const Body&) { return drain_device(g[0], false); }}},
+      {"/reload", {"reload", [this](const Groups&, const Body&) { return reload_page(); }}},
+      {"/drain", {"drain", [this](const Groups&, const Body&) { return begin_drain(); }}},
+      {"/scenes/(.+)/load", {"load scene", [this](const Groups& g, const Body&) { return load_scene(g[0]); }}},
+      {"/scenes/(.+)/unload",
+       {"unload scene", [this](const Groups& g, const Body&) { return unload_scene(g[0]); }}},
       {"/scenes/(.+)/lights/([0-9]+)",
-       [this](const Groups& g, const std::string& body) { return change_light(g[0], g[1], body); }},
+       {"change light", [this](const Groups& g, const Body& body) { return change_light(g[0], g[1], body); }}},
   };
 }
 

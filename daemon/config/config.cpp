@@ -44,6 +44,12 @@ Result<YAML::Node> override_tree(const std::string& text, const Source& source) 
   }
 }
 
+// The admin server shows the clients' certificate where it has none of its own.
+void use_server_tls(Config& config) {
+  AdminTlsConfig& tls = config.admin.tls;
+  if (tls.certificate.empty() && tls.key.empty()) tls = {config.server.tls.certificate, config.server.tls.key};
+}
+
 // Checks that involve several keys.
 Result<void> check_together(const Config& config) {
   const ServerConfig& server = config.server;
@@ -80,12 +86,15 @@ Result<Config> parse_config(const std::string& text, const std::string& name,
   auto root = load_yaml(text, file);
   if (!root) return root.error();
   if (auto read = read_into(config, *root, file); !read) return read.error();
+  add_values(config.values, *root);
   for (const std::string& text_override : overrides) {
     const Source source{"--set " + text_override, false};
     auto tree = override_tree(text_override, source);
     if (!tree) return tree.error();
     if (auto read = read_into(config, *tree, source); !read) return read.error();
+    add_values(config.values, *tree);
   }
+  use_server_tls(config);
   if (auto fits = check_together(config); !fits) return Error{name + ": " + fits.error().message};
   return config;
 }
@@ -112,18 +121,35 @@ std::vector<Error> find_files(Config& config, const std::filesystem::path& confi
     scene.file = is_shared ? shared : beside;
   }
   TlsConfig& tls = config.server.tls;
-  for (auto* path : {&config.admin.token_file, &config.render.cache_folder, &config.server.state_folder,
-                     &tls.certificate, &tls.key, &tls.client_ca, &tls.client_crl}) {
+  AdminConfig& admin = config.admin;
+  for (auto* path : {&admin.token_file, &admin.tls.certificate, &admin.tls.key, &config.render.cache_folder,
+                     &config.server.state_folder, &config.log.audit_file, &tls.certificate, &tls.key,
+                     &tls.client_ca, &tls.client_crl}) {
     if (!path->empty()) *path = absolute_below(config_folder, *path);
+  }
+  if (!admin.socket.empty() && admin.socket != kUsualAdminSocket) {
+    admin.socket = absolute_below(config_folder, admin.socket);
   }
   for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
   return missing;
 }
 
+bool is_loopback(const AdminConfig& admin) { return asio::ip::make_address(admin.listen).is_loopback(); }
+
 Result<void> check_admin(const AdminConfig& admin) {
-  if (!admin.token_file.empty() || asio::ip::make_address(admin.listen).is_loopback()) return {};
-  return Error{"admin.listen: " + admin.listen +
-               " can be reached from elsewhere; allowed: a loopback address, or any with admin.token_file"};
+  if (admin.tls.certificate.empty() != admin.tls.key.empty()) {
+    return Error{"admin.tls: certificate and key are needed together; only one of them is set"};
+  }
+  if (is_loopback(admin)) return {};
+  const std::string elsewhere = "admin.listen: " + admin.listen + " can be reached from elsewhere; ";
+  if (admin.token_file.empty()) {
+    return Error{elsewhere + "allowed: a loopback address, or any with admin.token_file"};
+  }
+  if (admin.tls.certificate.empty()) {
+    return Error{elsewhere + "its token must not cross in clear; allowed: a loopback address, or any with " +
+                 "admin.tls.certificate and admin.tls.key (or those of server.tls)"};
+  }
+  return {};
 }
 
 bool needs_restart(const Config& next, const Config& running) {
@@ -133,7 +159,10 @@ bool needs_restart(const Config& next, const Config& running) {
   server.tls = running.server.tls;
   AdminConfig admin = next.admin;
   admin.token_file = running.admin.token_file;
-  return server != running.server || admin != running.admin || next.scenes != running.scenes ||
+  admin.tls = running.admin.tls;
+  ScenesConfig scenes = next.scenes;
+  scenes.max_memory_mb = running.scenes.max_memory_mb;
+  return server != running.server || admin != running.admin || scenes != running.scenes ||
          next.render != running.render || next.encode != running.encode || next.log.format != running.log.format;
 }
 

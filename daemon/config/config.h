@@ -11,6 +11,7 @@
 
 #include "common/log.h"
 #include "common/result.h"
+#include "daemon/config/config_values.h"
 #include "daemon/security/tokens.h"
 #include "protocol/types.h"
 
@@ -47,10 +48,24 @@ struct ServerConfig {
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 
+// PEM files; absolute after find_files. An empty path is not set.
+struct AdminTlsConfig {
+  std::filesystem::path certificate;
+  std::filesystem::path key;
+  friend bool operator==(const AdminTlsConfig&, const AdminTlsConfig&) = default;
+};
+
+inline constexpr const char* kUsualAdminSocket = "auto";
+
 struct AdminConfig {
   std::string listen = "127.0.0.1";
   uint16_t port = 7601;                   // HTTP; 0: a free one
-  std::filesystem::path token_file = {};  // holds the token that actions need; empty: actions need none
+  std::filesystem::path token_file = {};  // holds the token of changes over TCP; empty: TCP changes nothing
+  // Of the socket through which operators of this machine come; empty: none; kUsualAdminSocket: see admin_socket.h.
+  std::filesystem::path socket = kUsualAdminSocket;
+  std::string group = {};               // its members may change things through the socket; empty: no group's
+  std::vector<std::string> hosts = {};  // further names, "node7" or "node7:443", by which browsers may reach us
+  AdminTlsConfig tls = {};              // spoken off loopback; those of `server.tls` where the file names no others
   friend bool operator==(const AdminConfig&, const AdminConfig&) = default;
 };
 
@@ -136,6 +151,7 @@ struct TenantConfig {
 struct LogConfig {
   log::Level level = log::Level::info;
   log::Format format = log::Format::key_value;
+  std::filesystem::path audit_file = {};  // absolute after find_files; empty: audit lines stand among the others
 };
 
 // A client that names no tenant belongs to this one, if it is configured.
@@ -150,6 +166,7 @@ struct Config {
   SchedulerConfig scheduler;
   std::vector<TenantConfig> tenants{{.name = kDefaultTenant}};  // TenantId is the index
   LogConfig log;
+  ConfigValues values = {};  // what the file and the overrides say, for changes_between()
 };
 
 // Reads `file`, then applies `overrides` ("key.path=value", the value in YAML) in order. The error names file and
@@ -166,11 +183,13 @@ Result<Config> parse_config(const std::string& text, const std::string& name,
 std::vector<Error> find_files(Config& config, const std::filesystem::path& config_folder,
                               const std::filesystem::path& share_folder);
 
-// Error if the admin server would listen on another address than loopback without a token.
+// Error if the admin server would listen on another address than loopback without a token or without TLS.
 Result<void> check_admin(const AdminConfig& admin);
 
+bool is_loopback(const AdminConfig& admin);  // whether it listens on loopback alone
+
 // Whether the two differ in anything that a running daemon cannot change. It can change limits of sessions, TLS files,
-// tenants, the scheduler's keys, the operators' token and the log level.
+// tenants, the scheduler's keys, the operators' token and certificate, the log level and the audit log's file.
 bool needs_restart(const Config& next, const Config& running);
 
 // Every key that read_config knows, dotted ("server.listen", "tenants.name").

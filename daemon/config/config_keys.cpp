@@ -164,6 +164,23 @@ Keys<ServerConfig> server_keys() {
   };
 }
 
+Keys<AdminConfig> admin_keys() {
+  using A = AdminConfig;
+  using T = AdminTlsConfig;
+  Keys<T> tls{
+      scalar("certificate", &T::certificate, "a PEM file, or '' for that of server.tls", parse_path_or_none),
+      scalar("key", &T::key, "a PEM file, or '' for that of server.tls", parse_path_or_none)};
+  return {
+      address("listen", &A::listen),
+      port("port", &A::port),
+      scalar("token_file", &A::token_file, "a path, or '' where TCP changes nothing", parse_path_or_none),
+      scalar("socket", &A::socket, "auto, a path, or '' for none", parse_path_or_none),
+      scalar("group", &A::group, "a group of this machine, or '' for none", any_scalar),
+      scalars("hosts", &A::hosts, "a list of host names, each with or without a colon and a port", parse_text),
+      section("tls", &A::tls, std::move(tls)),
+  };
+}
+
 Keys<MovingNode> moving_keys() {
   using M = MovingNode;
   return {
@@ -231,6 +248,7 @@ Keys<LogConfig> log_keys() {
               {"error", Level::error},
               {"off", Level::off}}),
       choice("format", &LogConfig::format, {{"key_value", Format::key_value}, {"json", Format::json}}),
+      scalar("audit_file", &LogConfig::audit_file, "a path, or '' for none of its own", parse_path_or_none),
   };
 }
 
@@ -241,9 +259,6 @@ std::vector<std::pair<std::string, std::string>> policies() {
 }
 
 Keys<Config> all_keys() {
-  Keys<AdminConfig> admin{
-      address("listen", &AdminConfig::listen), port("port", &AdminConfig::port),
-      scalar("token_file", &AdminConfig::token_file, "a path, or '' where no token is needed", parse_path_or_none)};
   const Key<SchedulerConfig> quantum =
       scalar("quantum_us", &SchedulerConfig::quantum,
              "auto, or an integer from 0 to 1000000 (0: frames are never cut)", parse_quantum);
@@ -278,7 +293,7 @@ Keys<Config> all_keys() {
   };
   return {
       section("server", &Config::server, server_keys()),
-      section("admin", &Config::admin, std::move(admin)),
+      section("admin", &Config::admin, admin_keys()),
       section("scenes", &Config::scenes, scenes_keys()),
       section("render", &Config::render, render_keys()),
       section("encode", &Config::encode, encode_keys()),

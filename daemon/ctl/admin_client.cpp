@@ -1,50 +1,79 @@
 #include "daemon/ctl/admin_client.h"
 
-#include <httplib.h>
+#include <unistd.h>
+
+#include "common/printable.h"
+#include "daemon/security/admin_socket.h"
 
 namespace gnomon::ctl {
 namespace {
 
 using namespace std::chrono_literals;
+using Kind = AdminAddress::Kind;
 
-constexpr auto kConnectTime = 3s;
 constexpr auto kPostTime = 10min;  // a scene may have to be read and its light buffers built
+constexpr const char* kUsualPort = "7601";
 
 std::string without_line_end(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text;
 }
 
-Result<std::string> text_of(const httplib::Result& answer, const std::string& url) {
-  if (!answer) return Error{url + " does not answer: " + httplib::to_string(answer.error())};
-  std::string text = without_line_end(answer->body);
-  if (answer->status / 100 == 2) return text;
-  return Error{text.empty() ? "HTTP status " + std::to_string(answer->status) : text};
+std::string printable_lines(const std::string& text) { return without_controls(text, "\n"); }
+
+AdminAddress usual_address() {
+  for (const auto& path : daemon::admin_sockets_to_try()) {
+    if (access(path.c_str(), R_OK | W_OK) == 0) return {Kind::unix_socket, path.string()};
+  }
+  return {Kind::http, "127.0.0.1", kUsualPort};
+}
+
+// What somebody can do who named no address and got no answer.
+std::string advice() {
+  std::string tried;
+  for (const auto& path : daemon::admin_sockets_to_try()) tried += (tried.empty() ? "" : " or ") + path.string();
+  return "\nThere is no socket at " + tried +
+         " that we may use either. Does gnomond run, and may this account use its admin.socket? --admin names "
+         "another "
+         "one (unix:PATH) or an address (http://HOST:PORT, https://HOST:PORT)";
+}
+
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
 }  // namespace
 
-AdminClient::AdminClient(std::string url, const std::string& token)
-    : url_(std::move(url)), http_(std::make_unique<httplib::Client>(url_)) {
-  if (!token.empty()) http_->set_bearer_token_auth(token);
-  http_->set_connection_timeout(kConnectTime);
-  http_->set_read_timeout(kPostTime);
+Result<std::string> AdminClient::ask(const HttpAsked& asked) {
+  const bool usual = access_.address.empty();
+  const auto address = usual ? Result<AdminAddress>(usual_address()) : parse_admin_address(access_.address);
+  if (!address) return address.error();
+  HttpAsked shown = asked;
+  if (address->kind == Kind::unix_socket) shown.token.clear();
+  if (address->kind == Kind::http && !shown.token.empty() && !is_loopback(address->host)) {
+    return Error{address->text() + ": the token would cross in clear; allowed: https://HOST:PORT"};
+  }
+  const auto answer = exchange(*address, shown, access_.authority, kPostTime);
+  if (!answer) {
+    const bool by_default = usual && address->kind != Kind::unix_socket;
+    return Error{address->text() + " does not answer: " + answer.error().message + (by_default ? advice() : "")};
+  }
+  std::string text = without_line_end(answer->body);
+  if (answer->status / 100 == 2) return text;
+  return Error{text.empty() ? "HTTP status " + std::to_string(answer->status) : printable_lines(text)};
 }
 
-AdminClient::~AdminClient() = default;
-
 Result<nlohmann::json> AdminClient::status() {
-  if (!http_->is_valid()) return Error{url_ + " is no address; allowed: http://HOST:PORT"};
-  auto text = text_of(http_->Get("/status"), url_);
+  const auto text = ask({.path = "/status", .token = access_.token, .body = {}});
   if (!text) return text.error();
   auto parsed = nlohmann::json::parse(*text, nullptr, false);
-  if (!parsed.is_object()) return Error{url_ + " is not gnomond's admin server"};
+  if (!parsed.is_object()) return Error{"what answers is not gnomond's admin server"};
   return parsed;
 }
 
 Result<std::string> AdminClient::post(const std::string& path, const nlohmann::json& body) {
-  if (!http_->is_valid()) return Error{url_ + " is no address; allowed: http://HOST:PORT"};
-  return text_of(http_->Post(path, body.dump(), "application/json"), url_);
+  const auto text = ask({.changes = true, .path = path, .token = access_.token, .body = body.dump()});
+  return text ? Result<std::string>(printable_lines(*text)) : text;
 }
 
 }  // namespace gnomon::ctl

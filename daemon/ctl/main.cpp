@@ -13,7 +13,7 @@ namespace gnomon::ctl {
 namespace {
 
 struct Arguments {
-  std::string admin = "http://127.0.0.1:7601";
+  AdminAccess admin;
   std::string token_file;
   bool json = false;
   std::string session;
@@ -30,27 +30,38 @@ using View = std::string (*)(const nlohmann::json&);
 
 void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
 
+Result<AdminClient> client(const Arguments& arguments) {
+  AdminAccess access = arguments.admin;
+  if (!arguments.token_file.empty()) {
+    std::ifstream file(arguments.token_file);
+    if (!std::getline(file, access.token)) return Error{arguments.token_file + ": cannot be read"};
+  }
+  return AdminClient(std::move(access));
+}
+
+// ASCII alone, as others chose the names in it.
+std::string json_text(const nlohmann::json& json, int indent) { return json.dump(indent, ' ', true) + "\n"; }
+
 // `key`: the member of /status that --json prints; empty: all of it.
 Command show(View view, std::string key) {
   return [view, key = std::move(key)](const Arguments& arguments) -> Result<void> {
-    const auto status = AdminClient(arguments.admin).status();
+    auto admin = client(arguments);
+    if (!admin) return admin.error();
+    const auto status = admin->status();
     if (!status) return status.error();
     const auto part = key.empty() ? *status : status->value(key, nlohmann::json::array());
-    print(arguments.json ? part.dump(2) + "\n" : view(*status));
+    print(arguments.json ? json_text(part, 2) : view(*status));
     return {};
   };
 }
 
 Result<void> post(const Arguments& arguments, const std::string& path,
                   const nlohmann::json& body = nlohmann::json::object()) {
-  std::string token;
-  if (!arguments.token_file.empty()) {
-    std::ifstream file(arguments.token_file);
-    if (!std::getline(file, token)) return Error{arguments.token_file + ": cannot be read"};
-  }
-  const auto answer = AdminClient(arguments.admin, token).post(path, body);
+  auto admin = client(arguments);
+  if (!admin) return admin.error();
+  const auto answer = admin->post(path, body);
   if (!answer) return answer.error();
-  print(arguments.json ? nlohmann::json{{"answer", *answer}}.dump() + "\n" : *answer + "\n");
+  print(arguments.json ? json_text({{"answer", *answer}}, -1) : *answer + "\n");
   return {};
 }
 
@@ -65,15 +76,16 @@ Command change_scene(const std::string& what) {
 }
 
 Result<void> live(const Arguments& arguments) {
-  AdminClient admin(arguments.admin);
+  auto admin = client(arguments);
+  if (!admin) return admin.error();
   const auto interval = std::chrono::milliseconds(static_cast<int64_t>(arguments.interval_s * 1000));
-  return top(admin, {interval, arguments.count, arguments.json});
+  return top(*admin, {interval, arguments.count, arguments.json});
 }
 
 // Adds a subcommand that sets `chosen` when it is named.
 CLI::App* add(CLI::App& app, Command& chosen, const char* name, const char* help, Command command) {
   CLI::App* sub = app.add_subcommand(name, help);
-  sub->fallthrough();  // --admin and --json may also follow the subcommand
+  sub->fallthrough();  // --admin and the others may also follow the subcommand
   if (command) sub->callback([&chosen, command = std::move(command)] { chosen = command; });
   return sub;
 }
@@ -147,9 +159,14 @@ int run(int argc, char** argv) {
   Arguments arguments;
   Command chosen;
   CLI::App app{"Asks a running gnomond, or tells it what to do."};
-  app.add_option("--admin", arguments.admin, "gnomond's admin server")->envname("GNOMON_ADMIN");
-  app.add_option("--token-file", arguments.token_file, "Its token, for what changes something")
+  app.add_option("--admin", arguments.admin.address,
+                 "gnomond's admin server: unix:PATH, http://HOST:PORT or https://HOST:PORT; else its usual socket")
+      ->envname("GNOMON_ADMIN");
+  app.add_option("--token-file", arguments.token_file, "Its token, for what changes something over TCP")
       ->envname("GNOMON_TOKEN_FILE");
+  app.add_option("--ca", arguments.admin.authority,
+                 "Who signed its certificate, for https; else whom the system trusts")
+      ->envname("GNOMON_ADMIN_CA");
   app.add_flag("--json", arguments.json, "For programs");
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);

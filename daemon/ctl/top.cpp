@@ -43,7 +43,7 @@ Result<void> top(AdminClient& admin, const TopOptions& options) {
     if (!now) return now.error();
     const TimePoint at = Clock::now();
     const std::string text =
-        options.json ? now->dump() + "\n" : top_text(*before, *now, to_seconds(at - then)) + "\n";
+        options.json ? now->dump(-1, ' ', true) + "\n" : top_text(*before, *now, to_seconds(at - then)) + "\n";
     std::fputs(terminal && !options.json ? on_screen(text).c_str() : text.c_str(), stdout);
     std::fflush(stdout);
     before = std::move(now);

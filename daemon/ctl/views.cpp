@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "common/printable.h"
 #include "daemon/ctl/table.h"
 
 namespace gnomon::ctl {
@@ -11,7 +12,7 @@ namespace {
 using nlohmann::json;
 
 // Members that a daemon of another version lacks are read as empty or 0.
-std::string text(const json& from, const char* key) { return from.value(key, std::string()); }
+std::string text(const json& from, const char* key) { return without_controls(from.value(key, std::string())); }
 double number(const json& from, const char* key) { return from.value(key, 0.0); }
 std::string whole(const json& from, const char* key) { return fixed(number(from, key), 0); }
 

@@ -10,6 +10,7 @@ constexpr FaultKind kDatagram = FaultKind::datagram_rejected;
 constexpr FaultKind kFrame = FaultKind::frame_dropped;
 constexpr FaultKind kRefusal = FaultKind::refusal;
 constexpr FaultKind kAdmin = FaultKind::admin_closed;
+constexpr FaultKind kAsked = FaultKind::admin_refused;
 
 // Faults that anybody can cause with one datagram are logged at debug, so that nobody can fill the log from outside.
 constexpr std::array kTable{
@@ -68,13 +69,19 @@ constexpr std::array kTable{
 
     FaultRow{Fault::admin_timeout, kAdmin, "timeout", Level::debug, "admin connection asked for nothing in time"},
     FaultRow{Fault::admin_replaced, kAdmin, "replaced", Level::debug, "too many admin connections"},
+
+    FaultRow{Fault::admin_host, kAsked, "host", Level::off, "admin request for another host"},
+    FaultRow{Fault::admin_origin, kAsked, "origin", Level::off, "admin request of another server's page"},
+    FaultRow{Fault::admin_no_token, kAsked, "no_token", Level::off, "admin request without the token"},
+    FaultRow{Fault::admin_wrong_token, kAsked, "wrong_token", Level::off, "admin request with a wrong token"},
+    FaultRow{Fault::admin_backoff, kAsked, "backoff", Level::off, "admin request too soon after wrong tokens"},
 };
 
 constexpr bool in_order() {
   for (size_t i = 0; i < kTable.size(); ++i) {
     if (static_cast<size_t>(kTable[i].fault) != i) return false;
   }
-  return kTable.size() == static_cast<size_t>(Fault::admin_replaced) + 1;
+  return kTable.size() == static_cast<size_t>(Fault::admin_backoff) + 1;
 }
 static_assert(in_order(), "one row for each fault, in the enum's order");
 
@@ -102,6 +109,15 @@ Fault fault_of(protocol::RefusalCode code) {
     case RefusalCode::unknown_session: return Fault::refused_unknown_session;
   }
   return Fault::refused_internal;
+}
+
+bool is_failed_authentication(Fault fault) {
+  switch (fault) {
+    case Fault::refused_unknown_tenant:
+    case Fault::refused_bad_token:
+    case Fault::tls_certificate: return true;
+    default: return false;
+  }
 }
 
 }  // namespace gnomon::daemon

@@ -61,9 +61,15 @@ enum class Fault : uint8_t {
   // A connection to the admin server is closed before it has asked for anything.
   admin_timeout,
   admin_replaced,
+  // A request to the admin server is refused over TCP. Lines in the audit log say who asked for what.
+  admin_host,
+  admin_origin,
+  admin_no_token,
+  admin_wrong_token,
+  admin_backoff,
 };
 
-enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal, admin_closed };
+enum class FaultKind : uint8_t { datagram_rejected, frame_dropped, refusal, admin_closed, admin_refused };
 
 struct FaultRow {
   Fault fault;
@@ -78,5 +84,8 @@ std::span<const FaultRow> fault_table();
 const FaultRow& row_of(Fault fault);
 
 Fault fault_of(protocol::RefusalCode code);
+
+// Whether somebody failed to prove who they are, which belongs into the audit log too.
+bool is_failed_authentication(Fault fault);
 
 }  // namespace gnomon::daemon

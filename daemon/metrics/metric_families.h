@@ -83,6 +83,8 @@ struct Metrics::Families {
       counter_family(registry, "gnomon_refusals_total", "Connections that got no session, by reason.");
   Family<Counter>& admin_closed = counter_family(registry, "gnomon_admin_connections_closed_total",
                                                  "Admin connections closed before they had asked, by reason.");
+  Family<Counter>& admin_refused = counter_family(registry, "gnomon_admin_refusals_total",
+                                                  "Requests refused by the admin server over TCP, by reason.");
   Family<Counter>& queue_seconds = counter_family(
       registry, "gnomon_tenant_queue_seconds_total",
       "Time that the tenant's frames waited from their camera's arrival to their start; divide by buffers.");
@@ -146,6 +148,7 @@ struct Metrics::Families {
       case FaultKind::frame_dropped: return dropped;
       case FaultKind::refusal: return refusals;
       case FaultKind::admin_closed: return admin_closed;
+      case FaultKind::admin_refused: return admin_refused;
     }
     return dropped;
   }

@@ -18,8 +18,16 @@ bool is_rare(const FaultRow& row) {
     case Fault::device_lost:
     case Fault::submit_failed:
     case Fault::encode_failed: return true;
-    default: return row.kind == FaultKind::refusal || row.kind == FaultKind::admin_closed;
+    default: break;
   }
+  switch (row.kind) {
+    case FaultKind::refusal:
+    case FaultKind::admin_closed:
+    case FaultKind::admin_refused: return true;
+    case FaultKind::datagram_rejected:
+    case FaultKind::frame_dropped: return false;
+  }
+  return false;
 }
 
 }  // namespace
@@ -46,6 +54,7 @@ void Metrics::report(Fault fault, log::Fields fields) {
   const FaultRow& row = row_of(fault);
   Counter* known = families_->faults[static_cast<size_t>(fault)];
   (known ? *known : families_->counter_of(row)).Increment();
+  if (is_failed_authentication(fault)) log::audit_refusal("client refused", fields);
   switch (row.level) {
     case log::Level::debug: return log::debug(row.event, fields);
     case log::Level::info: return log::info(row.event, fields);

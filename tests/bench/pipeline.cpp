@@ -195,6 +195,7 @@ class PipelineSuite : public Suite {
     config.server.mode = daemon::ServerMode::demo;
     config.server.state_folder = scratch_.path();
     config.server.control_port = config.server.data_port = config.admin.port = 0;
+    config.admin.socket.clear();
     config.server.net_threads = net_threads_;
     config.server.drain_timeout = std::chrono::milliseconds(0);
     config.scenes.list = {{name, file, ""}};

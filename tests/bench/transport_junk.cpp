@@ -44,6 +44,7 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
   served.config.server.mode = daemon::ServerMode::demo;
   served.config.server.state_folder = scratch.path();
   served.config.server.control_port = served.config.server.data_port = served.config.admin.port = 0;
+  served.config.admin.socket.clear();
   served.config.server.drain_timeout = 0ms;
   served.config.server.silence_timeout = 1h;  // keeps the session whose datagrams are copied
   served.config.scenes.list = {{"living_room", *file, ""}};

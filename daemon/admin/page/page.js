@@ -18,6 +18,8 @@ const PLOTS = [
 const history = [];          // of {at, tenants: {name: {...}}}
 const colours = new Map();   // by tenant, for as long as the page is open
 let last = null;             // the newest status, with its time
+let token = '';              // that somebody typed in; kept for as long as the page is open
+let waitUntil = 0;           // when the server looks at a token again
 
 const at = (id) => document.getElementById(id);
 
@@ -204,10 +206,25 @@ function show(status) {
   showTables(status);
 }
 
+// Off loopback the daemon shows its status to those who have its token. A token that was refused is not sent again.
+function askForToken(answer, said) {
+  token = '';
+  if (answer.status === 429) waitUntil = performance.now() + 1000 * Number(answer.headers.get('Retry-After') || 1);
+  at('refused').textContent = said;
+  at('access').hidden = false;
+  setState('', 'locked');
+}
+
 // Asks for /status. If the daemon does not answer, the page shows that and keeps asking, as another may start.
 async function look() {
   try {
-    const answer = await fetch('/status', {cache: 'no-store', signal: AbortSignal.timeout(5000)});
+    const headers = token ? {Authorization: `Bearer ${token}`} : {};
+    const answer = await fetch('/status', {cache: 'no-store', headers, signal: AbortSignal.timeout(5000)});
+    if (answer.status === 401 || answer.status === 429) {
+      askForToken(answer, token ? await answer.text() : '');
+      return;  // until a token is typed in
+    }
+    at('access').hidden = true;
     show(await answer.json());
   } catch (error) {
     if (last && last.status.draining) setState('draining', 'drained');
@@ -215,6 +232,13 @@ async function look() {
   }
   setTimeout(look, INTERVAL_MS);
 }
+
+at('access').addEventListener('submit', (event) => {
+  event.preventDefault();
+  token = at('token').value;
+  at('token').value = '';
+  setTimeout(look, Math.max(0, waitUntil - performance.now()));
+});
 
 makePlots();
 look();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
@@ -14,6 +15,8 @@
 namespace gnomon::tests {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr const char* kSocket = "admin.sock";
 
 std::string with_cache(std::string config) {
   if (config.find("cache_folder") != std::string::npos) return config;
@@ -30,15 +33,11 @@ fs::path write_config(const fs::path& folder, const std::string& text) {
   return file;
 }
 
-// The whole answer.
-std::string ask(const client::Address& server, const std::string& request) {
-  const int connection = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(server.port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+// The whole answer of the server that `connection` is to connect to.
+template <class Address>
+std::string ask(int connection, const Address& address, const std::string& request) {
   std::string answer;
-  if (connect(connection, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
+  if (connect(connection, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
     send(connection, request.data(), request.size(), MSG_NOSIGNAL);
     std::array<char, 8192> bytes;
     for (ssize_t count; (count = recv(connection, bytes.data(), bytes.size(), 0)) > 0;) {
@@ -49,10 +48,27 @@ std::string ask(const client::Address& server, const std::string& request) {
   return answer;
 }
 
-constexpr const char* kHeaders = " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
+std::string ask_over_tcp(uint16_t port, const std::string& request) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return ask(socket(AF_INET, SOCK_STREAM, 0), address, request);
+}
+
+std::string ask_through_socket(const std::string& path, const std::string& request) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  return ask(socket(AF_UNIX, SOCK_STREAM, 0), address, request);
+}
+
+std::string headers(uint16_t port) {
+  return " HTTP/1.1\r\nHost: localhost:" + std::to_string(port) + "\r\nConnection: close\r\n";
+}
 
 std::string get(const client::Address& server, const std::string& path) {
-  const std::string answer = ask(server, "GET " + path + kHeaders + "\r\n");
+  const std::string answer = ask_over_tcp(server.port, "GET " + path + headers(server.port) + "\r\n");
   const size_t body = answer.find("\r\n\r\n");
   return body == std::string::npos ? "" : answer.substr(body + 4);
 }
@@ -75,7 +91,10 @@ fs::path living_room_file() {
 }
 
 Daemon::Daemon(const std::string& config)
-    : process_("gnomond", {"--config", write_config(folder_.path(), config).string()}, folder_.path()) {
+    : process_("gnomond",
+               {"--config", write_config(folder_.path(), config).string(), "--set",
+                "admin.socket=" + (folder_.path() / kSocket).string()},
+               folder_.path()) {
   std::smatch found;
   std::string output;
   eventually([&] {
@@ -98,9 +117,10 @@ void Daemon::rewrite_config(const std::string& text) const { write_config(folder
 std::string Daemon::page(const std::string& path) const { return get(admin_, path); }
 
 std::string Daemon::post(const std::string& path, const std::string& json) const {
-  const std::string answer =
-      ask(admin_, "POST " + path + kHeaders + "Content-Type: application/json\r\nContent-Length: " +
-                      std::to_string(json.size()) + "\r\n\r\n" + json);
+  const std::string request = "POST " + path + headers(admin_.port) +
+                              "Content-Type: application/json\r\nContent-Length: " + std::to_string(json.size()) +
+                              "\r\n\r\n" + json;
+  const std::string answer = ask_through_socket((folder_.path() / kSocket).string(), request);
   return answer.substr(0, answer.find("\r\n"));
 }
 

@@ -43,7 +43,7 @@ class Daemon {
 
   // Body of an admin page; empty when the server does not answer.
   std::string page(const std::string& path) const;
-  // Status line of the answer to a JSON body.
+  // Status line of the answer to a JSON body, through the operators' socket.
   std::string post(const std::string& path, const std::string& json) const;
   // Sum of a metric's series whose labels contain all of `labels` (as `tenant="studio"`); counts series too.
   double metric(const std::string& name, const std::vector<std::string>& labels = {}) const;

@@ -82,6 +82,38 @@ class Booted(unittest.TestCase):
         self.assertEqual(self.system.property("MainPID"), main)
         self.system.write(CONFIG, CONFIG_TEXT % 1)
 
+    def test_operators_come_through_the_socket(self):
+        """Which is there anew after a crash, for root and nobody else."""
+        for _ in range(2):
+            owner = self.system.run("stat", "-c", "%a %F", "/run/gnomon/admin.sock").stdout
+            self.assertEqual(owner.strip(), "660 socket")
+            self.assertEqual(self.system.run("gnomonctl", "reload").stdout, "reloaded\n")
+            self.assertIn("audit action operator=root(0) address=socket action=reload", self.system.journal())
+            stranger = self.system.run("setpriv", "--reuid", "nobody", "--clear-groups", "gnomonctl", "reload",
+                                       check=False)
+            self.assertEqual(stranger.returncode, 1)
+            self.assertIn("/run/gnomon/admin.sock", stranger.stdout, "over TCP it is told where to go")
+            self.system.systemctl("kill", "-s", "KILL", "gnomond.service")
+            self.restarted()
+            self.restarts = int(self.system.property("NRestarts"))
+
+    def test_a_group_of_operators(self):
+        """The sandbox shows the daemon no group but its own."""
+        self.system.run("groupadd", "--force", "operators")
+        drop_in = "/etc/systemd/system/gnomond.service.d/operators.conf"
+        self.system.write(drop_in, "[Service]\nGroup=operators\n")
+        self.system.write(CONFIG, CONFIG_TEXT % 1 + "admin: {group: operators}\nlog: {audit_file: /var/log/gnomon/audit.log}\n")
+        self.system.systemctl("daemon-reload")
+        self.system.systemctl("restart", "gnomond.service")
+        member = self.system.run("setpriv", "--reuid", "nobody", "--groups", "operators", "gnomonctl", "reload",
+                                 check=False)
+        self.assertEqual((member.returncode, member.stdout), (0, "reloaded\n"), self.system.journal())
+        self.assertIn("action=reload", self.system.run("cat", "/var/log/gnomon/audit.log").stdout)
+        self.system.run("sh", "-c", f"rm {drop_in}")
+        self.system.write(CONFIG, CONFIG_TEXT % 1)
+        self.system.systemctl("daemon-reload")
+        self.system.systemctl("restart", "gnomond.service")
+
     def load(self):
         """Two clients, until the test ends."""
         load = subprocess.Popen(list(map(str, self.system.command(*LOAD, "--seconds", 600))),

@@ -135,6 +135,7 @@ class Image(Containers):
         self.assertTrue(self.podman.healthy("gnomond"))
         self.assertEqual(self.podman.inspect("gnomond")["State"]["Health"]["Status"], "healthy")
         self.same_masks(port, "--pin", pin)
+        self.assertIn("reloaded", self.podman("exec", "gnomond", "gnomonctl", "reload").stdout)
         changed = self.podman("diff", "gnomond").stdout
         self.assertNotRegex(changed, r"(?m)^[ACD] /(usr|etc/(?!hosts|hostname|resolv|mtab))")
 

@@ -1,9 +1,11 @@
 """A gnomond of this build as operators have it: its configuration, its admin server, gnomonctl, load and faults."""
+import http.client
 import json
 import os
 import pathlib
 import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -50,7 +52,7 @@ class Node:
                 GNOMON_FAULTS=str(self.faults), GNOMON_FULL_FOLDER=str(self.cache))
         self.config = {
             "server": {"mode": "demo", "state_folder": "state", "control_port": 0, "data_port": 0},
-            "admin": {"port": 0},
+            "admin": {"port": 0, "socket": str(self.folder / "admin.sock")},
             "scenes": {"list": [{"name": "living_room", "file": "living_room.glb"}]},
             "render": {"device": "cpu", "cache_folder": str(self.cache)},
             "tenants": [{"name": "studio"}, {"name": "arcade"}],
@@ -128,11 +130,26 @@ class Node:
             values[tenant] = values.get(tenant, 0) + float(value)
         return values
 
-    def ctl(self, *arguments):
-        """gnomonctl: exit status, output."""
-        done = subprocess.run([self.bin / "gnomonctl", "--admin", self.admin, *arguments], text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=PATIENCE_S)
+    @property
+    def socket(self):
+        return self.config["admin"]["socket"]
+
+    def ctl(self, *arguments, admin=None):
+        """gnomonctl through the operators' socket, or over another address: exit status, output."""
+        done = subprocess.run([self.bin / "gnomonctl", "--admin", admin or f"unix:{self.socket}", *arguments],
+                              text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=PATIENCE_S)
         return done.returncode, done.stdout
+
+    def post(self, path, **body):
+        """Through the operators' socket: status, text."""
+        connection = http.client.HTTPConnection("localhost", timeout=PATIENCE_S)
+        connection.sock = socket.socket(socket.AF_UNIX)
+        connection.sock.connect(self.socket)
+        connection.request("POST", path, json.dumps(body), {"Content-Type": "application/json"})
+        answer = connection.getresponse()
+        text = answer.read().decode()
+        connection.close()
+        return answer.status, text
 
     def cpu_seconds(self):
         """Processor time of the process until now."""

@@ -23,6 +23,7 @@ from node import eventually, skip
 
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 CONFIG = "etc/gnomon/gnomond.yaml"
+SOCKET = "/var/lib/gnomon/admin.sock"
 FRAMES = 2  # of a self-test: beside the build of light buffers each may take a second
 # What dpkg and the tools that it calls write down for themselves.
 BOOKS = re.compile(r"^/(var/lib/(dpkg|systemd/deb-systemd-helper-\w+)|var/log|var/cache/(ldconfig|debconf)|proc|tmp|dev)"
@@ -85,7 +86,8 @@ class Package(unittest.TestCase):
             daemon = subprocess.Popen(
                 ["chroot", "--userspec=65534:65534", self.root, "gnomond", "--config", "/" + CONFIG, "--set",
                  "scenes.list=[{name: living_room, file: living_room.glb}]", "--set", "server.control_port=0", "--set",
-                 "server.data_port=0", "--set", "server.state_folder=/var/lib/gnomon", "--set", "admin.port=0"], stdout=out, stderr=subprocess.STDOUT)
+                 "server.data_port=0", "--set", "server.state_folder=/var/lib/gnomon", "--set", "admin.port=0", "--set",
+                 f"admin.socket={SOCKET}"], stdout=out, stderr=subprocess.STDOUT)
         try:
             ready = eventually(lambda: daemon.poll() is not None
                                or re.search(r"ready control=(\S+) data=\S+ admin=(\S+) pin=(\S+)",
@@ -105,7 +107,7 @@ class Package(unittest.TestCase):
             self.assertEqual(load.returncode, 0, output)
             self.assertGreaterEqual(self.frames(ready.group(2)), FRAMES)
             self.assertIn("ready", self.chroot("gnomonctl", "--admin", ready.group(2), "status").stdout)
-            self.chroot("gnomonctl", "--admin", ready.group(2), "drain")
+            self.chroot("gnomonctl", "--admin", f"unix:{SOCKET}", "drain")
             self.assertEqual(daemon.wait(60), 0, log.read_text())
         finally:
             daemon.kill()

@@ -106,6 +106,7 @@ class Scraped(unittest.TestCase):
         load = self.node.load({"nobody": 1}, seconds=0.1)
         load.process.communicate()
         self.assertNotEqual(load.process.returncode, 0)
+        self.assertEqual(self.node.ctl("drain", admin=self.node.admin)[0], 1, "over TCP, without a token")
 
     def asked_for(self):
         panels = json.loads(DASHBOARD.read_text())["panels"]

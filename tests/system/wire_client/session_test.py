@@ -5,7 +5,6 @@ gnomon-client, by every codec and cipher, over a bad link too; what strangers se
     session_test.py BUILD
 """
 import hashlib
-import json
 import pathlib
 import re
 import signal
@@ -14,7 +13,6 @@ import ssl
 import subprocess
 import sys
 import unittest
-import urllib.request
 from dataclasses import replace
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "ops"))
@@ -241,10 +239,8 @@ class Sessions(unittest.TestCase):
         session = self.session(features=MOMENTS)
         before = session.welcome.lights_version
         lights = session.welcome.scene.lights
-        dimmer = urllib.request.Request(self.node.admin + "/scenes/living_room/lights/0",
-                                        json.dumps({"intensity": lights[0].intensity / 2}).encode(),
-                                        {"Content-Type": "application/json"})
-        urllib.request.urlopen(dimmer, timeout=10).close()
+        status, said = self.node.post("/scenes/living_room/lights/0", intensity=lights[0].intensity / 2)
+        self.assertEqual(status, 202, said)
         changed = self.news(session, LightsChanged)
         self.assertGreater(changed.version, before)
         self.assertEqual(changed.lights, [replace(lights[0], intensity=lights[0].intensity / 2), *lights[1:]])

@@ -4,6 +4,7 @@
 
 #include "daemon/ctl/admin_client.h"
 #include "daemon/ctl/views.h"
+#include "daemon/security/certificates.h"
 #include "tests/unit/daemon/net/served.h"
 
 namespace gnomon::daemon {
@@ -11,7 +12,16 @@ namespace {
 
 class AdminActions : public Served {
  protected:
-  ctl::AdminClient admin() { return ctl::AdminClient("http://127.0.0.1:" + std::to_string(daemon_->admin_port())); }
+  // As an operator of this machine; the test runs as the account that the daemon has.
+  ctl::AdminClient admin() { return ctl::AdminClient({.address = "unix:" + daemon_->admin().socket().string()}); }
+  ctl::AdminClient over_tcp(const std::string& token = {}) {
+    return ctl::AdminClient(
+        {.address = "http://127.0.0.1:" + std::to_string(daemon_->admin().port()), .token = token});
+  }
+  static std::string refusal(ctl::AdminClient client, const std::string& path) {
+    const auto answer = client.post(path);
+    return answer ? "done: " + *answer : answer.error().message;
+  }
   std::string only_session() {
     std::string id;
     EXPECT_TRUE(eventually([&] {
@@ -26,10 +36,7 @@ class AdminActions : public Served {
     std::ofstream(config_.admin.token_file) << text;
     chmod(config_.admin.token_file.c_str(), 0600);
   }
-  std::string refusal_of(const std::string& path) {
-    const auto answer = admin().post(path);
-    return answer ? "done: " + *answer : answer.error().message;
-  }
+  std::string refusal_of(const std::string& path) { return refusal(admin(), path); }
 };
 
 TEST_F(AdminActions, AKickedClientIsToldWhyAndItsSessionIsGone) {
@@ -85,25 +92,54 @@ TEST_F(AdminActions, WhatCannotBeLoadedSaysWhy) {
   EXPECT_EQ(refusal_of("/scenes/dark.gltf/load"), "it has no lights: there is nothing to trace");
 }
 
-TEST_F(AdminActions, WhoChangesSomethingShowsTheTokenAndWhoLooksNeedsNone) {
+constexpr const char* kActions[] = {"/reload",
+                                    "/drain",
+                                    "/sessions/1/kick",
+                                    "/scenes/triangle/unload",
+                                    "/scenes/triangle/load",
+                                    "/scenes/triangle/lights/0",
+                                    "/devices/0/drain",
+                                    "/devices/0/resume"};
+
+TEST_F(AdminActions, WhoChangesSomethingOverTcpShowsTheTokenAndWhoLooksNeedsNone) {
   const std::string token = "0123456789abcdef";
   write_token(token + "\n");
   start();
-  const std::string url = "http://127.0.0.1:" + std::to_string(daemon_->admin_port());
-  for (const char* path :
-       {"/reload", "/drain", "/sessions/1/kick", "/scenes/triangle/unload", "/scenes/triangle/load",
-        "/scenes/triangle/lights/0", "/devices/0/drain", "/devices/0/resume"}) {
-    for (const std::string& shown :
-         {std::string(), token.substr(1), token + "0", std::string("0123456789abcdeg")}) {
-      const auto answer = ctl::AdminClient(url, shown).post(path);
-      ASSERT_FALSE(answer) << path;
-      EXPECT_EQ(answer.error().message, "this needs the token of admin.token_file") << path;
-    }
+  for (const char* path : kActions) {
+    EXPECT_NE(refusal(over_tcp(), path).find("this needs the token of admin.token_file"), std::string::npos)
+        << path;
   }
+  for (const std::string& shown : {token.substr(1), token + "0", std::string("0123456789abcdeg")}) {
+    EXPECT_EQ(refusal(over_tcp(shown), "/drain"), "this is not the token of admin.token_file") << shown;
+  }
+  EXPECT_FALSE(over_tcp().status()->at("draining"));
+  EXPECT_EQ(over_tcp().status()->at("scenes").size(), 1u) << "and looking needs none";
+  EXPECT_TRUE(over_tcp(token).post("/scenes/triangle/unload"));
+  EXPECT_TRUE(over_tcp().status()->at("scenes").empty());
+  EXPECT_EQ(count_of(Fault::admin_no_token), std::size(kActions));
+  EXPECT_EQ(count_of(Fault::admin_wrong_token), 3u);
+}
+
+TEST_F(AdminActions, WithoutAConfiguredTokenTcpChangesNothingAndTheSocketDoes) {
+  start();
+  for (const char* path : kActions) {
+    const std::string why = refusal(over_tcp("0123456789abcdef"), path);
+    EXPECT_NE(why.find("admin.token_file"), std::string::npos) << path << ": " << why;
+    EXPECT_NE(why.find(daemon_->admin().socket().string()), std::string::npos) << path << ": " << why;
+  }
+  EXPECT_EQ(over_tcp().status()->at("scenes").size(), 1u);
+  EXPECT_TRUE(admin().post("/scenes/triangle/unload"));
+}
+
+// tcp_access_test has the times.
+TEST_F(AdminActions, WhoGuessesIsToldToWaitAndOperatorsOfThisMachineAreNotConcerned) {
+  write_token("0123456789abcdef");
+  start();
+  const std::string wait = "too many wrong tokens came from your address: wait";
+  ASSERT_TRUE(eventually([&] { return refusal(over_tcp("guess"), "/drain") == wait; }));
+  EXPECT_GT(count_of(Fault::admin_wrong_token), TokenBackoff::kFree);
   EXPECT_FALSE(admin().status()->at("draining"));
-  EXPECT_EQ(admin().status()->at("scenes").size(), 1u) << "and looking needs none";
-  EXPECT_TRUE(ctl::AdminClient(url, token).post("/scenes/triangle/unload"));
-  EXPECT_TRUE(admin().status()->at("scenes").empty());
+  EXPECT_TRUE(admin().post("/devices/0/resume"));
 }
 
 TEST_F(AdminActions, ATokenFileThatIsMissingShortOrReadByOthersStopsTheStart) {
@@ -124,9 +160,8 @@ TEST_F(AdminActions, AReloadReadsTheTokenAgainAndAMistakeChangesNothing) {
   const std::string first = "0123456789abcdef", second = "fedcba9876543210";
   write_token(first);
   start();
-  const std::string url = "http://127.0.0.1:" + std::to_string(daemon_->admin_port());
   const auto works = [&](const std::string& token) {
-    return ctl::AdminClient(url, token).post("/devices/0/resume").has_value();
+    return over_tcp(token).post("/devices/0/resume").has_value();
   };
   write_token(second);
   EXPECT_TRUE(works(first)) << "not before the reload";
@@ -143,19 +178,72 @@ TEST_F(AdminActions, AReloadReadsTheTokenAgainAndAMistakeChangesNothing) {
 
   config_.admin.token_file.clear();
   ASSERT_TRUE(daemon_->reload(config_)) << "on loopback alone";
-  EXPECT_TRUE(works(""));
+  EXPECT_FALSE(works(second));
+  EXPECT_FALSE(works(""));
+}
+
+class AdminOffLoopback : public AdminActions {
+ protected:
+  void SetUp() override {
+    AdminActions::SetUp();
+    write_token(kToken);
+    authority_ =
+        make("authority", {.name = "authority", .hosts = {}, .use = CertificateOptions::Use::authority}, nullptr);
+    make("server", {.name = "node", .hosts = {"127.0.0.1"}}, &authority_);
+    config_.admin.listen = "0.0.0.0";
+    config_.admin.tls = {folder_ / "server.pem", folder_ / "server-key.pem"};
+  }
+  Identity make(const std::string& name, CertificateOptions options, const Identity* issuer) {
+    options.lasts = std::chrono::hours(1);
+    const auto made = make_certificate(options, issuer);
+    EXPECT_TRUE(made);
+    std::ofstream(folder_ / (name + ".pem")) << made->certificate;
+    std::ofstream(folder_ / (name + "-key.pem")) << made->key;
+    chmod((folder_ / (name + "-key.pem")).c_str(), 0600);
+    return *made;
+  }
+  ctl::AdminClient over_tls(const std::string& authority, const std::string& host = "127.0.0.1") {
+    return ctl::AdminClient({.address = "https://" + host + ":" + std::to_string(daemon_->admin().port()),
+                             .token = kToken,
+                             .authority = folder_ / authority});
+  }
+  static constexpr const char* kToken = "0123456789abcdef";
+  Identity authority_;
+};
+
+TEST_F(AdminOffLoopback, TlsIsSpokenAndClientsCheckWithWhom) {
+  start();
+  EXPECT_TRUE(over_tls("authority.pem").status());
+  EXPECT_TRUE(over_tls("authority.pem").post("/devices/0/resume"));
+  EXPECT_FALSE(over_tls("authority.pem", "127.0.0.2").status()) << "not the certificate's host";
+  make("another", {.name = "another", .hosts = {}, .use = CertificateOptions::Use::authority}, nullptr);
+  EXPECT_FALSE(over_tls("another.pem").status());
+  EXPECT_FALSE(over_tcp().status()) << "in clear";
+}
+
+TEST_F(AdminOffLoopback, AReloadReadsTheCertificateAgain) {
+  start();
+  authority_ = make("next", {.name = "next", .hosts = {}, .use = CertificateOptions::Use::authority}, nullptr);
+  make("server", {.name = "node", .hosts = {"127.0.0.1"}}, &authority_);
+  EXPECT_FALSE(over_tls("next.pem").status()) << "not before";
+  ASSERT_TRUE(daemon_->reload(config_));
+  EXPECT_TRUE(over_tls("next.pem").status());
 }
 
 // Another address in the file needs a restart; until then the rules of the running address apply.
-TEST_F(AdminActions, WhereStrangersReachItTheTokenStays) {
-  write_token("0123456789abcdef");
-  config_.admin.listen = "0.0.0.0";
+TEST_F(AdminOffLoopback, WhereStrangersReachItTheTokenStays) {
   start();
-  config_.admin = {.listen = "127.0.0.1"};
+  config_.admin.listen = "127.0.0.1";
+  config_.admin.token_file.clear();
   const auto refused = daemon_->reload(config_);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("admin.listen"), std::string::npos);
-  EXPECT_EQ(refusal_of("/drain"), "this needs the token of admin.token_file");
+}
+
+TEST_F(AdminActions, ATokenNeverCrossesInClear) {
+  const auto status = ctl::AdminClient({.address = "http://192.0.2.1:7601", .token = "0123456789abcdef"}).status();
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("in clear"), std::string::npos) << status.error().message;
 }
 
 TEST_F(AdminActions, DrainIsSeenAtOnce) {
@@ -177,8 +265,29 @@ TEST_F(AdminActions, TopShowsRatesBetweenTwoLooks) {
   EXPECT_NE(text.find("vbps 30.0"), std::string::npos) << text;
 }
 
+TEST(AdminClient, AnAddressIsASocketOrAUrl) {
+  using Kind = ctl::AdminAddress::Kind;
+  const auto is = [](const std::string& text, Kind kind, const std::string& host, const std::string& port) {
+    const auto read = ctl::parse_admin_address(text);
+    ASSERT_TRUE(read) << text;
+    EXPECT_EQ(read->kind, kind) << text;
+    EXPECT_EQ(read->host, host) << text;
+    EXPECT_EQ(read->port, port) << text;
+    EXPECT_EQ(read->text(), text);
+  };
+  is("unix:/run/gnomon/admin.sock", Kind::unix_socket, "/run/gnomon/admin.sock", "");
+  is("http://127.0.0.1:7601", Kind::http, "127.0.0.1", "7601");
+  is("https://node7:443", Kind::https, "node7", "443");
+  is("http://[::1]:7601", Kind::http, "::1", "7601");
+  for (const char* wrong :
+       {"", "unix:", "127.0.0.1:7601", "http://", "http://:7601", "http://node7",
+        "http://node7:", "http://node7:7601/status", "http://[::1]", "http://[]:1", "ftp://node7:21"}) {
+    EXPECT_FALSE(ctl::parse_admin_address(wrong)) << wrong;
+  }
+}
+
 TEST(AdminClient, SaysThatNobodyAnswers) {
-  const auto status = ctl::AdminClient("http://127.0.0.1:1").status();
+  const auto status = ctl::AdminClient({.address = "http://127.0.0.1:1"}).status();
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("http://127.0.0.1:1 does not answer"), std::string::npos);
 }

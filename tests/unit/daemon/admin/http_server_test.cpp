@@ -23,8 +23,6 @@ using namespace std::chrono_literals;
 class HttpServerTest : public testing::Test {
  protected:
   void SetUp() override {
-    AdminConfig config;
-    config.port = 0;
     const auto answer = [this](const HttpRequest& request) {
       const std::lock_guard lock(mutex_);
       asked_ = request;
@@ -35,7 +33,7 @@ class HttpServerTest : public testing::Test {
       may_act_.get_future().wait();
       return Page{.status = 202, .body = "did " + request.body};
     };
-    auto server = HttpServer::start(config, {answer, act}, metrics_);
+    auto server = HttpServer::start({}, {answer, act}, metrics_);
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
   }
@@ -158,9 +156,7 @@ TEST_F(HttpServerTest, WhatWasAskedIsAnsweredBeforeItEnds) {
 }
 
 TEST_F(HttpServerTest, APortThatIsTakenIsAnError) {
-  AdminConfig config;
-  config.port = server_->port();
-  const auto second = HttpServer::start(config, {}, metrics_);
+  const auto second = HttpServer::start({.port = server_->port()}, {}, metrics_);
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("admin.port"), std::string::npos);
 }

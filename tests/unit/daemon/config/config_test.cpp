@@ -72,6 +72,11 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"open_admin",
               "admin: {listen: 0.0.0.0}\n",
               {"admin.listen: 0.0.0.0 can be reached", "admin.token_file"}},
+        Wrong{"token_in_clear",
+              "admin: {listen: 0.0.0.0, token_file: secret}\n",
+              {"admin.listen: 0.0.0.0 can be reached", "in clear", "admin.tls.certificate"}},
+        Wrong{
+            "half_an_identity", "admin: {tls: {key: k}}\n", {"admin.tls: certificate and key are needed together"}},
         Wrong{"list_for_value", "log: {level: [info]}\n", {"log.level: a list", "debug, info"}},
         Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys mode"}},
         Wrong{"value_for_list",
@@ -285,12 +290,35 @@ TEST(Config, TheEarlierNameOfAKeyIsReadAndShownNoMore) {
   EXPECT_EQ(std::count(known.begin(), known.end(), "scheduler.quantum_us"), 1);
 }
 
-TEST(Config, AnAdminServerWithATokenListensAnywhere) {
-  const auto config = parse_config("admin: {listen: '::', token_file: secret}\n", "edge.yaml");
+TEST(Config, AnAdminServerWithATokenAndTlsListensAnywhere) {
+  const auto config =
+      parse_config("admin: {listen: '::', token_file: secret, tls: {certificate: c, key: k}}\n", "edge.yaml");
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_EQ(config->admin.token_file, "secret");
+  EXPECT_EQ(config->admin.tls.key, "k");
   EXPECT_TRUE(parse_config("admin: {listen: '::1'}\n", "edge.yaml"));
   EXPECT_TRUE(parse_config("admin: {listen: 127.8.9.1}\n", "edge.yaml"));
+}
+
+TEST(Config, TheAdminServerShowsTheClientsCertificateIfItHasNoOtherOne) {
+  const std::string server = "server: {tls: {certificate: a.pem, key: b.pem}}\n";
+  const auto shared = parse_config(server + "admin: {listen: '::', token_file: secret}\n", "edge.yaml");
+  ASSERT_TRUE(shared) << shared.error().message;
+  EXPECT_EQ(shared->admin.tls, (AdminTlsConfig{"a.pem", "b.pem"}));
+  const auto own = parse_config(server + "admin: {tls: {certificate: c, key: k}}\n", "edge.yaml");
+  ASSERT_TRUE(own) << own.error().message;
+  EXPECT_EQ(own->admin.tls, (AdminTlsConfig{"c", "k"}));
+}
+
+TEST(Config, TheOperatorsSocketIsInItsUsualPlaceElsewhereOrNowhere) {
+  EXPECT_EQ(Config().admin.socket, kUsualAdminSocket);
+  EXPECT_EQ(parse_config("admin: {socket: ''}\n", "edge.yaml")->admin.socket, "");
+  auto config = parse_config("admin: {socket: run/admin.sock}\n", "edge.yaml");
+  ASSERT_TRUE(find_files(*config, "/etc/gnomon", "/usr/share"));
+  EXPECT_EQ(config->admin.socket, "/etc/gnomon/run/admin.sock");
+  auto usual = parse_config("admin: {socket: auto}\n", "edge.yaml");
+  ASSERT_TRUE(find_files(*usual, "/etc/gnomon", "/usr/share"));
+  EXPECT_EQ(usual->admin.socket, kUsualAdminSocket) << "no file beside the configuration";
 }
 
 TEST(ShippedConfig, EveryKeyInItIsKnownAndCommented) {

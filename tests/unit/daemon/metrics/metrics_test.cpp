@@ -171,7 +171,7 @@ TEST_F(AdminPages, AnswerWhatOperatorsAskAndClientsAreToldTheirShareOfIt) {
   c.send_view(1, 1);
   ASSERT_FALSE(c.receive_frame(1).empty());
 
-  httplib::Client http("127.0.0.1", daemon_->admin_port());
+  httplib::Client http("127.0.0.1", daemon_->admin().port());
   EXPECT_EQ(http.Get("/healthz")->status, 200);
   EXPECT_EQ(http.Get("/readyz")->status, 200);
   EXPECT_EQ(http.Get("/nothing")->status, 404);
@@ -201,7 +201,7 @@ TEST_F(AdminPages, SayNotReadyWhileDraining) {
   ASSERT_TRUE(c.join(TestClient::hello(kScene)));
   std::thread draining([&] { daemon_->drain(); });
   ASSERT_TRUE(c.receive_a<protocol::Draining>());
-  httplib::Client http("127.0.0.1", daemon_->admin_port());
+  httplib::Client http("127.0.0.1", daemon_->admin().port());
   EXPECT_EQ(http.Get("/readyz")->status, 503);
   EXPECT_EQ(http.Get("/healthz")->status, 200);
   c.send(protocol::Bye{});

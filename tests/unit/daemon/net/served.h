@@ -47,6 +47,7 @@ class Served : public testing::Test {
     config_.server.mode = ServerMode::demo;
     config_.server.state_folder = folder_ / "state";
     config_.server.control_port = config_.server.data_port = config_.admin.port = 0;
+    config_.admin.socket = folder_ / "admin.sock";
     config_.server.drain_timeout = std::chrono::milliseconds(0);
     config_.scenes.list = {{kScene, folder_ / "triangle.gltf", ""}};
     config_.scenes.allow_files = {folder_ / "files"};

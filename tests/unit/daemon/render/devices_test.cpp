@@ -40,7 +40,7 @@ class TwoDevices : public Served {
     }
   }
 
-  ctl::AdminClient admin() { return ctl::AdminClient("http://127.0.0.1:" + std::to_string(daemon_->admin_port())); }
+  ctl::AdminClient admin() { return ctl::AdminClient({.address = "unix:" + daemon_->admin().socket().string()}); }
   std::vector<int> sessions_by_device() {
     std::vector<int> all;
     const auto status = admin().status();

@@ -1,0 +1,86 @@
+#include "daemon/config/config_values.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+namespace gnomon::daemon {
+namespace {
+
+constexpr const char* kTokenHashes = "token_sha256";
+constexpr const char* kDefault = "(default)";
+
+std::string below(const std::string& path, const std::string& name) {
+  return path.empty() ? name : path + "." + name;
+}
+
+void forget_below(ConfigValues& values, const std::string& path) {
+  std::erase_if(values,
+                [&](const auto& entry) { return entry.first == path || entry.first.starts_with(path + "."); });
+}
+
+std::string name_of(const YAML::Node& item, size_t place) {
+  const YAML::Node name = item.IsMap() ? item["name"] : YAML::Node(YAML::NodeType::Undefined);
+  return name.IsDefined() && name.IsScalar() ? name.Scalar() : std::to_string(place);
+}
+
+void add_list(ConfigValues& values, const YAML::Node& list, const std::string& path) {
+  forget_below(values, path);
+  if (path.ends_with(kTokenHashes)) {
+    for (const YAML::Node& hash : list) values[path] += hash.Scalar() + "\n";
+    return;
+  }
+  if (list.size() == 0) values[path] = "[]";
+  for (size_t i = 0; i < list.size(); ++i) add_values(values, list[i], below(path, name_of(list[i], i)));
+}
+
+std::set<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::set<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.insert(line);
+  return lines;
+}
+
+// Hashes are not shown, as a token that is easy to guess could be found from its own.
+std::string change_of_tokens(const std::string& before, const std::string& after) {
+  const auto old = lines_of(before), now = lines_of(after);
+  const auto added = std::count_if(now.begin(), now.end(), [&](const auto& hash) { return !old.contains(hash); });
+  const auto removed = std::count_if(old.begin(), old.end(), [&](const auto& hash) { return !now.contains(hash); });
+  return std::to_string(added) + " added, " + std::to_string(removed) + " removed";
+}
+
+std::string value_in(const ConfigValues& values, const std::string& key, bool list) {
+  const auto found = values.find(key);
+  return found != values.end() ? found->second : list ? "" : kDefault;
+}
+
+}  // namespace
+
+void add_values(ConfigValues& values, const YAML::Node& node, const std::string& path) {
+  if (node.IsScalar()) {
+    values[path] = node.Scalar().empty() ? "''" : node.Scalar();
+  } else if (node.IsSequence()) {
+    add_list(values, node, path);
+  } else if (node.IsMap()) {
+    for (const auto& entry : node) add_values(values, entry.second, below(path, entry.first.Scalar()));
+  }
+}
+
+std::string changes_between(const ConfigValues& before, const ConfigValues& after) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : before) keys.insert(key);
+  for (const auto& [key, value] : after) keys.insert(key);
+  std::string changes;
+  for (const std::string& key : keys) {
+    const bool tokens = key.ends_with(kTokenHashes);
+    const std::string old = value_in(before, key, tokens), now = value_in(after, key, tokens);
+    if (old == now) continue;
+    changes += (changes.empty() ? "" : ", ") + key + ": ";
+    changes += tokens ? change_of_tokens(old, now) : old + " -> " + now;
+  }
+  return changes;
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,32 @@
+#include "daemon/reload_audit.h"
+
+#include "common/log.h"
+
+namespace gnomon::daemon {
+
+void ReloadAudit::applied(const Config& next, const std::string& kept, const protocol::Pin& old_pin,
+                          const protocol::Pin& pin, const char* asked_by) {
+  std::string changes = changes_between(values_, next.values);
+  if (pin != old_pin) {
+    changes += (changes.empty() ? "" : ", ") + ("certificate: " + protocol::to_string(old_pin)) + " -> " +
+               protocol::to_string(pin);
+  }
+  values_ = next.values;
+  file_ = next.log.audit_file;
+  if (kept.empty()) {
+    log::audit("configuration", {{"asked_by", asked_by}, {"result", "done"}, {"changes", changes}});
+  } else {
+    log::audit("configuration",
+               {{"asked_by", asked_by}, {"result", "in part"}, {"changes", changes}, {"reason", kept}});
+  }
+}
+
+// A file that was rotated is opened anew also if the configuration has a mistake.
+void ReloadAudit::refused(const std::string& why, const char* asked_by) const {
+  if (auto opened = log::set_audit_file(file_); !opened) {
+    log::error("audit log not opened anew", {{"why", opened.error().message}});
+  }
+  log::audit("configuration", {{"asked_by", asked_by}, {"result", "refused"}, {"reason", why}});
+}
+
+}  // namespace gnomon::daemon

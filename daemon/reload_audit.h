@@ -1,0 +1,30 @@
+// The lines that reloads have in the audit log, and the log's file, which each of them opens anew.
+//
+// The main thread.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "daemon/config/config.h"
+#include "protocol/pin.h"
+
+namespace gnomon::daemon {
+
+class ReloadAudit {
+ public:
+  explicit ReloadAudit(const Config& running) : values_(running.values), file_(running.log.audit_file) {}
+
+  // `next` is in force, which had its audit file opened. The pins are those of the certificate before and after.
+  // `asked_by`: "SIGHUP", "operator".
+  // `kept`: why some of it was not applied; empty if all of it was.
+  void applied(const Config& next, const std::string& kept, const protocol::Pin& old_pin, const protocol::Pin& pin,
+               const char* asked_by);
+  void refused(const std::string& why, const char* asked_by) const;
+
+ private:
+  ConfigValues values_;  // of the configuration that is in force
+  std::filesystem::path file_;
+};
+
+}  // namespace gnomon::daemon

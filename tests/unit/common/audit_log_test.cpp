@@ -1,0 +1,108 @@
+// The audit log in a file of its own, as the daemon writes it.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/log.h"
+
+namespace gnomon::log {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AuditLog : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = (fs::temp_directory_path() / "gnomon_audit_XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+    file_ = folder_ / "audit.log";
+  }
+  void TearDown() override {
+    configure(Level::warning, Format::key_value);
+    EXPECT_TRUE(set_audit_file(""));
+    fs::remove_all(folder_);
+  }
+  void open() {
+    const auto opened = set_audit_file(file_.string());
+    ASSERT_TRUE(opened) << opened.error().message;
+  }
+  static std::string text_of(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+  static size_t lines_of(const fs::path& file) {
+    const std::string text = text_of(file);
+    return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+
+  fs::path folder_, file_;
+};
+
+TEST_F(AuditLog, IsWrittenAtEveryLevelUnderItsOwnName) {
+  configure(Level::off, Format::key_value);
+  open();
+  audit("action", {{"operator", "root(0)"}, {"target", ""}, {"reason", "a b"}});
+  EXPECT_NE(text_of(file_).find(" audit action operator=root(0) target=\"\" reason=\"a b\"\n"), std::string::npos)
+      << text_of(file_);
+  struct stat info {};
+  ASSERT_EQ(stat(file_.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 07137u, 0u) << "not for others, nor to be written by the group";
+}
+
+TEST_F(AuditLog, IsJsonWhereTheOtherLinesAre) {
+  configure(Level::info, Format::json);
+  open();
+  audit("action", {{"operator", "root(0)"}});
+  EXPECT_NE(text_of(file_).find(R"x("level":"info","logger":"audit","event":"action","operator":"root(0)"})x"),
+            std::string::npos)
+      << text_of(file_);
+}
+
+TEST_F(AuditLog, NoLineHasControlsOrASecondLineWhateverWasSent) {
+  open();
+  audit("action", {{"target", "a\nb\xc2\x9b\x33\x31m\x9b\u202e"}});
+  EXPECT_EQ(lines_of(file_), 1u);
+  EXPECT_NE(text_of(file_).find(R"(target="a\u000ab\u009b31m\ufffd\u202e")"), std::string::npos) << text_of(file_);
+}
+
+TEST_F(AuditLog, IsOpenedAnewAfterARotationAndAppends) {
+  open();
+  audit("action", {{"number", 1}});
+  fs::rename(file_, folder_ / "audit.log.1");
+  audit("action", {{"number", 2}});
+  open();
+  audit("action", {{"number", 3}});
+  open();
+  audit("action", {{"number", 4}});
+  EXPECT_EQ(lines_of(folder_ / "audit.log.1"), 2u);
+  EXPECT_EQ(lines_of(file_), 2u);
+}
+
+TEST_F(AuditLog, AFileThatCannotBeWrittenIsAnErrorAndTheLogStaysWhereItWas) {
+  open();
+  const auto failed = set_audit_file((folder_ / "nowhere" / "audit.log").string());
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("nowhere"), std::string::npos);
+  audit("action");
+  EXPECT_EQ(lines_of(file_), 1u);
+}
+
+// Strangers cause refusals as fast as they like; what operators do is few and never left out.
+TEST_F(AuditLog, RefusalsAreLimitedInRateAndActionsAreNot) {
+  open();
+  constexpr int kMany = 1000;
+  for (int i = 0; i < kMany; ++i) audit_refusal("refused");
+  EXPECT_LT(lines_of(file_), size_t{kMany} / 2);
+  const size_t before = lines_of(file_);
+  for (int i = 0; i < kMany; ++i) audit("action");
+  EXPECT_EQ(lines_of(file_), before + kMany);
+}
+
+}  // namespace
+}  // namespace gnomon::log
