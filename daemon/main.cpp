@@ -77,7 +77,8 @@ Result<LoadedConfig> load_config(const Arguments& arguments) {
   const auto folder = std::filesystem::absolute(arguments.config).parent_path();
   LoadedConfig loaded{std::move(*config), {}};
   loaded.missing = find_files(loaded.config, folder, installed("share/gnomon/scenes"));
-  if (loaded.config.render.passes.empty()) loaded.config.render.passes = gpu::RendererOptions{}.passes;
+  const gpu::RendererOptions usual;
+  if (loaded.config.render.passes.empty()) loaded.config.render.passes = usual.passes;
   return loaded;
 }
 
