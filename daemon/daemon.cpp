@@ -59,6 +59,16 @@ Result<std::unique_ptr<SessionStore>> open_store(const ServerConfig& server) {
 
 // The tenants of a new configuration. Where there is no room for new ones, those that are known still change: what is
 // revoked is revoked.
+// The tenants; without those that would let everybody in from elsewhere, unless the configuration says that it may be.
+std::vector<TenantConfig> closed_to_strangers(const ServerConfig& server, std::vector<TenantConfig> tenants,
+                                              std::vector<Error>& kept) {
+  const auto safe = check_access(server, tenants);
+  if (safe) return tenants;
+  kept.push_back(safe.error());
+  for (TenantConfig& tenant : tenants) tenant.open = false;
+  return tenants;
+}
+
 TenantDirectory next_tenants(const TenantDirectory& now, std::vector<TenantConfig> tenants,
                              std::vector<Error>& kept) {
   TenantDirectory next = now.with(tenants);
@@ -98,6 +108,9 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
 Result<void> Daemon::bring_up() {
   sharing_policy_.publish(sharing_policy_of(options_.config));
   tenant_directory_.publish(TenantDirectory().with(options_.config.tenants));
+  if (const auto why = strangers_access(options_.config.server, options_.config.tenants); !why.empty()) {
+    log::warning("strangers are served", {{"why", why}});
+  }
   if (auto opened = certificates_.open(options_.config.server); !opened) return opened;
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   scenes_ = std::make_unique<SceneHost>(
@@ -200,8 +213,10 @@ Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by, st
 
 void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   if (auto reachable = check_tenants(next); !reachable) kept.push_back(reachable.error());
+  // As it runs: another address or mode needs a restart, so that what `next` says of them does not hold yet.
   ServerConfig server = options_.config.server;
   server.tls = next.server.tls;
+  server.insecure_listen = next.server.insecure_listen;
   for (const Error& each : certificates_.reopen(server)) kept.push_back(each);
   AdminConfig admin = options_.config.admin;
   admin.token_file = next.admin.token_file;
@@ -214,7 +229,8 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   if (auto opened = log::set_audit_file(next.log.audit_file); !opened) {
     kept.push_back(Error{"log.audit_file: " + opened.error().message});
   }
-  const TenantDirectory directory = next_tenants(*tenant_directory_.get(), next.tenants, kept);
+  const TenantDirectory directory =
+      next_tenants(*tenant_directory_.get(), closed_to_strangers(server, next.tenants, kept), kept);
   if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
   Config by_id = next;
   by_id.tenants = directory.configs();

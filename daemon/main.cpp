@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "common/wall_clock.h"
+#include "daemon/config/token_files.h"
 #include "daemon/daemon.h"
 #include "daemon/render/vulkan_renderers.h"
 #include "daemon/scenes/scene_worker.h"
@@ -90,6 +91,15 @@ int check_config(const Arguments& arguments, const LoadedConfig& loaded) {
   return EXIT_SUCCESS;
 }
 
+// With what the daemon needs of other files. Without one of them a reload changes nothing: tokens that cannot be read
+// would look like tokens that were revoked.
+Result<LoadedConfig> load_whole_config(const Arguments& arguments) {
+  auto loaded = load_config(arguments);
+  if (!loaded) return loaded;
+  if (auto read = read_token_files(loaded->config); !read) return read.error();
+  return loaded;
+}
+
 // The address as it is written before a colon and a port: IPv6 in brackets.
 std::string bracketed(const std::string& address) {
   const bool v6 = address.find(':') != std::string::npos;
@@ -120,7 +130,7 @@ void leave_at(TimePoint deadline) {
 // Reads the file and the command line's overrides again.
 Result<void> reload(Daemon& daemon, const Arguments& arguments, const char* asked_by) {
   supervisor::reloading();
-  auto loaded = load_config(arguments);
+  auto loaded = load_whole_config(arguments);
   auto done =
       loaded ? daemon.reload(loaded->config, asked_by, loaded->missing) : daemon.reload(loaded.error(), asked_by);
   const std::string how = loaded ? "configuration " : "configuration not reloaded: ";
@@ -197,7 +207,8 @@ int serve(const Config& config, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   if (!arguments.check_scene.empty()) return check_scene(arguments.check_scene);
-  const auto loaded = load_config(arguments);
+  // Whoever checks may not be who runs the daemon, and need not read what only that one may.
+  const auto loaded = arguments.check_config ? load_config(arguments) : load_whole_config(arguments);
   if (!loaded) return fail(loaded.error());
   if (arguments.check_config) return check_config(arguments, *loaded);
   if (!loaded->missing.empty()) return fail(loaded->missing.front());

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <unordered_map>
 
 #include "scenes/motion.h"
 #include "scenes/world_triangles.h"
@@ -13,7 +14,7 @@ namespace gnomon::scenes {
 namespace {
 
 // To be increased whenever the hash covers something else, so that old caches are not mistaken for current ones.
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 
 class Hasher {
  public:
@@ -46,13 +47,12 @@ class Hasher {
   std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
 };
 
-void add_alpha_test(const Scene& scene, uint32_t material, Hasher& hasher) {
-  const Material& m = scene.materials[material];
-  const Texture& t = scene.textures[m.base_color_texture];
-  hasher.add(m.base_color.a, m.alpha_cutoff, t.width, t.height, t.wrap_u, t.wrap_v);
-  std::vector<uint8_t> alphas(t.rgba.size() / 4);
-  for (size_t i = 0; i < alphas.size(); ++i) alphas[i] = t.rgba[4 * i + 3];
+ContentHash hash_of_alphas(const Texture& texture) {
+  std::vector<uint8_t> alphas(texture.rgba.size() / 4);
+  for (size_t i = 0; i < alphas.size(); ++i) alphas[i] = texture.rgba[4 * i + 3];
+  Hasher hasher;
   hasher.add_bytes(alphas.data(), alphas.size());
+  return hasher.finish();
 }
 
 void add_lights(const Scene& scene, Hasher& hasher) {
@@ -77,7 +77,7 @@ class Walk {
   void tested_triangles(std::span<const Instance> instances) {
     for_each_placement(scene_, instances, Blocking::by_alpha, [&](const Placement& p) {
       const uint32_t material = p.primitive.material;
-      if (material != last_tested_) add_alpha_test(scene_, material, hasher_);
+      if (material != last_tested_) add_alpha_test(material);
       last_tested_ = material;
       triangles(p, true);
     });
@@ -102,6 +102,16 @@ class Walk {
   }
 
  private:
+  // Materials may alternate from one placement to the next, so that a texture is read once and not each time.
+  void add_alpha_test(uint32_t material) {
+    const Material& m = scene_.materials[material];
+    const Texture& t = scene_.textures[m.base_color_texture];
+    hasher_.add(m.base_color.a, m.alpha_cutoff, t.width, t.height, t.wrap_u, t.wrap_v);
+    const auto [alphas, is_new] = alphas_.try_emplace(m.base_color_texture);
+    if (is_new) alphas->second = hash_of_alphas(t);
+    hasher_.add_bytes(alphas->second.data(), alphas->second.size());
+  }
+
   void triangles(const Placement& placement, bool with_uvs) {
     const Primitive& primitive = placement.primitive;
     const std::vector<glm::vec3> positions = placement.world_positions();
@@ -142,6 +152,7 @@ class Walk {
 
   const Scene& scene_;
   Hasher hasher_;
+  std::unordered_map<uint32_t, ContentHash> alphas_;  // by texture
   Bounds bounds_{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
   uint64_t count_ = 0;
   uint32_t last_tested_ = kNone;

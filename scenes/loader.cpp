@@ -34,7 +34,7 @@ class Assembly {
       : document_(document), limits_(limits), motions_(motions), scene_(std::make_shared<Scene>()) {}
 
   Result<std::shared_ptr<Scene>> run() {
-    auto materials = gltf::read_materials(document_, limits_.max_texels);
+    auto materials = gltf::read_materials(document_);
     if (!materials) return materials.error();
     materials_ = std::move(*materials);
     mesh_index_.assign(document_.model.meshes.size(), kUnread);

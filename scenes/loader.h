@@ -10,12 +10,17 @@
 
 namespace gnomon::scenes {
 
-// Limits for a file. They are checked before memory is allocated, so that a few bytes cannot cost a gigabyte.
+// Limits for a file. They are checked before memory is allocated, so that a few bytes cannot cost a gigabyte: what is
+// made of a file (texels, vertices, indices, keys, zeros that it does not even hold) is counted and may take
+// base_memory_bytes and memory_bytes_per_byte more for each byte that was read. docs/scenes.md says what real files take.
 struct LoadLimits {
   uint64_t max_file_bytes = uint64_t{2} << 30;  // the file and every buffer or image that it names
   uint64_t max_triangles = uint64_t{32} << 20;  // in the world, instances counted
   uint64_t max_instances = uint64_t{1} << 20;
   uint64_t max_texels = uint64_t{256} << 20;  // of all images together
+  uint64_t base_memory_bytes = uint64_t{64} << 20;
+  uint32_t memory_bytes_per_byte = 256;
+  uint32_t max_scans = 64;  // of a JPEG: a decoder passes over the whole image for each
   uint32_t max_lights = 256;
   uint32_t max_node_depth = 1024;
   uint64_t max_scene_bytes = 0;  // predicted_bytes() of a scene that gets its geometry; 0: no limit

@@ -63,6 +63,7 @@ Result<void> check_together(const Config& config) {
     return Error{
         "server.tls.client_crl: without server.tls.client_ca there is no authority that could revoke anything"};
   }
+  if (auto safe = check_access(server, config.tenants); !safe) return safe;
   return check_admin(config.admin);
 }
 
@@ -72,6 +73,9 @@ Result<std::string> read_file(const std::filesystem::path& file) {
   if (!stream || !(text << stream.rdbuf())) return Error{file.string() + ": cannot be read"};
   return std::move(text).str();
 }
+
+// `address`: one that parsing has accepted.
+bool is_loopback(const std::string& address) { return asio::ip::make_address(address).is_loopback(); }
 
 std::filesystem::path absolute_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
   return std::filesystem::absolute(path.is_absolute() ? path : folder / path).lexically_normal();
@@ -130,11 +134,34 @@ std::vector<Error> find_files(Config& config, const std::filesystem::path& confi
   if (!admin.socket.empty() && admin.socket != kUsualAdminSocket) {
     admin.socket = absolute_below(config_folder, admin.socket);
   }
+  for (TenantConfig& tenant : config.tenants) {
+    auto& path = tenant.token_sha256_file;
+    if (!path.empty()) path = absolute_below(config_folder, path);
+  }
   for (auto& folder : config.scenes.allow_files) folder = absolute_below(config_folder, folder);
   return missing;
 }
 
-bool is_loopback(const AdminConfig& admin) { return asio::ip::make_address(admin.listen).is_loopback(); }
+bool is_loopback(const AdminConfig& admin) { return is_loopback(admin.listen); }
+
+std::string strangers_access(const ServerConfig& server, const std::vector<TenantConfig>& tenants) {
+  if (is_loopback(server.listen)) return "";
+  const std::string reached = "server.listen: " + server.listen + " can be reached from elsewhere, and ";
+  if (server.mode == ServerMode::demo) return reached + "server.mode: demo lets everybody in";
+  for (const TenantConfig& tenant : tenants) {
+    if (tenant.open) return reached + "tenant " + tenant.name + " is open to everybody";
+  }
+  return "";
+}
+
+Result<void> check_access(const ServerConfig& server, const std::vector<TenantConfig>& tenants) {
+  const std::string why = strangers_access(server, tenants);
+  if (why.empty() || server.insecure_listen) return {};
+  return Error{
+      why +
+      "; allowed: a loopback address, or tenants with tokens or certificates in mode production, or, where "
+      "everybody who reaches it may have frames, server.insecure_listen: true"};
+}
 
 Result<void> check_admin(const AdminConfig& admin) {
   if (admin.tls.certificate.empty() != admin.tls.key.empty()) {
@@ -157,6 +184,7 @@ bool needs_restart(const Config& next, const Config& running) {
   server.max_sessions = running.server.max_sessions;
   server.max_sessions_per_address = running.server.max_sessions_per_address;
   server.tls = running.server.tls;
+  server.insecure_listen = running.server.insecure_listen;
   AdminConfig admin = next.admin;
   admin.token_file = running.admin.token_file;
   admin.tls = running.admin.tls;

@@ -33,6 +33,7 @@ struct ServerConfig {
   TlsConfig tls;
   std::filesystem::path state_folder;  // of files that the server makes; empty: see demo_certificate.h
   std::string listen = "127.0.0.1";    // address of the control connections and of the data sockets
+  bool insecure_listen = false;        // also where strangers reach it and need no token; see check_access
   uint16_t control_port = 7600;        // TCP; 0: a free one
   uint16_t data_port = 7600;           // UDP; net thread i has data_port + i; 0: free ones
   uint32_t net_threads = 1;
@@ -146,6 +147,8 @@ struct TenantConfig {
   uint32_t max_scene_memory_mb = 0;     // of the scenes that its clients asked for, MiB; 0: half of all scenes'
   std::vector<TokenHash> token_sha256 = {};  // of its tokens, each of which is accepted
   bool open = false;                         // clients need no token
+  // A file with more hashes of tokens; see token_files.h.
+  std::filesystem::path token_sha256_file = {};
 };
 
 struct LogConfig {
@@ -182,6 +185,13 @@ Result<Config> parse_config(const std::string& text, const std::string& name,
 // for; its path is that below `config_folder`.
 std::vector<Error> find_files(Config& config, const std::filesystem::path& config_folder,
                               const std::filesystem::path& share_folder);
+
+// Error if whoever reaches server.listen from elsewhere would need no token: in demo mode, or as a tenant that is open.
+// server.insecure_listen allows that.
+Result<void> check_access(const ServerConfig& server, const std::vector<TenantConfig>& tenants);
+
+// Why server.insecure_listen is needed: the error that check_access would give without it; "" if it is not.
+std::string strangers_access(const ServerConfig& server, const std::vector<TenantConfig>& tenants);
 
 // Error if the admin server would listen on another address than loopback without a token or without TLS.
 Result<void> check_admin(const AdminConfig& admin);

@@ -149,6 +149,7 @@ Keys<ServerConfig> server_keys() {
       section("tls", &S::tls, tls_keys()),
       scalar("state_folder", &S::state_folder, "a folder, or '' for the usual one", parse_path_or_none),
       address("listen", &S::listen),
+      choice("insecure_listen", &S::insecure_listen, {{"false", false}, {"true", true}}),
       port("control_port", &S::control_port),
       port("data_port", &S::data_port),
       integer("net_threads", &S::net_threads, 1, 64),
@@ -289,6 +290,8 @@ Keys<Config> all_keys() {
       scalars("token_sha256", &TenantConfig::token_sha256,
               "a list of SHA-256 hashes of tokens, 64 hexadecimal digits each; gnomonctl make-token makes some",
               parse_hash),
+      scalar("token_sha256_file", &TenantConfig::token_sha256_file, "a file of such hashes, or '' for none",
+             parse_path_or_none),
       choice("open", &TenantConfig::open, {{"true", true}, {"false", false}}),
   };
   return {

@@ -7,9 +7,6 @@
 namespace gnomon::scenes::gltf {
 namespace {
 
-// The most elements of an accessor without bytes, whose count costs the file nothing.
-constexpr size_t kMaxZeros = size_t{1} << 20;
-
 size_t component_bytes(int type) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -103,8 +100,9 @@ Result<Elements> Elements::of(const Document& document, int index, int type) {
   e.element_bytes_ = component_bytes(accessor.componentType) * static_cast<size_t>(e.width_);
   if (accessor.type != type) return named(index, "has another type than its use needs");
   if (e.element_bytes_ == 0) return named(index, "has a component type that glTF does not know");
-  if (accessor.bufferView == -1 || document.lacks_bytes(accessor.bufferView)) {
-    if (e.count_ > kMaxZeros) return named(index, "has too many elements for one without a buffer view");
+  if (document.lacks_bytes(accessor.bufferView)) {
+    const auto granted = document.budget.spend(e.count_, e.element_bytes_);  // its count costs the file nothing
+    if (!granted) return named(index, "has no bytes of its own, and " + granted.error().message);
   } else {
     const auto view = entry(document.model.bufferViews, accessor.bufferView, "buffer view");
     if (!view) return named(index, view.error().message);
@@ -133,8 +131,8 @@ Result<void> Elements::add_sparse(const Document& document, const tinygltf::Acce
   const auto values = range(document, sparse.values.bufferView, static_cast<uint64_t>(sparse.values.byteOffset),
                             count, element_bytes_, element_bytes_);
   if (!values) return Error{"sparse values: " + values.error().message};
-  if (count > document.sparse_left) return Error{"is sparse and used too often"};
-  document.sparse_left -= count;
+  const auto granted = document.budget.spend(count, sizeof sparse_at_[0]);
+  if (!granted) return Error{"is sparse, and " + granted.error().message};
   sparse_values_ = *values;
   sparse_at_.resize(count);
   for (size_t i = 0; i < count; ++i) {

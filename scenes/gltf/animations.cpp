@@ -31,6 +31,7 @@ Result<Interpolation> interpolation_of(const std::string& name) {
 Result<std::vector<float>> read_times(const Document& document, int accessor) {
   const auto elements = Elements::of(document, accessor, TINYGLTF_TYPE_SCALAR);
   if (!elements) return elements.error();
+  if (const auto ok = document.budget.spend(elements->count(), sizeof(float)); !ok) return ok.error();
   std::vector<float> times(elements->count());
   for (size_t i = 0; i < times.size(); ++i) {
     times[i] = elements->at(i).x;
@@ -50,6 +51,7 @@ Result<std::vector<glm::vec4>> read_values(const Document& document, int accesso
     return Error{"has " + std::to_string(elements->count()) + " values for " +
                  std::to_string(channel.times.size()) + " times"};
   }
+  if (const auto ok = document.budget.spend(elements->count(), sizeof(glm::vec4)); !ok) return ok.error();
   std::vector<glm::vec4> values(elements->count());
   for (size_t i = 0; i < values.size(); ++i) {
     values[i] = elements->at(i);
@@ -100,11 +102,9 @@ void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
   node.channels.push_back(std::move(channel));
 }
 
-constexpr size_t kMaxValues = size_t{1} << 23;  // limit for a file, in which many nodes may name the same long keys
-
 }  // namespace
 
-Animations::Animations(const Document& document) : document_(document), values_left_(kMaxValues) {
+Animations::Animations(const Document& document) : document_(document) {
   for (const tinygltf::Animation& animation : document.model.animations) {
     for (const tinygltf::AnimationChannel& channel : animation.channels) {
       if (path_of(channel.target_path)) by_node_[channel.target_node].push_back({&animation, &channel});
@@ -125,8 +125,6 @@ Result<std::vector<Channel>> Animations::of(const PlacedNode& node) {
     if (std::exchange(taken[static_cast<size_t>(property)], true)) continue;
     Result<Channel> channel = read_channel(document_, *source.animation, source.channel->sampler, property);
     if (!channel) return Error{"animation '" + source.animation->name + "' " + channel.error().message};
-    if (channel->values.size() > values_left_) return Error{"its animations have too many keys"};
-    values_left_ -= channel->values.size();
     channels.push_back(std::move(*channel));
   }
   return channels;

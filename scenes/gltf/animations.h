@@ -31,7 +31,6 @@ class Animations {
 
   const Document& document_;
   std::unordered_map<int, std::vector<Source>> by_node_;
-  size_t values_left_;
 };
 
 // Collects the moving nodes that carry a mesh or a light, and their moving ancestors, for Scene::moving_nodes.

@@ -66,19 +66,18 @@ std::string text_of(const json& object, const char* key) {
   return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
-// A buffer's content, cut to its declared length; bytes that had to be read are kept in `owned`.
-Result<View> buffer_content(const json& buffer, bool first, const Parts& parts, Folder& folder,
-                            std::vector<Bytes>& owned) {
+// A buffer's content, cut to its declared length; bytes that had to be read are kept in `document.owned`.
+Result<View> buffer_content(const json& buffer, bool first, const Parts& parts, Document& document) {
   const auto length = buffer.find("byteLength");
   if (length == buffer.end() || !length->is_number_unsigned()) return Error{"has no valid byteLength"};
   const auto declared = length->get<uint64_t>();
   const std::string uri = text_of(buffer, "uri");
   View content;
   if (!uri.empty()) {
-    Result<Bytes> bytes = read_uri(folder, uri);
+    Result<Bytes> bytes = read_uri(document.folder, uri, document.budget);
     if (!bytes) return bytes.error();
-    owned.push_back(std::move(*bytes));
-    content = owned.back();
+    document.owned.push_back(std::move(*bytes));
+    content = document.owned.back();
   } else if (first && parts.bin) {
     content = *parts.bin;
   } else if (first && parts.binary) {
@@ -98,7 +97,7 @@ Result<void> read_buffers(const json& root, const Parts& parts, Document& docume
   if (buffers == root.end()) return {};
   for (const json& buffer : *buffers) {
     const size_t index = document.buffers.size();
-    Result<View> content = buffer_content(buffer, index == 0, parts, document.folder, document.owned);
+    Result<View> content = buffer_content(buffer, index == 0, parts, document);
     if (!content) return Error{"buffer " + std::to_string(index) + ": " + content.error().message};
     document.buffers.push_back(*content);
   }
@@ -106,6 +105,31 @@ Result<void> read_buffers(const json& root, const Parts& parts, Document& docume
                                      [](View buffer) { return buffer.data() == nullptr; });
   if (lacking > 0) log::warning("glTF leaves buffers without bytes", {{"buffers", lacking}});
   return {};
+}
+
+// How many entries the file's arrays have together: accessors, nodes, ...
+uint64_t entries(const json& root) {
+  uint64_t count = 0;
+  for (const auto& [name, value] : root.items()) count += value.is_array() ? value.size() : 0;
+  return count;
+}
+
+// An accessor without a buffer view is zeros, which tinygltf does not allow of indices: it gets a view of a buffer that
+// has no bytes, from which everything is read as zero.
+void give_views_to_zeros(json& root, Document& document) {
+  const auto accessors = root.find("accessors");
+  if (accessors == root.end()) return;
+  json& views = root["bufferViews"];
+  const size_t view = views.size();
+  bool needed = false;
+  for (json& accessor : *accessors) {
+    if (accessor.contains("bufferView")) continue;
+    accessor["bufferView"] = view;
+    needed = true;
+  }
+  if (!needed) return;  // an empty list is as good as none
+  views.push_back({{"buffer", document.buffers.size()}, {"byteLength", 1}});
+  document.buffers.emplace_back();
 }
 
 void read_image_sources(const json& root, Document& document) {
@@ -150,8 +174,8 @@ Result<void> read_structure(json root, tinygltf::Model& model) {
 
 }  // namespace
 
-Result<Bytes> read_uri(Folder& folder, const std::string& uri) {
-  return is_data_uri(uri) ? decode_data_uri(uri) : folder.read(uri);
+Result<Bytes> read_uri(Folder& folder, const std::string& uri, Budget& budget) {
+  return is_data_uri(uri) ? decode_data_uri(uri) : folder.read(uri, budget);
 }
 
 bool Document::lacks_bytes(int buffer_view) const {
@@ -174,17 +198,28 @@ Result<View> Document::view(int buffer_view) const {
 }
 
 Result<Document> open_document(const std::filesystem::path& file, const LoadLimits& limits) {
-  Result<Folder> folder = Folder::of(file, limits.max_file_bytes);
+  Result<Folder> folder = Folder::of(file);
   if (!folder) return folder.error();
-  Document document{.folder = std::move(*folder), .model = {}, .buffers = {}, .images = {}, .owned = {}};
-  Result<Bytes> bytes = document.folder.read_scene_file();
+  Document document{.folder = std::move(*folder),
+                    .model = {},
+                    .buffers = {},
+                    .images = {},
+                    .owned = {},
+                    .budget = Budget(limits)};
+  Result<Bytes> bytes = document.folder.read_scene_file(document.budget);
   if (!bytes) return bytes.error();
   document.owned.push_back(std::move(*bytes));
   const Result<Parts> parts = split(document.owned.front());
   if (!parts) return parts.error();
   Result<json> root = parse_gltf_json(parts->json);
   if (!root) return root.error();
+  // tinygltf allocates up to 2 KB for an empty entry of an array, which is three bytes of JSON.
+  constexpr uint64_t kEntryBytes = 2048;
+  if (const auto ok = document.budget.spend(entries(*root), kEntryBytes); !ok) {
+    return Error{"its structure " + ok.error().message};
+  }
   if (const auto ok = read_buffers(*root, *parts, document); !ok) return ok.error();
+  give_views_to_zeros(*root, document);
   read_image_sources(*root, document);
   if (const auto ok = read_structure(std::move(*root), document.model); !ok) return ok.error();
   return document;

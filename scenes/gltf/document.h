@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "scenes/gltf/budget.h"
 #include "scenes/gltf/folder.h"
 #include "scenes/gltf/model.h"
 #include "scenes/loader.h"
@@ -30,8 +31,7 @@ struct Document {
   std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or empty where glTF allows no bytes
   std::vector<ImageSource> images;
   std::vector<Bytes> owned;  // the memory that `buffers` refers to
-  // How many sparse elements may still be read. The limit exists because a file may name one large accessor repeatedly.
-  mutable uint64_t sparse_left = uint64_t{1} << 28;
+  mutable Budget budget;     // whoever makes something of the file announces it here first
 
   // The bytes of a buffer view. Error: the view or its buffer does not exist, or the view ends beyond its buffer.
   Result<std::span<const uint8_t>> view(int buffer_view) const;
@@ -42,7 +42,7 @@ struct Document {
 Result<Document> open_document(const std::filesystem::path& file, const LoadLimits& limits);
 
 // The bytes of a data URI, or of a file in the scene's folder.
-Result<Bytes> read_uri(Folder& folder, const std::string& uri);
+Result<Bytes> read_uri(Folder& folder, const std::string& uri, Budget& budget);
 
 // Entry `index` of an array of the file. Error: "mesh 7 does not exist", where `what` is "mesh".
 template <class T>

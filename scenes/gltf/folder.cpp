@@ -46,16 +46,16 @@ bool within(const fs::path& folder, const fs::path& file) {
 
 }  // namespace
 
-Result<Folder> Folder::of(const fs::path& file, uint64_t max_bytes) {
+Result<Folder> Folder::of(const fs::path& file) {
   std::error_code error;
   fs::path canonical = fs::canonical(file, error);
   if (error) return Error{"cannot open it: " + error.message()};
-  return Folder(std::move(canonical), max_bytes);
+  return Folder(std::move(canonical));
 }
 
-Result<Bytes> Folder::read_scene_file() { return read_regular(file_); }
+Result<Bytes> Folder::read_scene_file(Budget& budget) { return read_regular(file_, budget); }
 
-Result<Bytes> Folder::read(const std::string& uri) {
+Result<Bytes> Folder::read(const std::string& uri, Budget& budget) {
   const std::string name = percent_decoded(uri);
   const fs::path relative(name);
   if (name.empty() || name.find('\0') != std::string::npos || relative.is_absolute()) {
@@ -66,10 +66,10 @@ Result<Bytes> Folder::read(const std::string& uri) {
   const fs::path canonical = fs::canonical(folder / relative, error);
   if (error) return Error{"cannot open " + quoted(uri) + ": " + error.message()};
   if (!within(folder, canonical)) return Error{quoted(uri) + " lies outside the scene's folder"};
-  return read_regular(canonical);
+  return read_regular(canonical, budget);
 }
 
-Result<Bytes> Folder::read_regular(const fs::path& file) {
+Result<Bytes> Folder::read_regular(const fs::path& file, Budget& budget) {
   const std::string name = quoted(file.filename().string());
   const Descriptor descriptor(file);
   struct stat status {};
@@ -78,8 +78,9 @@ Result<Bytes> Folder::read_regular(const fs::path& file) {
   }
   if (!S_ISREG(status.st_mode)) return Error{name + " is not a regular file"};
   const auto size = static_cast<uint64_t>(status.st_size);
-  if (size > bytes_left_) return Error{name + " takes the scene beyond its limit of bytes"};
-  bytes_left_ -= size;
+  const bool first = seen_.emplace(status.st_dev, status.st_ino).second;
+  const auto granted = first ? budget.read(size) : budget.spend(size);
+  if (!granted) return Error{name + (first ? " " : " is named again and again: it ") + granted.error().message};
 
   Bytes bytes(size);
   size_t filled = 0;

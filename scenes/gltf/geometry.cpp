@@ -28,12 +28,17 @@ glm::uvec3 triangle(int mode, uint32_t i) {
   return i % 2 == 0 ? glm::uvec3(i, i + 1, i + 2) : glm::uvec3(i, i + 2, i + 1);
 }
 
+constexpr uint64_t kCornerBytes =
+    2 * sizeof(uint32_t) + sizeof(glm::uvec3);  // listed, sorted, and of a strip's triangle
+constexpr uint64_t kVertexBytes = 2 * sizeof(glm::vec3) + sizeof(glm::vec2);
+
 // The vertex of each corner: the indices, or 0, 1, 2, ... if there are none. Error: an index beyond the vertices, or
 // more than `max_corners`.
 Result<Corners> read_corners(const Document& document, int indices, size_t vertices, uint64_t max_corners) {
   const Error too_many{"has more triangles than the scene may have"};
   if (indices == -1) {
     if (vertices > max_corners) return too_many;
+    if (const auto ok = document.budget.spend(vertices, kCornerBytes); !ok) return ok.error();
     Corners corners(vertices);
     std::iota(corners.begin(), corners.end(), 0u);
     return corners;
@@ -42,6 +47,7 @@ Result<Corners> read_corners(const Document& document, int indices, size_t verti
   if (!elements) return Error{"indices: " + elements.error().message};
   if (!elements->is_unsigned()) return Error{"has indices that are not unsigned integers"};
   if (elements->count() > max_corners) return too_many;
+  if (const auto ok = document.budget.spend(elements->count(), kCornerBytes); !ok) return ok.error();
   Corners corners(elements->count());
   for (size_t i = 0; i < corners.size(); ++i) {
     corners[i] = elements->index_at(i);
@@ -167,6 +173,8 @@ Result<MaybePrimitive> read_primitive(const Document& document, const tinygltf::
   const Result<uint32_t> material = material_of(source, materials);
   if (!material) return material.error();
   Corners used = vertices->count() > corners->size() ? take_used(*corners) : Corners();
+  const size_t kept = used.empty() ? vertices->count() : used.size();
+  if (const auto ok = document.budget.spend(kept, kVertexBytes); !ok) return ok.error();
   const Attributes attributes(document, source, vertices->count(), std::move(used));
   auto positions = attributes.positions(*vertices);
   if (!positions) return positions.error();

@@ -15,9 +15,18 @@ struct Image {
   std::vector<uint8_t> rgba;  // 8 bits, rows from the top
 };
 
-// The size in the image's header is checked against `max_texels` before anything is decoded, and each allocation of the
-// decoder is limited by that size, because a few bytes of a PNG can unpack to gigabytes. Error: the data is neither PNG
-// nor JPEG, is damaged, or exceeds `max_texels`.
-Result<Image> decode_image(std::span<const uint8_t> bytes, uint64_t max_texels);
+// What an image says of itself.
+struct ImageHeader {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  uint32_t scans = 0;  // of a JPEG, or more: whatever looks like the beginning of one counts
+};
+
+// Decodes nothing. Error: the data is neither PNG nor JPEG.
+Result<ImageHeader> read_image_header(std::span<const uint8_t> bytes);
+
+// `header`: of the same bytes; whoever calls has found that it may be decoded. Each allocation of the decoder is limited
+// by that size, because a few bytes of a PNG can unpack to gigabytes. Error: the data is damaged.
+Result<Image> decode_image(std::span<const uint8_t> bytes, const ImageHeader& header);
 
 }  // namespace gnomon::scenes::gltf

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "scenes/gltf/compressed.h"
 #include "scenes/gltf/schema.h"
 
 namespace gnomon::scenes::gltf {
@@ -165,6 +166,7 @@ Result<json> parse_gltf_json(std::string_view text) {
   if (const auto ok = check_version(*root); !ok) return ok.error();
   if (const auto ok = check_extensions(*root); !ok) return ok.error();
   if (const auto ok = check_counts(*root); !ok) return ok.error();
+  if (const auto ok = check_fallbacks(*root); !ok) return ok.error();
   normalise(*root);
   if (const auto ok = check_types(*root); !ok) return ok.error();
   blank_unknown_accessors(*root);

@@ -8,7 +8,7 @@
 
 namespace gnomon::scenes::gltf {
 
-// Error: the text is not a glTF 2 object, requires an extension that is not supported, is nested too deeply for
+// Error: the text is not a glTF 2 object, requires an extension that is not supported or stands only in one, is nested too deeply for
 // recursive code, or has too many entries. The result leaves out extras and all extensions that the loader does not
 // read.
 Result<nlohmann::json> parse_gltf_json(std::string_view text);

@@ -17,36 +17,46 @@ Wrap wrap_of(int code) {
   return Wrap::repeat;
 }
 
-Result<Image> read_image(Document& document, int index, uint64_t max_texels) {
+// `name`: of the image, for errors. The same bytes may be named by many images, and are read for each.
+Result<Image> decode(std::span<const uint8_t> bytes, Budget& budget, const std::string& name) {
+  const auto header = read_image_header(bytes);
+  if (!header) return Error{name + " " + header.error().message};
+  const std::string size = std::to_string(header->width) + " x " + std::to_string(header->height);
+  auto granted = budget.decode(header->width, header->height, header->scans);
+  if (granted) granted = budget.spend(bytes.size());
+  if (!granted) return Error{name + " of " + size + " " + granted.error().message};
+  Result<Image> image = decode_image(bytes, *header);
+  if (!image) return Error{name + " " + image.error().message};
+  return image;
+}
+
+Result<Image> read_image(Document& document, int index) {
   const auto source = entry(document.images, index, "image");
   if (!source) return source.error();
   const std::string name = "image " + std::to_string(index);
-  const auto decoded = [&](std::span<const uint8_t> bytes) -> Result<Image> {
-    Result<Image> image = decode_image(bytes, max_texels);
-    if (!image) return Error{name + " " + image.error().message};
-    return image;
-  };
   if ((*source)->buffer_view >= 0) {
     const auto bytes = document.view((*source)->buffer_view);
     if (!bytes) return Error{name + ": " + bytes.error().message};
-    return decoded(*bytes);
+    return decode(*bytes, document.budget, name);
   }
-  const auto bytes = read_uri(document.folder, (*source)->uri);
+  const auto bytes = read_uri(document.folder, (*source)->uri, document.budget);
   if (!bytes) return Error{name + ": " + bytes.error().message};
-  return decoded(*bytes);
+  return decode(*bytes, document.budget, name);
 }
 
 // Reads each texture once, however many materials use it. An image that cannot be read is tried once, however many
 // textures use it.
 class Textures {
  public:
-  Textures(Document& document, uint64_t max_texels) : document_(document), texels_left_(max_texels) {}
+  explicit Textures(Document& document) : document_(document) {}
 
   // Index into Scene::textures.
   Result<uint32_t> get(int texture) {
     if (const auto known = known_.find(texture); known != known_.end()) return known->second;
     Result<Texture> made = read(texture);
-    if (!made) log::warning("texture left out", {{"texture", texture}, {"why", made.error().message}});
+    if (!made && !document_.budget.exceeded()) {
+      log::warning("texture left out", {{"texture", texture}, {"why", made.error().message}});
+    }
     Result<uint32_t> index = made ? Result<uint32_t>(static_cast<uint32_t>(textures_.size())) : made.error();
     if (made) textures_.push_back(std::move(*made));
     known_.emplace(texture, index);
@@ -61,7 +71,7 @@ class Textures {
     if (!found) return found.error();
     const int source = (*found)->source;
     if (const auto broken = broken_images_.find(source); broken != broken_images_.end()) return broken->second;
-    Result<Image> image = read_image(document_, source, texels_left_);
+    Result<Image> image = read_image(document_, source);
     if (!image) {
       broken_images_.emplace(source, image.error());
       return image.error();
@@ -70,7 +80,6 @@ class Textures {
     texture.width = image->width;
     texture.height = image->height;
     texture.rgba = std::move(image->rgba);
-    texels_left_ -= texture.rgba.size() / 4;
     for (size_t i = 3; i < texture.rgba.size(); i += 4) texture.has_alpha |= texture.rgba[i] != 255;
     if ((*found)->sampler >= 0) {
       const auto sampler = entry(document_.model.samplers, (*found)->sampler, "sampler");
@@ -82,7 +91,6 @@ class Textures {
   }
 
   Document& document_;
-  uint64_t texels_left_;
   std::vector<Texture> textures_;
   std::map<int, Result<uint32_t>> known_;  // by texture of the file
   std::map<int, Error> broken_images_;
@@ -163,9 +171,9 @@ bool has_source(const Document& document, int texture) {
 
 }  // namespace
 
-Result<Materials> read_materials(Document& document, uint64_t max_texels) {
+Result<Materials> read_materials(Document& document) {
   Materials out;
-  Textures textures(document, max_texels);
+  Textures textures(document);
   for (const tinygltf::Material& source : document.model.materials) {
     const std::string name = "material " + std::to_string(out.materials.size()) + " '" + source.name + "'";
     Material material = factors_of(source);
@@ -176,6 +184,7 @@ Result<Materials> read_materials(Document& document, uint64_t max_texels) {
       if (!texture && material.alpha_mode == AlphaMode::mask) {
         return Error{name + " needs its texture for an alpha test: " + texture.error().message};
       }
+      if (!texture && document.budget.exceeded()) return Error{name + ": " + texture.error().message};
       if (texture) material.base_color_texture = *texture;
     }
     out.materials.push_back(std::move(material));

@@ -23,9 +23,9 @@ struct Materials {
   uint32_t default_material = 0;
 };
 
-// A base colour texture that is missing, damaged, neither PNG nor JPEG, or takes all textures beyond `max_texels` is
-// left out with a warning, and its surface keeps the plain base colour. Error: an alpha test needs such a texture, so
-// that shadows would be wrong; or a material has a number that is not finite.
-Result<Materials> read_materials(Document& document, uint64_t max_texels);
+// A base colour texture that is missing, damaged or neither PNG nor JPEG is left out with a warning, and its surface
+// keeps the plain base colour. Error: an alpha test needs such a texture, so that shadows would be wrong; a texture is
+// beyond the limits; or a material has a number that is not finite.
+Result<Materials> read_materials(Document& document);
 
 }  // namespace gnomon::scenes::gltf

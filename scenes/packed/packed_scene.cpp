@@ -196,6 +196,9 @@ void visit(Archive& a, LoadTask& t) {
   a.plain(t.limits.max_triangles);
   a.plain(t.limits.max_instances);
   a.plain(t.limits.max_texels);
+  a.plain(t.limits.base_memory_bytes);
+  a.plain(t.limits.memory_bytes_per_byte);
+  a.plain(t.limits.max_scans);
   a.plain(t.limits.max_lights);
   a.plain(t.limits.max_node_depth);
   a.plain(t.limits.max_scene_bytes);

@@ -41,6 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   limits.max_triangles = 1 << 16;
   limits.max_instances = 1 << 10;
   limits.max_texels = 1 << 20;
+  limits.base_memory_bytes = 1 << 22;
   if (const auto scene = scenes::load_scene(file, limits)) {
     fuzz::require((*scene)->triangle_count <= limits.max_triangles, "limits are kept");
   }

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The unit under a real systemd: started, reloaded, killed, hung, drained; its ports outlive it.
+"""The unit under a real systemd: a first start that makes a certificate and a token, then started, reloaded, killed,
+hung, drained; its ports outlive it.
 
     booted_test.py BUILD
 """
@@ -13,14 +14,15 @@ from node import eventually
 
 BUILD = sys.argv.pop(1)
 CONFIG = "/etc/gnomon/gnomond.yaml"
+PRIVATE = "/etc/gnomon/private"
 CONFIG_TEXT = """
-server: {mode: demo}
+server: {tls: {certificate: credentials/server.pem, key: credentials/server-key.pem}}
 render: {device: cpu, cache_folder: /var/cache/gnomon}
 scenes: {list: [{name: living_room, file: living_room.glb}]}
-tenants: [{name: studio, weight: %d}, {name: arcade}]
+tenants: [{name: default, weight: %d, token_sha256_file: credentials/default.sha256}]
 """
-PRODUCTION = """
-server: {mode: production, tls: {certificate: credentials/server.pem, key: credentials/server-key.pem}}
+ROTATED = """
+server: {tls: {certificate: credentials/own.pem, key: credentials/own-key.pem}}
 render: {device: cpu, cache_folder: /var/cache/gnomon}
 scenes: {list: [{name: living_room, file: living_room.glb}]}
 tenants: [{name: studio, open: true}]
@@ -30,8 +32,9 @@ FAULTS = """[Service]
 WatchdogSec=6s
 Environment=VK_ADD_LAYER_PATH=/opt/faults VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=/run/gnomon
 """
-LOAD = ("gnomon-load", "--server", "127.0.0.1:7600", "--pin", "/var/lib/gnomon/demo.pin", "--scene", "living_room",
-        "--size", "160x90", "--rate", 0, "--tenant", "studio::2")
+KNOWS = ("gnomon-load", "--server", "127.0.0.1:7600", "--ca", f"{PRIVATE}/ca.pem", "--scene", "living_room",
+         "--size", "160x90", "--rate", 0)
+LOAD = (*KNOWS, "--tenant", f"default:{PRIVATE}/default.token:2")
 
 
 class Booted(unittest.TestCase):
@@ -67,6 +70,21 @@ class Booted(unittest.TestCase):
     def test_started(self):
         self.assertIn("serving 1 scenes", self.system.property("StatusText"))
         self.serves()
+        without = self.system.run(*KNOWS, "--tenant", "default::2", "--seconds", 0.5, check=False)
+        self.assertNotEqual(without.returncode, 0, without.stdout)
+
+    def test_first_start_is_once(self):
+        """By the unit that the daemon's asks for; what it made is root's alone, and the next start leaves it."""
+        first = "gnomon-first-start.service"
+        self.assertEqual(self.system.property("Result", first), "success")
+        listed = lambda: self.system.run("stat", "-c", "%n %a %U %Y", *(f"{PRIVATE}/{name}" for name in (
+            "ca.pem", "ca-key.pem", "default.token")), "/etc/gnomon/credentials/server-key.pem").stdout
+        made = listed()
+        for line in made.splitlines():
+            self.assertRegex(line, r" 6[04][04] root \d+$")
+        self.system.start(first)
+        self.assertEqual(self.system.property("ConditionResult", first), "no")
+        self.assertEqual(listed(), made)
 
     def test_reloaded(self):
         main = self.system.property("MainPID")
@@ -170,9 +188,10 @@ class Booted(unittest.TestCase):
 
     def place_certificate(self, *how):
         self.system.run("gnomonctl", "make-certs", "--out", "/root/certs", "--host", "127.0.0.1", *how)
-        self.system.run("install", "-m", "640", "/root/certs/server.pem", "/root/certs/server-key.pem", CREDENTIALS)
+        for made, name in (("server.pem", "own.pem"), ("server-key.pem", "own-key.pem")):
+            self.system.run("install", "-m", "640", f"/root/certs/{made}", f"{CREDENTIALS}/{name}")
 
-    def back_to_demo(self):
+    def back_to_first(self):
         self.system.write(CONFIG, CONFIG_TEXT % 1)
         self.system.systemctl("restart", "gnomond.service")
 
@@ -180,10 +199,10 @@ class Booted(unittest.TestCase):
         """A reload shows new clients the new certificate, and sessions go on."""
         self.place_certificate()
         self.assertEqual(self.system.run("stat", "-c", "%A %U %G", CREDENTIALS).stdout, "drwxr-s--- root gnomon\n")
-        self.assertEqual(self.system.run("stat", "-c", "%A %U %G", CREDENTIALS + "/server-key.pem").stdout,
+        self.assertEqual(self.system.run("stat", "-c", "%A %U %G", CREDENTIALS + "/own-key.pem").stdout,
                          "-rw-r----- root gnomon\n")
-        self.system.write(CONFIG, PRODUCTION)
-        self.addCleanup(self.back_to_demo)
+        self.system.write(CONFIG, ROTATED)
+        self.addCleanup(self.back_to_first)
         self.system.systemctl("restart", "gnomond.service")
         before, main = self.shown_pin(), self.system.property("MainPID")
         load = subprocess.Popen(
@@ -199,7 +218,7 @@ class Booted(unittest.TestCase):
         eventually(lambda: self.shown_pin() != before, "the new certificate")
         self.assertEqual(self.system.property("MainPID"), main)
         self.assertEqual(self.sessions(), sessions)
-        self.system.write(CREDENTIALS + "/server.pem", "half a certificate")
+        self.system.write(CREDENTIALS + "/own.pem", "half a certificate")
         second = self.shown_pin()
         self.system.systemctl("reload", "gnomond.service")
         eventually(lambda: "reloaded in part" in self.system.journal(), "what could not be applied")

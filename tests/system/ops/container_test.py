@@ -35,6 +35,7 @@ ONE_SCENE = ["--set", "scenes.list=[{name: living_room, file: living_room.glb}]"
 QUICK = ["--set", "render.tracer=bvh"]  # builds nothing at the start
 HARDENED = ["--network", "host", "--read-only", "--cap-drop", "all", "--security-opt", "no-new-privileges"]
 READY = re.compile(r"gnomond ready control=\S+:(\d+) data=\S+ admin=(\S+) pin=(\S+)")
+TENANT = ("--tenant", "default", "--token-file")
 
 
 def pictures(server, *trust, wrapper=()):
@@ -123,9 +124,29 @@ class Image(Containers):
     def start(self, *options):
         """On volumes of its own; its configuration as it comes, less one scene."""
         self.addCleanup(self.podman.remove, "gnomond")
-        command = self.podman.inspect(IMAGE)["Config"]["Cmd"]
-        self.podman("run", "--detach", "--name", "gnomond", *HARDENED, *options, IMAGE, *command, *ONE_SCENE)
+        self.podman("run", "--detach", "--name", "gnomond", *HARDENED, *options, IMAGE, *ONE_SCENE)
         return self.ready("gnomond")
+
+    def private(self):
+        """The folder with what the first start made for clients, brought out of the container."""
+        self.podman("cp", "gnomond:/var/lib/gnomon/private", self.folder)
+        return self.folder / "private"
+
+    def test_no_secret_is_in_it(self):
+        files = self.podman("run", "--rm", *HARDENED, "--entrypoint", "find", IMAGE, "/etc/gnomon", "/var/lib/gnomon").stdout
+        self.assertIn("/etc/gnomon/gnomond.yaml", files)
+        self.assertNotRegex(files, r"\.(pem|token|sha256)")
+
+    def test_its_secrets_outlive_it_and_others_are_refused(self):
+        keep = ("--volume", "gnomon-state:/var/lib/gnomon:U")
+        self.addCleanup(self.podman, "volume", "rm", "--force", "gnomon-state", check=False)
+        port, pin = self.start(*keep)
+        token = self.private() / "default.token"
+        pictures(f"127.0.0.1:{port}", "--ca", token.with_name("ca.pem"), *TENANT, token, wrapper=self.network.within())
+        with self.assertRaises(AssertionError):
+            pictures(f"127.0.0.1:{port}", "--pin", pin, wrapper=self.network.within())
+        self.podman("rm", "--force", "--time", 30, "gnomond")
+        self.assertEqual(self.start(*keep)[1], pin)
 
     def test_it_is_confined_healthy_exact_and_drains(self):
         began = time.monotonic()
@@ -134,7 +155,8 @@ class Image(Containers):
         self.confined("gnomond")
         self.assertTrue(self.podman.healthy("gnomond"))
         self.assertEqual(self.podman.inspect("gnomond")["State"]["Health"]["Status"], "healthy")
-        self.same_masks(port, "--pin", pin)
+        token = self.private() / "default.token"
+        self.same_masks(port, "--ca", token.with_name("ca.pem"), *TENANT, token)
         self.assertIn("reloaded", self.podman("exec", "gnomond", "gnomonctl", "reload").stdout)
         changed = self.podman("diff", "gnomond").stdout
         self.assertNotRegex(changed, r"(?m)^[ACD] /(usr|etc/(?!hosts|hostname|resolv|mtab))")
@@ -144,7 +166,7 @@ class Image(Containers):
         self.podman.kill("gnomond", signal.SIGCONT)
         self.assertFalse(healthy)
 
-        load = self.load(port, "--pin", pin, "--clients", 2, "--rate", 0)
+        load = self.load(port, "--pin", pin, "--tenant", f"default:{token}:2", "--rate", 0)
         self.busy("gnomond", load)
         began = time.monotonic()
         self.podman("stop", "--time", 30, "gnomond")
@@ -164,6 +186,12 @@ class AsQuadletStartsIt(Containers):
         config = self.folder / "gnomon"
         config.mkdir()
         shutil.copy(BUILD / "deploy/gnomond.yaml", config)
+        run(BUILD / "libexec/gnomon/first-start", config / "own", config / "private", "127.0.0.1")
+        for file in (config / "own", *(config / "own").iterdir()):
+            shutil.chown(file, NOBODY, NOBODY)
+        own = "/etc/gnomon/own"
+        self.credentials = ["--set", f"server.tls={{certificate: {own}/server.pem, key: {own}/server-key.pem}}", "--set",
+                            f"tenants=[{{name: default, token_sha256_file: {own}/default.sha256}}]"]
         self.folder.chmod(0o755)
 
     def execute(self, line, **more):
@@ -182,7 +210,7 @@ class AsQuadletStartsIt(Containers):
         manager.settimeout(120)
         self.addCleanup(self.podman.remove, "gnomond")
         self.addCleanup(self.podman, "volume", "rm", "--force", "gnomon-cache", "gnomon-state", check=False)
-        self.execute(self.lines["ExecStart"][0], extra=[*ONE_SCENE, *QUICK],
+        self.execute(self.lines["ExecStart"][0], extra=[*self.credentials, *ONE_SCENE, *QUICK],
                      env={**self.podman.environment, "NOTIFY_SOCKET": str(self.folder / "notify")})
         told = ""
         while "READY=1" not in told:

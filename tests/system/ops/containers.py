@@ -117,7 +117,8 @@ class Podman:
         package = build_package(self.build)
         base = self.base(root_with_dependencies(self.build, package))
         contents = run("dpkg-deb", "-I", package, "control", "md5sums").stdout
-        digest = hashlib.sha256((contents + base + (FILES / "Containerfile").read_text()).encode()).hexdigest()
+        digest = hashlib.sha256((contents + base + (FILES / "Containerfile").read_text()
+                                 + (FILES / "start").read_text()).encode()).hexdigest()
         if self.has(IMAGE) and (self.inspect(IMAGE)["Labels"] or {}).get("test.of") == digest:
             return
         stage = self.folder / "build"

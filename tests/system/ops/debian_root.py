@@ -74,7 +74,7 @@ def packed(build):
     tests."""
     cache = (build / "CMakeCache.txt").read_text()
     source = pathlib.Path(re.search(r"^CMAKE_HOME_DIRECTORY:\w+=(.*)$", cache, re.M)[1])
-    made = [build / name for name in ("bin", "lib", "share", "deploy", "client", "CPackConfig.cmake")]
+    made = [build / name for name in ("bin", "lib", "libexec", "share", "deploy", "client", "CPackConfig.cmake")]
     own = [path for path in source.iterdir() if path.name not in (".git", "build", "out", "tests")]
     files = [file for top in made + own for file in (top, *top.rglob("*"))] + list(build.rglob("cmake_install.cmake"))
     states = ((file, file.stat()) for file in sorted(files) if file.is_file())

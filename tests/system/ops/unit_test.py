@@ -15,7 +15,7 @@ from node import skip
 
 MOST_EXPOSURE = 1.5
 SOURCE, BUILD = pathlib.Path(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1))
-UNITS = sorted((SOURCE / "deploy/systemd").glob("gnomond.*"))
+UNITS = [file for file in sorted((SOURCE / "deploy/systemd").iterdir()) if file.suffix in (".service", ".socket")]
 
 
 def analyze(*arguments):

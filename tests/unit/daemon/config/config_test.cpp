@@ -77,6 +77,12 @@ INSTANTIATE_TEST_SUITE_P(
               {"admin.listen: 0.0.0.0 can be reached", "in clear", "admin.tls.certificate"}},
         Wrong{
             "half_an_identity", "admin: {tls: {key: k}}\n", {"admin.tls: certificate and key are needed together"}},
+        Wrong{"demo_for_everybody",
+              "server: {mode: demo, listen: 0.0.0.0}\n",
+              {"edge.yaml: server.listen: 0.0.0.0 can be reached", "server.mode: demo", "server.insecure_listen"}},
+        Wrong{"open_for_everybody",
+              "server: {listen: '::'}\ntenants: [{name: lab}, {name: hall, open: true}]\n",
+              {"edge.yaml: server.listen: :: can be reached", "tenant hall is open", "server.insecure_listen"}},
         Wrong{"list_for_value", "log: {level: [info]}\n", {"log.level: a list", "debug, info"}},
         Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys mode"}},
         Wrong{"value_for_list",
@@ -314,11 +320,23 @@ TEST(Config, TheOperatorsSocketIsInItsUsualPlaceElsewhereOrNowhere) {
   EXPECT_EQ(Config().admin.socket, kUsualAdminSocket);
   EXPECT_EQ(parse_config("admin: {socket: ''}\n", "edge.yaml")->admin.socket, "");
   auto config = parse_config("admin: {socket: run/admin.sock}\n", "edge.yaml");
-  ASSERT_TRUE(find_files(*config, "/etc/gnomon", "/usr/share"));
+  ASSERT_TRUE(find_files(*config, "/etc/gnomon", "/usr/share").empty());
   EXPECT_EQ(config->admin.socket, "/etc/gnomon/run/admin.sock");
   auto usual = parse_config("admin: {socket: auto}\n", "edge.yaml");
-  ASSERT_TRUE(find_files(*usual, "/etc/gnomon", "/usr/share"));
+  ASSERT_TRUE(find_files(*usual, "/etc/gnomon", "/usr/share").empty());
   EXPECT_EQ(usual->admin.socket, kUsualAdminSocket) << "no file beside the configuration";
+}
+
+TEST(Config, StrangersAreServedOnLoopbackOrWhereItIsSaidSo) {
+  const auto accepted = [](const std::string& server) { return parse_config(server, "edge.yaml").has_value(); };
+  EXPECT_TRUE(accepted("server: {mode: demo}\n"));
+  EXPECT_TRUE(accepted("server: {mode: demo, listen: 127.8.9.1}\n"));
+  EXPECT_TRUE(accepted("server: {mode: demo, listen: '::1'}\n"));
+  EXPECT_TRUE(accepted("server: {listen: 0.0.0.0}\n")) << "tenants need tokens there";
+  EXPECT_TRUE(accepted("server: {mode: demo, listen: 0.0.0.0, insecure_listen: true}\n"));
+  EXPECT_TRUE(accepted("server: {listen: 0.0.0.0, insecure_listen: true}\ntenants: [{name: lab, open: true}]\n"));
+  EXPECT_FALSE(accepted("server: {mode: demo, listen: 10.0.0.1}\n"));
+  EXPECT_FALSE(accepted("server: {mode: demo, listen: 'fe80::1'}\n"));
 }
 
 TEST(ShippedConfig, EveryKeyInItIsKnownAndCommented) {

@@ -135,6 +135,41 @@ TEST_F(Secure, AReloadReadsTheCertificatesAnewForNewConnections) {
   }
 }
 
+// What counts is the address that it listens on, not one that a restart would bring.
+TEST_F(Secure, AReloadLetsNoStrangersInFromElsewhereUnlessItSaysSo) {
+  config_.server.listen = "0.0.0.0";
+  start();
+  Config next = config_;
+  next.server.listen = "127.0.0.1";
+  next.tenants[0].open = true;
+  const auto refused = daemon_->reload(next);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("tenant studio is open"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(refusal_of(hello("studio", "guess")), RefusalCode::bad_token) << "the rest is applied, but this is not";
+  next.server.insecure_listen = true;
+  EXPECT_TRUE(daemon_->reload(next));
+  TestClient stranger = client();
+  EXPECT_TRUE(stranger.join(hello("studio", "guess")));
+}
+
+TEST_F(Secure, WhoServesStrangersFromElsewhereIsWarnedAtEachStart) {
+  const auto log_of_start = [&] {
+    testing::internal::CaptureStderr();
+    start();
+    daemon_.reset();
+    return testing::internal::GetCapturedStderr();
+  };
+  config_.server.listen = "0.0.0.0";
+  EXPECT_EQ(log_of_start().find("strangers are served"), std::string::npos);
+  config_.server.insecure_listen = true;
+  config_.tenants[1].open = true;
+  for (int i = 0; i < 2; ++i) {
+    const std::string log = log_of_start();
+    EXPECT_NE(log.find("strangers are served"), std::string::npos) << log;
+    EXPECT_NE(log.find("tenant arcade is open"), std::string::npos) << log;
+  }
+}
+
 TEST_F(Secure, DemoModeKeepsItsCertificate) {
   config_.server.mode = ServerMode::demo;
   config_.server.tls = {};

@@ -1,0 +1,43 @@
+#include "daemon/config/token_files.h"
+
+#include <fstream>
+
+namespace gnomon::daemon {
+namespace {
+
+constexpr size_t kMostHashes = 1024;
+
+Result<std::vector<TokenHash>> read_hashes(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) return Error{file.string() + ": cannot be read"};
+  std::vector<TokenHash> hashes;
+  size_t number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (line.empty()) continue;
+    const auto hash = parse_token_hash(line);
+    if (!hash || hashes.size() == kMostHashes) {
+      return Error{file.string() + ":" + std::to_string(number) +
+                   ": allowed: at most 1024 hashes of tokens, 64 hexadecimal digits on a line each; gnomonctl "
+                   "make-token makes some"};
+    }
+    hashes.push_back(*hash);
+  }
+  return hashes;
+}
+
+}  // namespace
+
+Result<void> read_token_files(Config& config) {
+  for (TenantConfig& tenant : config.tenants) {
+    if (tenant.token_sha256_file.empty()) continue;
+    const auto hashes = read_hashes(tenant.token_sha256_file);
+    if (!hashes) {
+      return Error{"tenants.token_sha256_file of " + tenant.name + ": " + hashes.error().message};
+    }
+    tenant.token_sha256.insert(tenant.token_sha256.end(), hashes->begin(), hashes->end());
+  }
+  return {};
+}
+
+}  // namespace gnomon::daemon

@@ -1,0 +1,38 @@
+#include "daemon/config/token_files.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace gnomon::daemon {
+namespace {
+
+TEST(TokenFiles, AddToTheHashesOfTheConfiguration) {
+  const std::string digits(64, 'a');
+  const auto file = std::filesystem::path(testing::TempDir()) / ("gnomon_hashes_" + std::to_string(getpid()));
+  const auto hashes = [&](const std::string& text) -> Result<size_t> {
+    std::ofstream(file) << text;
+    Config config;
+    config.tenants = {{.name = "lab", .token_sha256 = {TokenHash{}}, .token_sha256_file = file}, {.name = "hall"}};
+    if (auto read = read_token_files(config); !read) return read.error();
+    EXPECT_TRUE(config.tenants[1].token_sha256.empty());
+    return config.tenants[0].token_sha256.size();
+  };
+  EXPECT_EQ(hashes("").value(), 1u);
+  EXPECT_EQ(hashes(digits + "\n\n" + digits + "\n").value(), 3u);
+  const auto wrong = hashes(digits + "\nsecret\n");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message.find("lab: " + file.string() + ":2: "), std::string::npos);
+  EXPECT_EQ(wrong.error().message.find("secret"), std::string::npos) << "it may be a token";
+  std::filesystem::remove(file);
+  Config config;
+  config.tenants = {{.name = "lab", .token_sha256_file = file}};
+  const auto gone = read_token_files(config);
+  ASSERT_FALSE(gone);
+  EXPECT_NE(gone.error().message.find("cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
