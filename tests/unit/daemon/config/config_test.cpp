@@ -327,18 +327,6 @@ TEST(Config, TheOperatorsSocketIsInItsUsualPlaceElsewhereOrNowhere) {
   EXPECT_EQ(usual->admin.socket, kUsualAdminSocket) << "no file beside the configuration";
 }
 
-TEST(Config, StrangersAreServedOnLoopbackOrWhereItIsSaidSo) {
-  const auto accepted = [](const std::string& server) { return parse_config(server, "edge.yaml").has_value(); };
-  EXPECT_TRUE(accepted("server: {mode: demo}\n"));
-  EXPECT_TRUE(accepted("server: {mode: demo, listen: 127.8.9.1}\n"));
-  EXPECT_TRUE(accepted("server: {mode: demo, listen: '::1'}\n"));
-  EXPECT_TRUE(accepted("server: {listen: 0.0.0.0}\n")) << "tenants need tokens there";
-  EXPECT_TRUE(accepted("server: {mode: demo, listen: 0.0.0.0, insecure_listen: true}\n"));
-  EXPECT_TRUE(accepted("server: {listen: 0.0.0.0, insecure_listen: true}\ntenants: [{name: lab, open: true}]\n"));
-  EXPECT_FALSE(accepted("server: {mode: demo, listen: 10.0.0.1}\n"));
-  EXPECT_FALSE(accepted("server: {mode: demo, listen: 'fe80::1'}\n"));
-}
-
 TEST(ShippedConfig, EveryKeyInItIsKnownAndCommented) {
   const auto known = known_keys();
   for (const std::string& key : keys_in(shipped_text())) {

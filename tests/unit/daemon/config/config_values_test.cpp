@@ -1,4 +1,4 @@
-// What a reload says it has changed.
+// What a reload says it has changed, and where strangers may be served.
 #include <gtest/gtest.h>
 
 #include "daemon/config/config.h"
@@ -50,6 +50,18 @@ TEST(ConfigChanges, CountTokensAndShowNoneOfTheirHashes) {
   EXPECT_EQ(changes(tenant('2', '3'), "tenants: [{name: a}]"), "tenants.a.token_sha256: 0 added, 2 removed");
   EXPECT_EQ(changes(tenant('2', '3'), tenant('3', '2')), "tenants.a.token_sha256: 0 added, 0 removed")
       << "their order";
+}
+
+TEST(Config, StrangersAreServedOnLoopbackOrWhereItIsSaidSo) {
+  const auto accepted = [](const std::string& server) { return parse_config(server, "edge.yaml").has_value(); };
+  EXPECT_TRUE(accepted("server: {mode: demo}\n"));
+  EXPECT_TRUE(accepted("server: {mode: demo, listen: 127.8.9.1}\n"));
+  EXPECT_TRUE(accepted("server: {mode: demo, listen: '::1'}\n"));
+  EXPECT_TRUE(accepted("server: {listen: 0.0.0.0}\n")) << "tenants need tokens there";
+  EXPECT_TRUE(accepted("server: {mode: demo, listen: 0.0.0.0, insecure_listen: true}\n"));
+  EXPECT_TRUE(accepted("server: {listen: 0.0.0.0, insecure_listen: true}\ntenants: [{name: lab, open: true}]\n"));
+  EXPECT_FALSE(accepted("server: {mode: demo, listen: 10.0.0.1}\n"));
+  EXPECT_FALSE(accepted("server: {mode: demo, listen: 'fe80::1'}\n"));
 }
 
 }  // namespace
