@@ -12,6 +12,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (const auto scene = scenes::read_outcome(bytes, limits)) {
     fuzz::require(bool(scenes::check(**scene, limits)), "a scene that is taken is sound");
   }
-  (void)scenes::read_task(bytes);
+  scenes::PackReader reader(bytes);
+  scenes::LoadTask task;
+  scenes::read(reader, task);
   return 0;
 }

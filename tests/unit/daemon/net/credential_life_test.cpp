@@ -32,7 +32,7 @@ class CredentialLife : public Secure {
   }
 
   std::string reload(const Config& next, std::vector<Error> missing = {}) {
-    const auto done = daemon_->reload(next, std::move(missing));
+    const auto done = daemon_->reload(next, "operator", std::move(missing));
     return done ? "reloaded" : done.error().message;
   }
 
