@@ -25,7 +25,7 @@ from node import ROOT as SOURCE, eventually, skip
 
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 CONFIG = "etc/gnomon/gnomond.yaml"
-SOCKET = "/var/lib/gnomon/admin.sock"
+SOCKET = "/var/cache/gnomon/admin.sock"
 CREDENTIALS, PRIVATE = "etc/gnomon/credentials", "etc/gnomon/private"
 NOBODY, GROUP = 65534, 65530  # who runs the daemon, and the group that reads its credentials
 FRAMES = 2  # of a self-test: beside the build of light buffers each may take a second
