@@ -9,27 +9,15 @@
 #include "scenes/packed/check.h"
 #include "tests/unit/scenes/support/gltf_file.h"
 #include "tests/unit/scenes/support/invariants.h"
+#include "tests/unit/scenes/support/written_bytes.h"
 
 namespace gnomon::scenes::testing {
 namespace {
 
 using Bytes = std::vector<std::byte>;
 
-template <class Write>
-Bytes written(Write write) {
-  char* data = nullptr;
-  size_t size = 0;
-  std::FILE* file = open_memstream(&data, &size);
-  EXPECT_TRUE(write(file));
-  std::fclose(file);
-  const auto* begin = reinterpret_cast<const std::byte*>(data);
-  Bytes bytes(begin, begin + size);
-  std::free(data);
-  return bytes;
-}
-
 Bytes bytes_of(const Result<ScenePtr>& scene) {
-  return written([&](std::FILE* file) { return write_outcome(scene, file); });
+  return written_bytes([&](std::FILE* file) { return write_outcome(scene, file); });
 }
 
 // A scene with some of everything: an animated mesh, light and camera, a mesh that rests, a name for each.

@@ -3,19 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/scenes/support/written_bytes.h"
+
 namespace gnomon::daemon {
 namespace {
 
 std::vector<std::byte> bytes_of(const WorkerTask& task) {
-  char* data = nullptr;
-  size_t size = 0;
-  std::FILE* file = open_memstream(&data, &size);
-  EXPECT_TRUE(write_task(task, file));
-  std::fclose(file);
-  const auto* begin = reinterpret_cast<const std::byte*>(data);
-  const std::vector<std::byte> bytes(begin, begin + size);
-  std::free(data);
-  return bytes;
+  return scenes::testing::written_bytes([&](std::FILE* file) { return write_task(task, file); });
 }
 
 TEST(WorkerTask, OfLoadingComesBackAsItWas) {

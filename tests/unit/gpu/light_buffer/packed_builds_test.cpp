@@ -8,30 +8,19 @@
 #include <random>
 
 #include "tests/unit/gpu/light_buffer/soups.h"
+#include "tests/unit/scenes/support/written_bytes.h"
 
 namespace gnomon::test {
 namespace {
 
 using gpu::Bvh;
 using gpu::light_buffer::LightBuffer;
+using scenes::testing::written_bytes;
 using Bytes = std::vector<std::byte>;
-
-template <class Write>
-Bytes written(Write write) {
-  char* data = nullptr;
-  size_t size = 0;
-  std::FILE* file = open_memstream(&data, &size);
-  EXPECT_TRUE(write(file));
-  std::fclose(file);
-  const auto* begin = reinterpret_cast<const std::byte*>(data);
-  Bytes bytes(begin, begin + size);
-  std::free(data);
-  return bytes;
-}
 
 template <class Built>
 Bytes bytes_of(const Built& built) {
-  return written([&](std::FILE* file) { return gpu::write_outcome(Result<Built>(built), file); });
+  return written_bytes([&](std::FILE* file) { return gpu::write_outcome(Result<Built>(built), file); });
 }
 
 template <class T>
@@ -84,7 +73,7 @@ TEST_F(PackedBuilds, LightBuffersComeBackAsTheyWere) {
 
 TEST_F(PackedBuilds, AReasonComesBackAsItWas) {
   const Bytes bytes =
-      written([](std::FILE* file) { return gpu::write_outcome(Result<Bvh>(Error{"too deep"}), file); });
+      written_bytes([](std::FILE* file) { return gpu::write_outcome(Result<Bvh>(Error{"too deep"}), file); });
   const auto back = gpu::read_bvh(bytes, soup_.mesh);
   ASSERT_FALSE(back);
   EXPECT_EQ(back.error().message, "too deep");
@@ -97,7 +86,7 @@ TEST_F(PackedBuilds, ATaskBuildsTheSame) {
   task.bounds = soup_.bounds;
   task.lights = {soup_.light};
   task.detail = settings_.detail;
-  const Bytes bytes = written([&](std::FILE* file) -> Result<void> {
+  const Bytes bytes = written_bytes([&](std::FILE* file) -> Result<void> {
     scenes::PackWriter writer(file);
     gpu::write(writer, task);
     return writer.good() ? Result<void>() : Error{"not written"};
