@@ -103,8 +103,8 @@ Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
   return made;
 }
 
-// Ports are opened first, as they fail at once, while a scene may take seconds. Clients are admitted once the devices
-// are open, and wait for the scene that they ask for.
+// Ports are opened first, as they fail at once, while a scene may take seconds. Clients are heard from then on, so that
+// they learn what they wait for; they are admitted once the devices are open and their scene is there.
 Result<void> Daemon::bring_up() {
   sharing_policy_.publish(sharing_policy_of(options_.config));
   tenant_directory_.publish(TenantDirectory().with(options_.config.tenants));
@@ -133,10 +133,11 @@ Result<void> Daemon::bring_up() {
   if (!server) return server.error();
   server_ = std::move(*server);
   if (auto opened = open_admin(); !opened) return opened;
+  server_->run();
   if (auto opened = open_devices(); !opened) return opened;
   const std::vector<SceneFile>& list = options_.config.scenes.list;
   SceneHost::Fetches fetches = fetch_scenes(list, *scenes_);  // before those that clients ask for
-  server_->run();
+  health_.serving = true;
   if (auto loaded = wait_for_scenes(list, fetches); !loaded) return loaded;
   health_.scenes_loaded = true;
   return {};

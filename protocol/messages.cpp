@@ -162,10 +162,17 @@ void fields(A& a, Of<A, Resume>& m) {
   a(m.session, m.proof);
 }
 
+template <class A>
+void fields(A& a, Of<A, Waiting>& m) {
+  a.text(m.text, kMaxSentence);
+  a(m.percent);
+  a.check(m.percent <= 100 || m.percent == Waiting::kUnknown, "more than all of it is done");
+}
+
 // A message's type on the wire is its index in the variant, counted from 1.
 constexpr std::array<const char*, std::variant_size_v<Message>> kNames = {
     "Hello",    "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded",
-    "Draining", "Stats",   "Bye",     "Data",         "Resume"};
+    "Draining", "Stats",   "Bye",     "Data",         "Resume",        "Waiting"};
 
 template <size_t Index>
 Result<Message> decode_as(std::span<const uint8_t> body) {

@@ -146,8 +146,17 @@ struct Resume {
   friend bool operator==(const Resume&, const Resume&) = default;
 };
 
+// Sent by the server with kFeatureWaiting, about once a second while a Hello or Resume has no answer yet.
+struct Waiting {
+  static constexpr uint8_t kUnknown = 255;
+
+  std::string text;            // for a person: what is waited for
+  uint8_t percent = kUnknown;  // of it that is done, up to 100; or kUnknown
+  friend bool operator==(const Waiting&, const Waiting&) = default;
+};
+
 using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye,
-                             Data, Resume>;
+                             Data, Resume, Waiting>;
 
 // Encodes a complete message: length, type, body. Texts and lists longer than WIRE.md allows are truncated; bytes of a
 // text that are control characters or not UTF-8 become '?'. Precondition: all other values are valid.

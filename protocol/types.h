@@ -27,8 +27,9 @@ inline constexpr uint64_t kFeatureParity = 4;      // the client rebuilds lost s
 inline constexpr uint64_t kFeatureReferences = 8;  // the client decodes tiles_context and keeps frames for it
 inline constexpr uint64_t kFeatureResume =
     16;  // a session outlives its control connection, and is resumed on another
-inline constexpr uint64_t kFeaturePaths = 64;  // the client proves that it receives datagrams at its address
-inline constexpr uint64_t kFeatureSizes = 32;  // slices state their frame's size where it is not the granted one
+inline constexpr uint64_t kFeaturePaths = 64;     // the client proves that it receives datagrams at its address
+inline constexpr uint64_t kFeatureWaiting = 128;  // the client is told what it waits for before its Welcome
+inline constexpr uint64_t kFeatureSizes = 32;     // slices state their frame's size where it is not the granted one
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w

@@ -1,11 +1,19 @@
 #include "client/load/load_client.h"
 
+#include "client/cli/waiting_line.h"
+
 namespace gnomon::client {
 
 LoadClient::LoadClient(Loop& loop, const Options& options)
     : options_(options),
       send_timer_(loop, [this] { send_when_due(); }),
-      stream_(loop, options.stream, {.answer = [this](const Answer& answer) { on_answer(answer); }}) {}
+      stream_(loop, options.stream,
+              {.answer = [this](const Answer& answer) { on_answer(answer); },
+               .message = [this](const protocol::Message& message) { on_message(message); }}) {}
+
+void LoadClient::on_message(const protocol::Message& message) {
+  if (const auto* waiting = std::get_if<protocol::Waiting>(&message)) waits_for_ = describe(*waiting);
+}
 
 void LoadClient::fly(const CameraPath& path, TimePoint now) {
   path_ = &path;

@@ -27,6 +27,8 @@ class LoadClient {
   bool settled() const { return stream_.connection().state() != Connection::State::connecting; }
   bool open() const { return stream_.connection().state() == Connection::State::open; }
   const VisibilityStream& stream() const { return stream_; }
+  // What it waits for before it is connected, as the server said last; empty if it did not.
+  const std::string& waits_for() const { return waits_for_; }
 
   // Sends cameras from `now` until stop(), if it is open. `path` is borrowed until then.
   void fly(const CameraPath& path, TimePoint now);
@@ -41,12 +43,14 @@ class LoadClient {
 
  private:
   void on_answer(const Answer& answer);
+  void on_message(const protocol::Message& message);
   void send_when_due();
 
   Options options_;
   const CameraPath* path_ = nullptr;  // while flying
   TimePoint started_{};
   std::optional<CameraPacer> pacer_;
+  std::string waits_for_;
   uint64_t frames_in_time_ = 0;
   Latencies latencies_;
   Latencies server_times_;

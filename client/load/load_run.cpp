@@ -73,8 +73,12 @@ Result<void> LoadRun::connect(Progress& progress) {
     if (options_.interrupted()) return Error{"interrupted"};
     const TimePoint now = Clock::now();
     if (!progress.due(now)) continue;
-    progress.show(
-        std::to_string(open_clients()) + " of " + std::to_string(participants_.size()) + " clients connected", now);
+    const auto unsettled = std::find_if(participants_.begin(), participants_.end(),
+                                        [](const auto& p) { return !p.client->settled(); });
+    const std::string& why = unsettled == participants_.end() ? std::string() : unsettled->client->waits_for();
+    progress.show(std::to_string(open_clients()) + " of " + std::to_string(participants_.size()) +
+                      " clients connected" + (why.empty() ? "" : "; waiting: " + why),
+                  now);
   }
   if (open_clients() > 0) return {};
   return participants_.front().client->stream().connection().failure().value_or(Error{"no client connected"});

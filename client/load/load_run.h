@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "client/cli/options.h"
-#include "client/cli/progress.h"
 #include "client/load/load_client.h"
 #include "client/load/load_plan.h"
+#include "common/progress.h"
 
 namespace gnomon::client {
 

@@ -29,7 +29,7 @@ constexpr Nanoseconds kControlSilence = std::chrono::seconds(4);  // Stats come 
 
 protocol::Hello completed(protocol::Hello hello) {
   using enum protocol::CipherId;
-  hello.features |= protocol::kFeatureResume | protocol::kFeaturePaths;
+  hello.features |= protocol::kFeatureResume | protocol::kFeaturePaths | protocol::kFeatureWaiting;
   if (!hello.ciphers.empty()) return hello;
   hello.ciphers = {aes_128_gcm, chacha20_poly1305};
   if (!protocol::has_aes_instructions()) std::swap(hello.ciphers[0], hello.ciphers[1]);
@@ -138,6 +138,12 @@ void Connection::on_message(protocol::Message message) {
                       (bye->reason.empty() ? std::string() : std::string(": ") + bye->reason)});
   }
   if (lost_ && !asked_to_resume_) return;  // from a connection already given up
+  if (std::holds_alternative<protocol::Waiting>(message)) {
+    if (state_ == State::open && !lost_) return;
+    handshake_timer_.arm(std::max(resume_until_, Clock::now() + options_.timeout));
+    if (events_.message) events_.message(message);
+    return;
+  }
   if (lost_) {
     auto* welcome = std::get_if<protocol::Welcome>(&message);
     if (welcome && welcome->session == welcome_.session) return on_resumed(std::move(*welcome));

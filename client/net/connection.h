@@ -25,7 +25,8 @@ struct ConnectOptions {
   Trust trust = {};
   Transport transport = Transport::automatic;
   protocol::Hello hello;  // what to ask for; without ciphers, this processor's fastest comes first
-  Nanoseconds timeout = std::chrono::seconds(15);  // until the Welcome; the server may load the scene first
+  // Until the Welcome or, as the server may load the scene first, another word of what is waited for.
+  Nanoseconds timeout = std::chrono::seconds(15);
 };
 
 // One line for a person: code, text and what would fit.
@@ -37,7 +38,7 @@ struct ConnectionEvents {
   // The control connection was lost and has been replaced: the session continues with what welcome() now says. Frames
   // asked for before are not answered any more.
   std::function<void()> resumed = {};
-  std::function<void(const protocol::Message&)> message = {};                     // any later one
+  std::function<void(const protocol::Message&)> message = {};  // any later one; Waiting also before opened()
   std::function<void(const protocol::Opened&, TimePoint arrived)> datagram = {};  // borrowed for the call
   std::function<void(const Error&)> closed = {};  // by the server or the network, not by close()
 };

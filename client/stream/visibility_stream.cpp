@@ -99,6 +99,10 @@ void VisibilityStream::restart_with(TileGrid grid) {
 }
 
 void VisibilityStream::on_message(const protocol::Message& message) {
+  if (std::holds_alternative<protocol::Waiting>(message)) {
+    if (events_.message) events_.message(message);
+    return;
+  }
   TileGrid changed = grid();
   if (const auto* degraded = std::get_if<protocol::Degraded>(&message)) {
     const auto& welcome = connection_.welcome();

@@ -65,7 +65,7 @@ class VisibilityStream {
     std::function<void()> opened = {};  // this and those below may be empty
     // The session was resumed; its newest camera had no answer yet and was requested again under the next id.
     std::function<void()> asked_again = {};
-    std::function<void(const protocol::Message&)> message = {};  // Stats, Degraded, Draining, ...
+    std::function<void(const protocol::Message&)> message = {};  // Stats, Degraded, ...; before opened(), Waiting
     std::function<void(const Error&)> closed = {};
   };
 

@@ -46,7 +46,8 @@ Flight::Flight(FlightOptions options)
     : options_(std::move(options)),
       pacer_({}, Clock::now()),
       client_(loop_, client_options(options_),
-              {.received = [this](const ReceivedMasks& received) { on_received(received); }}) {}
+              {.received = [this](const ReceivedMasks& received) { on_received(received); },
+               .message = options_.message}) {}
 
 Result<void> Flight::open() {
   if (auto opened = client_.wait_open(); !opened) return opened;

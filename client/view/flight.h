@@ -6,9 +6,9 @@
 
 #include "client/cli/camera_pacer.h"
 #include "client/cli/latency.h"
-#include "client/cli/progress.h"
 #include "client/media/camera_path.h"
 #include "client/thin_client.h"
+#include "common/progress.h"
 
 namespace gnomon::client {
 
@@ -21,6 +21,8 @@ struct FlightOptions {
   double rate_hz = 0;             // cameras a second at most; 0: as the mode allows
   ViewSize size;
   uint32_t frames = 60;  // steps in which the path is flown once
+  std::function<void(const protocol::Message&)> message =
+      {};  // the server's news; what it waits for before open() ends
 };
 
 struct FlightStats {

@@ -5,6 +5,7 @@
 #include "client/cli/options.h"
 #include "client/cli/program.h"
 #include "client/cli/report.h"
+#include "client/cli/waiting_line.h"
 #include "client/media/montage.h"
 #include "client/media/scene_file.h"
 #include "client/view/client_renderer.h"
@@ -220,6 +221,20 @@ Result<Views> make_views(const Arguments& a, const scenes::ScenePtr& scene, cons
   return Views{std::move(*own), std::move(*debug), std::move(*video)};
 }
 
+// Makes scene and views anew if the server's operator moves parts of the scene. Error: it is another scene.
+Result<void> match_server(const Arguments& a, const Flight& flight, const ViewSize& size, scenes::ScenePtr& scene,
+                          Views& views) {
+  if (const auto& motions = flight.welcome().motions; !motions.empty()) {
+    auto moving = load_own_scene(a.scene, a.scene_folder, motions);
+    if (!moving) return moving.error();
+    scene = std::move(*moving);
+    auto made = make_views(a, scene, size);
+    if (!made) return made.error();
+    views = std::move(*made);
+  }
+  return check_same_scene(*scene, flight.welcome().scene);
+}
+
 void print_files(const Arguments& a, const std::optional<Gallery>& gallery) {
   if (gallery) {
     for (const auto& file : gallery->files()) std::printf("picture     %s\n", file.c_str());
@@ -241,8 +256,11 @@ Result<void> check_answers(const FlightStats& figures) {
 }
 
 Result<void> run(const Arguments& a) {
-  const auto options = flight_options(a);
+  auto options = flight_options(a);
   if (!options) return options.error();
+  Progress progress;
+  WaitingLine waiting(progress, a.server);
+  options->message = [&waiting](const protocol::Message& message) { waiting.heard(message); };
   auto scene = load_own_scene(a.scene, a.scene_folder);
   if (!scene) return scene.error();
   auto opened_gallery = open_gallery(a);
@@ -252,14 +270,10 @@ Result<void> run(const Arguments& a) {
   if (!views) return views.error();
 
   Flight flight(*options);
-  if (auto opened = flight.open(); !opened) return opened;
-  if (const auto& motions = flight.welcome().motions; !motions.empty()) {
-    scene = load_own_scene(a.scene, a.scene_folder, motions);
-    if (!scene) return scene.error();
-    views = make_views(a, *scene, options->size);
-    if (!views) return views.error();
-  }
-  if (auto same = check_same_scene(**scene, flight.welcome().scene); !same) return same;
+  const auto opened = flight.open();
+  progress.clear();
+  if (!opened) return opened;
+  if (auto same = match_server(a, flight, options->size, *scene, *views); !same) return same;
 
   const auto draw = [&](const Showing& showing) -> Result<void> {
     const auto drawn = views->own.draw(showing);
@@ -282,7 +296,6 @@ Result<void> run(const Arguments& a) {
     if (!pictures) return pictures.error();
     return gallery->add_views(showing.index, a.view.c_str(), *pictures);
   };
-  Progress progress;
   if (auto flown = flight.fly(CameraPath::of_scene(*scene), draw, progress); !flown) return flown;
   progress.clear();
   flight.close();

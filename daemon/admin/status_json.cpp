@@ -46,6 +46,10 @@ json to_json(const std::string& name, const HostedScene& scene, const SceneRepor
           {"lights_version", scene.lights.version}};
 }
 
+json to_json(const SceneUnderWay& scene, TimePoint now) {
+  return {{"name", scene.name}, {"stage", to_string(scene.stage)}, {"seconds", to_seconds(now - scene.since)}};
+}
+
 json to_json(const PooledDevice& device) {
   return {{"name", device.name},        {"driver", device.driver}, {"tracer", device.tracer},
           {"raster", device.raster},    {"up", device.up},         {"drained", device.drained},
@@ -99,6 +103,7 @@ std::string status_json(const OperatedParts& parts) {
               {"scene_memory",
                {{"bytes", parts.scenes.memory().bytes}, {"limit_bytes", parts.scenes.memory().limit_bytes}}},
               {"scenes", json::array()},
+              {"scenes_under_way", json::array()},
               {"certificate", to_json(first_expiry(**parts.tls.get()), wall_now())},
               {"policy", sharing->policy},
               {"jain", shares.jain},
@@ -111,6 +116,9 @@ std::string status_json(const OperatedParts& parts) {
     const auto report = reports.find(scene.loaded.id);
     const SceneReport just_arrived{name, scene.on_device, {.unbuilt = 1}, {}};
     status["scenes"].push_back(to_json(name, scene, report == reports.end() ? just_arrived : report->second));
+  }
+  for (const SceneUnderWay& scene : parts.scenes.under_way()) {
+    status["scenes_under_way"].push_back(to_json(scene, Clock::now()));
   }
   for (uint32_t i = 0; i < std::min(directory->size(), sharing->tenants.size()); ++i) {
     const auto open = std::count_if(sessions.begin(), sessions.end(),

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/scene_load.h"
 #include "daemon/ctl/secrets.h"
 #include "daemon/ctl/top.h"
 #include "daemon/ctl/views.h"
@@ -71,8 +72,17 @@ Result<void> kick(const Arguments& arguments) {
   return post(arguments, "/sessions/" + arguments.session + "/kick", body);
 }
 
-Command change_scene(const std::string& what) {
-  return [what](const Arguments& arguments) { return post(arguments, "/scenes/" + arguments.scene + "/" + what); };
+Result<void> unload(const Arguments& arguments) {
+  return post(arguments, "/scenes/" + arguments.scene + "/unload");
+}
+
+Result<void> load(const Arguments& arguments) {
+  auto admin = client(arguments);
+  if (!admin) return admin.error();
+  const auto answer = load_scene(*admin, arguments.scene);
+  if (!answer) return answer.error();
+  print(arguments.json ? json_text({{"answer", *answer}}, -1) : *answer + "\n");
+  return {};
 }
 
 Result<void> live(const Arguments& arguments) {
@@ -94,14 +104,11 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   CLI::App* scene = add(app, chosen, "scene", "List, load or unload scenes", nullptr);
   scene->require_subcommand(1);
   add(*scene, chosen, "list", "The scenes on the device", show(scenes_text, "scenes"));
-  for (const char* what : {"load", "unload"}) {
-    const bool load = what[0] == 'l';
-    CLI::App* sub = add(*scene, chosen, what,
-                        load ? "Bring a scene of the configuration to the device"
-                             : "Take a scene that nobody uses off the device; its file is read anew when asked for",
-                        change_scene(what));
-    sub->add_option("NAME", arguments.scene, "As clients ask for it")->required();
-  }
+  CLI::App* both[] = {
+      add(*scene, chosen, "load", "Bring a scene of the configuration to the device; shows how far it is", load),
+      add(*scene, chosen, "unload",
+          "Take a scene that nobody uses off the device; its file is read anew when asked for", unload)};
+  for (CLI::App* each : both) each->add_option("NAME", arguments.scene, "As clients ask for it")->required();
 }
 
 void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {

@@ -12,6 +12,7 @@ namespace gnomon::daemon {
 constexpr std::chrono::seconds kHung{10};
 
 struct Health {
+  std::atomic<bool> serving{false};  // the devices are open; clients that came before wait for it
   std::atomic<bool> scenes_loaded{false};
   std::atomic<bool> device_up{false};
   std::atomic<bool> draining{false};

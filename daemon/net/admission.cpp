@@ -2,6 +2,8 @@
 
 #include <asio/co_spawn.hpp>
 #include <asio/detached.hpp>
+#include <asio/steady_timer.hpp>
+#include <asio/use_awaitable.hpp>
 
 #include <algorithm>
 
@@ -16,6 +18,12 @@ namespace {
 
 using protocol::RefusalCode;
 
+using namespace std::chrono_literals;
+
+constexpr std::chrono::milliseconds kFirstNews = 500ms;  // a client hears within a second what it waits for
+constexpr std::chrono::milliseconds kBetweenNews = 1s;
+constexpr auto kBetweenLooks = 20ms;  // whether the devices are open
+
 constexpr const char* kNoSession = "no such session, or it is over";
 
 protocol::Refused refusal_of(const scheduler::AdmissionRejection& rejection) {
@@ -27,6 +35,18 @@ protocol::Refused refusal_of(const scheduler::AdmissionRejection& rejection) {
   refused.fit_height = static_cast<uint16_t>(rejection.fit_height);
   refused.fit_rate_hz = static_cast<float>(rejection.fit_rate_hz);
   return refused;
+}
+
+// In words that name neither the scene's file nor other clients.
+std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {
+  if (!health.serving) return "the server is starting";
+  if (!scene) return "a place on the devices";
+  switch (scene->stage) {
+    case SceneUnderWay::Stage::queued: return "the scene is to be read, after others";
+    case SceneUnderWay::Stage::reading: return "the scene is being read";
+    case SceneUnderWay::Stage::preparing: return "the scene is being prepared on the devices";
+  }
+  return "";
 }
 
 // The reason without the scene's folder, whose name is no client's business.
@@ -71,6 +91,7 @@ void Admission::close_overdue(TimePoint now) {
 
 void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Message> message) {
   if (!message) return refuse(stream, refused(RefusalCode::malformed, message.error().message));
+  if (std::holds_alternative<protocol::Bye>(*message)) return part(stream);
   asio::co_spawn(io_, admit(stream, std::move(*message)), asio::detached);
 }
 
@@ -90,6 +111,11 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
     co_return refused(RefusalCode::malformed, "the first message must be a Hello or a Resume");
   }
   if (auto refusal = take_permit(applicant)) co_return refusal;
+  hold(applicant);
+  if (applicant.grant.has(protocol::kFeatureWaiting)) {
+    asio::co_spawn(io_, tell_what_it_waits_for(applicant.stream, applicant.grant.scene_name), asio::detached);
+  }
+  if (auto refusal = co_await await_start(applicant)) co_return refusal;
   if (auto refusal = co_await fetch_scene(applicant)) co_return refusal;
   if (auto refusal = book(applicant)) co_return refusal;
   if (auto refusal = co_await find_room(applicant)) co_return refusal;
@@ -149,9 +175,30 @@ Admission::Verdict Admission::take_permit(Applicant& applicant) {
   return std::nullopt;
 }
 
+// A client may be there before the devices are open.
+asio::awaitable<Admission::Verdict> Admission::await_start(const Applicant& applicant) {
+  asio::steady_timer timer(io_);
+  while (!shared_.health.serving) {
+    timer.expires_after(kBetweenLooks);
+    co_await timer.async_wait(asio::use_awaitable);
+    if (has_departed(applicant)) co_return departed();
+  }
+  co_return std::nullopt;
+}
+
+// Until it is answered or has gone.
+asio::awaitable<void> Admission::tell_what_it_waits_for(StreamPtr stream, std::string scene) {
+  asio::steady_timer timer(io_);
+  for (auto pause = kFirstNews;; pause = kBetweenNews) {
+    timer.expires_after(pause);
+    co_await timer.async_wait(asio::use_awaitable);
+    if (!pending_.is_waiting(stream.get())) co_return;
+    stream->send(protocol::Waiting{what_is_waited_for(shared_.health, shared_.scenes.under_way(scene))});
+  }
+}
+
 asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant) {
   SessionGrant& grant = applicant.grant;
-  hold(applicant);
   FetchId request;
   const Ask<Result<SceneForUse>> fetch = [&](auto on_answer) {
     request = shared_.scenes.fetch(grant.scene_name, std::move(on_answer), grant.tenant);
@@ -301,14 +348,26 @@ void Admission::listen(const StreamPtr& stream, OnMessage on_message, std::stop_
       });
 }
 
+// A client that says Bye before it is answered has given up, which is its right.
+void Admission::part(const StreamPtr& stream) {
+  if (!pending_.remove(stream.get())) return;
+  shared_.metrics.report(Fault::handshake_abandoned,
+                         {{"why", "the client said Bye"}, {"address", stream->peer().to_string()}});
+  pending_.close_gracefully(stream, Clock::now());
+}
+
 // Keeps the connection pending without a deadline, and safe from strangers, while it waits for another thread. A further
-// message before the first one is answered is refused.
+// message before the first one is answered is refused, but for a Bye.
 void Admission::hold(const Applicant& applicant) {
   pending_.prove(applicant.stream.get());
   listen(
       applicant.stream,
-      [this, departure = applicant.departure](const StreamPtr& from, const Result<protocol::Message>&) {
-        refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
+      [this, departure = applicant.departure](const StreamPtr& from, const Result<protocol::Message>& message) {
+        if (message && std::holds_alternative<protocol::Bye>(*message)) {
+          part(from);
+        } else {
+          refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
+        }
         departure.request_stop();
       },
       applicant.departure);

@@ -1,6 +1,6 @@
 // From an accepted connection to an open session: a new one, or one that lost its connection before.
 //
-//   identify or reclaim -> take a permit -> fetch the scene -> book -> find room -> open
+//   identify or reclaim -> take a permit -> await the devices -> fetch the scene -> book -> find room -> open
 //
 // The first message of each connection starts one coroutine on the net thread's event loop. While it waits for another
 // thread, its connection stays among the pending ones, as an applicant; if the connection ends meanwhile, so does the
@@ -61,6 +61,7 @@ class Admission {
   Verdict identify(Applicant& applicant, const protocol::Hello& hello) const;
   asio::awaitable<Verdict> reclaim(Applicant& applicant, const protocol::Resume& resume);
   Verdict take_permit(Applicant& applicant);
+  asio::awaitable<Verdict> await_start(const Applicant& applicant);
   asio::awaitable<Verdict> fetch_scene(Applicant& applicant);
   Verdict book(Applicant& applicant) const;
   asio::awaitable<Verdict> find_room(const Applicant& applicant);
@@ -70,6 +71,8 @@ class Admission {
   template <typename OnMessage>
   void listen(const StreamPtr& stream, OnMessage on_message, std::stop_source departure);
   void hold(const Applicant& applicant);
+  asio::awaitable<void> tell_what_it_waits_for(StreamPtr stream, std::string scene);
+  void part(const StreamPtr& stream);
   bool has_departed(const Applicant& applicant) const { return !pending_.is_waiting(applicant.stream.get()); }
   Result<std::unique_ptr<protocol::Seal>> make_seal(Applicant& applicant, SessionId id) const;
   void send_welcome(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene) const;

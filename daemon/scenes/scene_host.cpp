@@ -1,5 +1,6 @@
 #include "daemon/scenes/scene_host.h"
 
+#include <atomic>
 #include <limits>
 
 #include "common/within_memory.h"
@@ -16,6 +17,15 @@ constexpr uint32_t kLoaders = 4;
 const Error kNobodyWaits{"nobody waits for it any more"};
 
 }  // namespace
+
+const char* to_string(SceneUnderWay::Stage stage) {
+  switch (stage) {
+    case SceneUnderWay::Stage::queued: return "queued";
+    case SceneUnderWay::Stage::reading: return "reading";
+    case SceneUnderWay::Stage::preparing: return "preparing";
+  }
+  return "";
+}
 
 SceneMemoryLimits scene_memory_limits(const Config& config) {
   SceneMemoryLimits limits;
@@ -114,10 +124,25 @@ FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker)
       ready(std::move(scene));
       return id;
     }
-    requests_.push(asker, {id, name, std::move(ready), asker});
+    requests_.push(asker, {id, name, counted(name, std::move(ready)), asker});
   }
   changed_.notify_all();
   return id;
+}
+
+// `ready`, after whose call the scene is under way for one request less.
+SceneHost::Ready SceneHost::counted(const std::string& name, Ready ready) {
+  UnderWay& counted = under_way_.try_emplace(name, UnderWay{0, Clock::now()}).first->second;
+  ++counted.requests;
+  const auto answered = std::make_shared<std::atomic<bool>>(false);
+  return [this, name, ready = std::move(ready), answered](Result<SceneForUse> scene) {
+    if (!answered->exchange(true)) {
+      std::lock_guard lock(mutex_);
+      const auto found = under_way_.find(name);
+      if (--found->second.requests == 0) under_way_.erase(found);
+    }
+    ready(std::move(scene));
+  };
 }
 
 void SceneHost::give_up(FetchId fetch) {
@@ -262,6 +287,25 @@ std::map<std::string, HostedScene> SceneHost::resident() const {
     scene.account_bytes = account_.bytes_of(name);
   }
   return scenes;
+}
+
+SceneUnderWay::Stage SceneHost::stage(const std::string& name) const {
+  if (on_the_way_.contains(name)) return SceneUnderWay::Stage::preparing;
+  return reading_.contains(name) ? SceneUnderWay::Stage::reading : SceneUnderWay::Stage::queued;
+}
+
+std::vector<SceneUnderWay> SceneHost::under_way() const {
+  std::lock_guard lock(mutex_);
+  std::vector<SceneUnderWay> all;
+  for (const auto& [name, counted] : under_way_) all.push_back({name, stage(name), counted.since});
+  return all;
+}
+
+std::optional<SceneUnderWay> SceneHost::under_way(const std::string& name) const {
+  std::lock_guard lock(mutex_);
+  const auto found = under_way_.find(name);
+  if (found == under_way_.end()) return std::nullopt;
+  return SceneUnderWay{name, stage(name), found->second.since};
 }
 
 SceneHost::MemoryInUse SceneHost::memory() const {

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/clock.h"
 #include "daemon/config/config.h"
 #include "daemon/frame/scene_use.h"
 #include "daemon/metrics/metrics.h"
@@ -45,6 +46,16 @@ struct SceneMemory {
   SceneMemoryLimits limits = {};
   uint64_t light_buffer_bytes = 0;  // predicted for a scene; 0: by its number of lights
 };
+
+// A scene that was asked for and is not resident yet.
+struct SceneUnderWay {
+  enum class Stage { queued, reading, preparing };  // waits for a reader; is read; is brought to the devices
+
+  std::string name;
+  Stage stage = Stage::queued;
+  TimePoint since{};  // when it was first asked for
+};
+const char* to_string(SceneUnderWay::Stage stage);
 
 // A request of SceneHost::fetch().
 using FetchId = StrongId<struct FetchTag, uint64_t>;
@@ -80,6 +91,9 @@ class SceneHost {
   Result<void> unload(const std::string& name);
 
   std::map<std::string, HostedScene> resident() const;
+  // Any thread. In the order of their names.
+  std::vector<SceneUnderWay> under_way() const;
+  std::optional<SceneUnderWay> under_way(const std::string& name) const;
 
   // Any thread. The predicted memory of all scenes, and its limit (0: none).
   struct MemoryInUse {
@@ -113,6 +127,8 @@ class SceneHost {
   void take_away(const std::string& name);      // with mutex_ held; the scene is resident
   void bring(Request request, const Result<scenes::LoadedScene>& loaded);
   void refuse(const Request& request, const Error& why);
+  Ready counted(const std::string& name, Ready ready);        // with mutex_ held
+  SceneUnderWay::Stage stage(const std::string& name) const;  // with mutex_ held
   SceneForUse keep(const std::string& name, HostedScene scene);
 
   scenes::Registry registry_;
@@ -130,8 +146,13 @@ class SceneHost {
   SceneAccount account_;                      // guarded by mutex_
   LoadQueue<Request> requests_;               // guarded by mutex_
   std::map<std::string, Reading> reading_;    // guarded by mutex_
-  uint64_t last_fetch_ = 0;                   // guarded by mutex_
-  bool ending_ = false;                       // guarded by mutex_
+  struct UnderWay {
+    uint32_t requests = 0;
+    TimePoint since{};
+  };
+  std::map<std::string, UnderWay> under_way_;  // whose requests are not answered; guarded by mutex_
+  uint64_t last_fetch_ = 0;                    // guarded by mutex_
+  bool ending_ = false;                        // guarded by mutex_
   std::vector<std::thread> loaders_;
 };
 

@@ -14,7 +14,7 @@ using protocol::Refused;
 
 constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
                                protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes |
-                               protocol::kFeaturePaths;
+                               protocol::kFeaturePaths | protocol::kFeatureWaiting;
 
 // Text from a client, quoted and cut to 80 bytes.
 std::string shown(const std::string& text) {

@@ -65,7 +65,7 @@ Result<Flight> fly(const client::LoadOptions& options, size_t clients, size_t th
     pilots.emplace_back([&, t] {
       std::FILE* nowhere = std::fopen("/dev/null", "w");
       {
-        client::Progress progress(nowhere);
+        Progress progress(nowhere);
         done[t] = runs[t]->run(progress);
       }
       std::fclose(nowhere);

@@ -26,7 +26,7 @@ struct Fare {
 };
 
 Result<Fare> fare(const client::LoadOptions& load) {
-  client::Progress progress;
+  Progress progress;
   client::LoadRun flight(load, {{"", "", kClients}});
   if (auto done = flight.run(progress); !done) return done.error();
   progress.clear();

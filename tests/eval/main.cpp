@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "client/cli/options.h"
-#include "client/cli/progress.h"
 #include "client/prediction/error_balance.h"
 #include "client/prediction/switching.h"
+#include "common/progress.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/eval/auto_link.h"
 #include "tests/eval/path_errors.h"
@@ -58,7 +58,7 @@ Result<void> run_errors(const Arguments& a) {
   if (!scene) return scene.error();
   const auto plan = plan_of(a, *scene);
   if (!plan) return plan.error();
-  client::Progress progress;
+  Progress progress;
   const auto errors = measure_path(*scene, *plan, [&](uint32_t done) {
     const TimePoint now = Clock::now();
     if (progress.due(now))
@@ -189,7 +189,7 @@ Result<void> run_video(const Arguments& a) {
   if (!plan) return plan.error();
   auto made = PathPictures::create({*scene, plan->size, a.fps, a.device, a.cache});
   if (!made) return made.error();
-  client::Progress progress;
+  Progress progress;
   return made->write_videos(plan->first, plan->count, a.every_x, a.out, [&](uint32_t done) {
     const TimePoint now = Clock::now();
     if (progress.due(now))

@@ -114,7 +114,9 @@ typedef struct gnomon_options {
   float rate_hz;                // cameras a second that you intend to send; 0: as many as you get
   gnomon_transport transport;
   uint32_t flags;
-  uint32_t open_timeout_ms;  // for the server's first answer, before which it may load the scene; 0: 15 seconds
+  // How long the server may say nothing before its first answer; 0: 15 seconds. While it loads the scene, it says so about
+  // once a second.
+  uint32_t open_timeout_ms;
 } gnomon_options;
 
 // Begins to connect, and returns at once. On an error *client is set too, for use with gnomon_last_error and

@@ -9,7 +9,7 @@ VERSION = 2
 LONGEST = 1_048_572
 MOST_PIXELS_A_SIDE = 7680
 
-MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME, SIZES, PATHS = 1, 2, 4, 8, 16, 32, 64  # feature bits
+MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME, SIZES, PATHS, WAITING = (1 << bit for bit in range(8))  # features
 
 
 class Type(IntEnum):
@@ -23,6 +23,7 @@ class Type(IntEnum):
     STATS = 8
     BYE = 9
     RESUME = 11
+    WAITING = 12
 
 
 class Refusal(IntEnum):
@@ -277,9 +278,21 @@ class Bye:
         return framed(Type.BYE, text(self.reason))
 
 
+@dataclass
+class Waiting:
+    text: str
+    percent: int | None
+
+    @staticmethod
+    def read(reader):
+        words, percent = reader.text(1024), reader.u8()
+        require(percent <= 100 or percent == 255, f"{percent} percent")
+        return Waiting(words, None if percent == 255 else percent)
+
+
 FROM_SERVER = {Type.WELCOME: Welcome, Type.REFUSED: Refused, Type.SCENE_CHANGED: SceneChanged,
                Type.LIGHTS_CHANGED: LightsChanged, Type.DEGRADED: Degraded, Type.DRAINING: Draining,
-               Type.STATS: Stats, Type.BYE: Bye}
+               Type.STATS: Stats, Type.BYE: Bye, Type.WAITING: Waiting}
 
 
 def take_message(buffer):

@@ -40,10 +40,11 @@ class Session:
     def __init__(self, host, port, pin, hello, certificate=None, key=None, patience_s=60):
         self.connect = lambda: Control(host, port, pin, certificate, key)
         self.control = self.connect()
-        self.hello = replace(hello, features=hello.features | messages.PATHS)
+        self.hello = replace(hello, features=hello.features | messages.PATHS | messages.WAITING)
         self.udp = None
         self.counts = Counter()
         self.news = []  # messages after Welcome
+        self.waited_for = []  # texts of the messages Waiting
         try:
             self.control.send(self.hello.message())
             self.welcome = self._answer(patience_s)
@@ -71,6 +72,10 @@ class Session:
                     raise RefusedBy(message)
                 if isinstance(message, messages.Welcome):
                     return message
+                if isinstance(message, messages.Waiting):
+                    deadline = time.monotonic() + patience_s
+                    self.waited_for.append(message.text)
+                    continue
                 if not isinstance(message, int):
                     raise Malformed(f"{message} before Welcome")
         raise Closed("no answer to Hello")

@@ -23,7 +23,7 @@ from datagrams import PING, FrameParity, FrameSlice, Kind, age, camera_update, f
 from fields import Malformed, Reader
 from frame import Frame
 from mask_codecs import LIT, decode
-from messages import MOMENTS, Camera, Hello, Light, Manifest, Motion, Refusal, Refused, Welcome, take_message
+from messages import MOMENTS, Camera, Hello, Light, Manifest, Motion, Refusal, Refused, Waiting, Welcome, take_message
 from seal import AES_128_GCM, CHACHA20_POLY1305, Keys, Opener, Sealer
 
 WIRE = pathlib.Path(sys.argv.pop(1)).read_text()
@@ -75,6 +75,14 @@ class Packets(unittest.TestCase):
     def test_refused(self):
         refused = take_message(bytearray(packet("refused")))
         self.assertEqual(refused, Refused(Refusal.OVER_CAPACITY, "full", 640, 320, 15))
+
+    def test_waiting(self):
+        waiting = bytearray(packet("waiting"))
+        self.assertEqual(take_message(bytearray(waiting)), Waiting("reading the scene", 40))
+        for percent, known in ((0, 0), (100, 100), (255, None)):
+            self.assertEqual(take_message(waiting[:-1] + bytes([percent])).percent, known)
+        with self.assertRaises(Malformed):
+            take_message(waiting[:-1] + bytes([101]))
 
     def test_messages_in_parts_of_later_versions_and_wrong_ones(self):
         welcome, buffer = packet("welcome"), bytearray()

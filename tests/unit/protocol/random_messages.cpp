@@ -192,7 +192,9 @@ Message random_message(size_t type, Random& random) {
     case 7: return stats(random);
     case 8: return Bye{text(random)};
     case 9: return data(random);
-    default: return resume(random);
+    case 10: return resume(random);
+    default:
+      return Waiting{text(random), below(random, 3) ? static_cast<uint8_t>(below(random, 101)) : Waiting::kUnknown};
   }
 }
 

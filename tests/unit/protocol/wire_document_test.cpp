@@ -152,6 +152,8 @@ TEST(WireDocument, RefusedIsAsWorkedOut) {
   expect_message(Refused{RefusalCode::over_capacity, "full", 640, 320, 15}, "refused");
 }
 
+TEST(WireDocument, WaitingIsAsWorkedOut) { expect_message(Waiting{"reading the scene", 40}, "waiting"); }
+
 Bytes camera_update_body() {
   CameraUpdate update;
   update.frame = FrameId{7};

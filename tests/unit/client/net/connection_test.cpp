@@ -130,6 +130,30 @@ TEST(Connection, ASilentServerIsGivenUp) {
   EXPECT_NE(opened.error().message.find("no answer from 127.0.0.1:"), std::string::npos);
 }
 
+TEST(Connection, IsPatientAsLongAsTheServerSaysWhatItWaitsFor) {
+  std::optional<protocol::Message> hello;
+  {
+    FakeServer server([&](Peer& peer) {
+      hello = peer.read();
+      for (uint8_t i = 0; i < 5; ++i) {
+        std::this_thread::sleep_for(300ms);
+        peer.write(protocol::Waiting{"the scene is being read", static_cast<uint8_t>(20 * i)});
+      }
+      peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
+      peer.read();
+    });
+    auto options = options_for(server.address());
+    options.connect.timeout = 1s;
+    Watched watched(options);
+    const auto opened = watched.stream.wait_open();
+    ASSERT_TRUE(opened) << opened.error().message;
+    ASSERT_EQ(watched.messages.size(), 5u);
+    EXPECT_EQ(watched.messages.back(), (protocol::Message{protocol::Waiting{"the scene is being read", 80}}));
+  }
+  ASSERT_TRUE(hello);
+  EXPECT_NE(std::get<protocol::Hello>(*hello).features & protocol::kFeatureWaiting, 0u);
+}
+
 TEST(Connection, AWelcomeLargerThanAskedForIsRefused) {
   FakeServer server([](Peer& peer) {
     peer.read();

@@ -90,7 +90,7 @@ TEST_F(Hostile, AnAnnouncedGiantMessageIsRefusedAtOnce) {
 TEST_F(Hostile, MessagesOutOfTurnEndTheConnection) {
   start_with_honest_client();
   TestClient no_hello = client();
-  no_hello.send(protocol::Bye{"?"});
+  no_hello.send(protocol::Draining{});
   const auto refused = no_hello.receive_a<protocol::Refused>();
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->code, RefusalCode::malformed);

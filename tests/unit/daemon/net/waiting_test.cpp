@@ -1,4 +1,6 @@
 // Connections that wait for a session, beside others that do not deserve one.
+#include <future>
+
 #include "tests/unit/daemon/net/served.h"
 
 namespace gnomon::daemon {
@@ -76,6 +78,82 @@ TEST_F(Waiting, ASecondMessageEndsTheWaitAndFreesThePlace) {
   hasty.send(TestClient::hello("another.gltf"));
   EXPECT_TRUE(hasty.receive_a<protocol::Refused>());
   EXPECT_TRUE(places_taken(0));
+}
+
+// Hello with the feature waiting.
+protocol::Hello patient_hello(const std::string& scene) {
+  auto hello = TestClient::hello(scene);
+  hello.features |= protocol::kFeatureWaiting;
+  return hello;
+}
+
+TEST_F(Waiting, AClientHearsWithinASecondWhatItWaitsFor) {
+  start_with_a_scene_that_does_not_come();
+  TestClient c = client();
+  const TimePoint asked = Clock::now();
+  c.send(patient_hello("another.gltf"));
+  for (int i = 0; i < 2; ++i) {
+    const auto first = c.receive();
+    ASSERT_TRUE(first && std::holds_alternative<protocol::Waiting>(*first));
+    EXPECT_EQ(std::get<protocol::Waiting>(*first).text, "the scene is being prepared on the devices");
+    EXPECT_EQ(std::get<protocol::Waiting>(*first).percent, protocol::Waiting::kUnknown);
+    EXPECT_LT(Clock::now() - asked, 1s + i * 2s);
+  }
+  renderer_->holds_scenes = false;
+  EXPECT_TRUE(c.receive_a<protocol::Welcome>());
+}
+
+TEST_F(Waiting, AClientThatKnowsNoWaitingHearsTheAnswerAlone) {
+  start_with_a_scene_that_does_not_come();
+  TestClient c = client();
+  c.send(TestClient::hello("another.gltf"));
+  ASSERT_TRUE(places_taken(1));
+  std::this_thread::sleep_for(800ms);
+  renderer_->holds_scenes = false;
+  const auto first = c.receive();
+  EXPECT_TRUE(first && std::holds_alternative<protocol::Welcome>(*first));
+}
+
+TEST_F(Waiting, AFarewellBeforeTheAnswerIsNoOffence) {
+  start_with_a_scene_that_does_not_come();
+  TestClient c = client();
+  c.send(patient_hello("another.gltf"));
+  ASSERT_TRUE(places_taken(1));
+  c.send(protocol::Bye{"gave up"});
+  EXPECT_TRUE(places_taken(0));
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::handshake_abandoned) == 1; }));
+  TestClient at_once = client();
+  at_once.send(protocol::Bye{"never mind"});
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::handshake_abandoned) == 2; }));
+  EXPECT_FALSE(at_once.receive_a<protocol::Refused>());
+  EXPECT_EQ(count_of(Fault::refused_malformed), 0u);
+}
+
+TEST_F(Waiting, WhoComesWhileTheDaemonStartsHearsThat) {
+  asio::io_context io;
+  {
+    asio::ip::tcp::acceptor any(io, {asio::ip::address_v4::loopback(), 0});
+    config_.server.control_port = any.local_endpoint().port();
+  }
+  std::promise<void> may_open;
+  make_renderers_ = {[&]() -> Result<std::unique_ptr<gpu::Renderer>> {
+    may_open.get_future().wait();
+    return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(3, kLights, 0ms));
+  }};
+  auto starting = std::async(std::launch::async, [&] { start(); });
+  ASSERT_TRUE(eventually([&] {
+    asio::error_code refused;
+    asio::ip::tcp::socket(io).connect({asio::ip::address_v4::loopback(), config_.server.control_port}, refused);
+    return !refused;
+  }));
+  TestClient early(config_.server.control_port);
+  early.send(patient_hello(kScene));
+  const auto first = early.receive();
+  ASSERT_TRUE(first && std::holds_alternative<protocol::Waiting>(*first));
+  EXPECT_EQ(std::get<protocol::Waiting>(*first).text, "the server is starting");
+  may_open.set_value();
+  EXPECT_TRUE(early.receive_a<protocol::Welcome>());
+  starting.get();
 }
 
 TEST_F(Waiting, ATenantFindsItsReserveWhateverTheOthersTake) {

@@ -1,8 +1,8 @@
-#include "client/cli/progress.h"
+#include "common/progress.h"
 
 #include <unistd.h>
 
-namespace gnomon::client {
+namespace gnomon {
 namespace {
 
 constexpr auto kTerminalInterval = std::chrono::milliseconds(200);
@@ -28,4 +28,4 @@ void Progress::clear() {
   shown_ = false;
 }
 
-}  // namespace gnomon::client
+}  // namespace gnomon

@@ -7,7 +7,7 @@
 
 #include "common/clock.h"
 
-namespace gnomon::client {
+namespace gnomon {
 
 class Progress {
  public:
@@ -27,4 +27,4 @@ class Progress {
   TimePoint next_{};
 };
 
-}  // namespace gnomon::client
+}  // namespace gnomon
