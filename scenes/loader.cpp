@@ -30,11 +30,11 @@ constexpr float kFarthest = 1e9f;
 // Builds a scene from the placed nodes; each mesh is read when the first node uses it.
 class Assembly {
  public:
-  Assembly(Document& document, const LoadLimits& limits, const std::vector<NodeMotion>& motions)
-      : document_(document), limits_(limits), motions_(motions), scene_(std::make_shared<Scene>()) {}
+  Assembly(Document& document, const LoadLimits& limits, const std::vector<NodeMotion>& motions, gltf::Reads reads)
+      : document_(document), limits_(limits), motions_(motions), reads_(reads), scene_(std::make_shared<Scene>()) {}
 
   Result<std::shared_ptr<Scene>> run() {
-    auto materials = gltf::read_materials(document_);
+    auto materials = gltf::read_materials(document_, reads_);
     if (!materials) return materials.error();
     materials_ = std::move(*materials);
     mesh_index_.assign(document_.model.meshes.size(), kUnread);
@@ -53,6 +53,7 @@ class Assembly {
     scene_->paths = std::move(cameras->paths);
     scene_->materials = std::move(materials_.materials);
     scene_->textures = std::move(materials_.textures);
+    scene_->surroundings = document_.surroundings;
     return std::move(scene_);
   }
 
@@ -152,6 +153,7 @@ class Assembly {
   Document& document_;
   const LoadLimits& limits_;
   const std::vector<NodeMotion>& motions_;
+  gltf::Reads reads_;
   std::shared_ptr<Scene> scene_;
   gltf::Materials materials_;
   std::vector<uint32_t> mesh_index_;  // for each mesh of the file: index into Scene::meshes
@@ -171,12 +173,12 @@ void tell_what_stays_as_stored(const std::filesystem::path& file, const tinygltf
 }
 
 Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits,
-                                          const std::vector<NodeMotion>& motions) {
+                                          const std::vector<NodeMotion>& motions, gltf::Reads reads) {
   try {
     auto document = gltf::open_document(file, limits);
     if (!document) return document.error();
     tell_what_stays_as_stored(file, document->model);
-    return Assembly(*document, limits, motions).run();
+    return Assembly(*document, limits, motions, reads).run();
   } catch (const std::bad_alloc&) {
     return Error{"there is not enough memory for it"};
   }
@@ -192,8 +194,8 @@ Error about(const std::filesystem::path& file, std::string message) {
 }
 
 Result<std::shared_ptr<Scene>> load(const std::filesystem::path& file, const LoadLimits& limits,
-                                    const std::vector<NodeMotion>& motions) {
-  auto read = read_scene(file, limits, motions);
+                                    const std::vector<NodeMotion>& motions, gltf::Reads reads) {
+  auto read = read_scene(file, limits, motions, reads);
   if (!read) return about(file, read.error().message);
   Scene& scene = **read;
   scene.name = file.stem().string();
@@ -208,14 +210,14 @@ Result<std::shared_ptr<Scene>> load(const std::filesystem::path& file, const Loa
 
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits,
                             const std::vector<NodeMotion>& motions) {
-  auto scene = load(file, limits, motions);
+  auto scene = load(file, limits, motions, gltf::Reads::colours);
   if (!scene) return scene.error();
   return ScenePtr(std::move(*scene));
 }
 
 Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits,
                                     const std::vector<NodeMotion>& motions) {
-  auto scene = load(file, limits, motions);
+  auto scene = load(file, limits, motions, gltf::Reads::alpha_tests);
   if (!scene) return scene.error();
   const uint64_t needed = predicted_bytes(**scene);
   if (limits.max_scene_bytes != 0 && needed > limits.max_scene_bytes) {

@@ -43,7 +43,7 @@ struct LoadLimits {
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {},
                             const std::vector<NodeMotion>& motions = {});
 
-// As load_scene, and the scene has its geometry, for who brings it to a device.
+// As load_scene for a server: the scene has its geometry, and of its textures those that an alpha test needs.
 Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits = {},
                                     const std::vector<NodeMotion>& motions = {});
 

@@ -150,6 +150,18 @@ struct Bounds {
   glm::vec3 max{0.0f};
 };
 
+// What surrounds a scene, for whoever draws it: `extras.gnomon` of the file's scene (docs/scenes.md). Radiances, linear,
+// in the units in which a white surface under a light of E lux has the radiance E / pi. All zero if the file says none.
+struct Surroundings {
+  glm::vec3 ambient_above{0.0f};  // what reaches surfaces that face up, and those that face down
+  glm::vec3 ambient_below{0.0f};
+  bool has_sky = false;
+  glm::vec3 sky_zenith{0.0f};
+  glm::vec3 sky_horizon{0.0f};
+  glm::vec3 sky_ground{0.0f};  // below the horizon
+  float sky_clouds = 0.0f;     // share of the sky that clouds cover, 0 to 1
+};
+
 using ContentHash = std::array<uint8_t, 16>;
 std::string to_hex(const ContentHash& hash);
 
@@ -167,6 +179,7 @@ struct Scene {
   std::vector<Camera> cameras;  // never empty: a file without a camera gets a view of the scene's bounds
   std::vector<CameraPath> paths;
   std::vector<MovingNode> moving_nodes;
+  Surroundings surroundings;
   std::chrono::microseconds period{0};  // after which all animations restart
   Bounds bounds;                        // of what is drawn, in the world, at all scene times
   uint64_t triangle_count = 0;          // in the world: a mesh placed twice counts twice

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "client/media/label.h"
+
 namespace gnomon::client {
 namespace {
 
@@ -82,7 +84,7 @@ Picture difference(const Picture& a, const Picture& b, uint32_t gain) {
   return off;
 }
 
-Picture montage(const std::vector<Picture>& panels, const Picture& shaded) {
+Picture montage(const std::vector<Picture>& panels, const Picture& shaded, const std::vector<std::string>& names) {
   if (panels.empty()) return shaded;
   const auto count = static_cast<uint32_t>(panels.size());
   // Enough rows that the panels' columns are not wider than the picture beside them.
@@ -95,8 +97,10 @@ Picture montage(const std::vector<Picture>& panels, const Picture& shaded) {
   Picture whole = background(columns * (panel_width + kGap) + shaded.width,
                              std::max(shaded.height, rows * (panel_height + kGap) - kGap));
   for (uint32_t i = 0; i < count; ++i) {
-    paste(scale_down(panels[i], panel_width, panel_height), whole, i / rows * (panel_width + kGap),
-          i % rows * (panel_height + kGap));
+    const uint32_t left = i / rows * (panel_width + kGap), top = i % rows * (panel_height + kGap);
+    paste(scale_down(panels[i], panel_width, panel_height), whole, left, top);
+    if (i < names.size())
+      write_label(whole, left, top, left + panel_width, names[i], label_scale(2 * panel_height));
   }
   paste(shaded, whole, columns * (panel_width + kGap), 0);
   return whole;

@@ -1,6 +1,7 @@
 // Pictures composed of pictures: the shown region of a traced one, and the dissertation's Figure 2.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "client/media/png.h"
@@ -19,7 +20,9 @@ Picture beside(const Picture& left, const Picture& right);
 // size.
 Picture difference(const Picture& a, const Picture& b, uint32_t gain);
 
-// The panels, each scaled down to fit, in columns left of the shaded picture. Without panels: the shaded picture.
-Picture montage(const std::vector<Picture>& panels, const Picture& shaded);
+// The panels, each scaled down to fit and labelled with its name, in columns left of the shaded picture. Without panels:
+// the shaded picture. `names`: one for each panel, or none.
+Picture montage(const std::vector<Picture>& panels, const Picture& shaded,
+                const std::vector<std::string>& names = {});
 
 }  // namespace gnomon::client

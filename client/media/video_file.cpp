@@ -95,11 +95,17 @@ Result<void> VideoFile::State::start() {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+  // A process group of its own: Ctrl-C at the terminal reaches this program alone, which then ends the file in order.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
   auto arguments = ffmpeg_arguments(name, options, width, height);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  const int error = ::posix_spawnp(&ffmpeg, "ffmpeg", &actions, nullptr, argv.data(), environ);
+  const int error = ::posix_spawnp(&ffmpeg, "ffmpeg", &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   ::close(ends[1]);
   input = ends[0];

@@ -14,18 +14,19 @@ constexpr uint32_t kTrialStep = 4;  // pixels, each way: predictions are compare
 }  // namespace
 
 Result<ClientRenderer> ClientRenderer::create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                              const std::string& device) {
-  gpu::RendererOptions options;
-  options.device = device;
-  auto view = gpu::ReferenceView::create(options, scene);
+                                              const Options& options) {
+  gpu::RendererOptions renderer;
+  renderer.device = options.device;
+  auto view = gpu::ReferenceView::create(renderer, scene);
   if (!view) return view.error();
   ClientRenderer own;
   own.view_ = std::move(*view);
   own.size_ = size;
+  own.samples_ = options.samples;
   return own;
 }
 
-Result<PictureView> ClientRenderer::draw(const Showing& showing) {
+Result<PictureView> ClientRenderer::draw(const Showing& showing, gpu::Samples samples) {
   if (!exposure_) {
     const auto exposure = view_->suggest_exposure(gpu::from_wire(showing.camera));
     if (!exposure) return exposure.error();
@@ -33,11 +34,12 @@ Result<PictureView> ClientRenderer::draw(const Showing& showing) {
   }
   gpu::ShadeOptions options;
   options.exposure = *exposure_;
+  options.samples = samples;
   return render(showing, options);
 }
 
 Result<Picture> ClientRenderer::shade(const Showing& showing) {
-  const auto drawn = draw(showing);
+  const auto drawn = draw(showing, samples_);
   if (!drawn) return drawn.error();
   return copied(*drawn);
 }
@@ -64,7 +66,8 @@ Result<PictureView> ClientRenderer::render(const Showing& showing, gpu::ShadeOpt
     return PictureView{image.width, image.height, size_t{4} * image.width,
                        reinterpret_cast<const uint8_t*>(image.rgba.data())};
   };
-  if (showing.reprojected) {
+  // Samples beside a pixel's centre need the masks looked up, as those of another camera do.
+  if (showing.reprojected || options.samples == gpu::Samples::four) {
     const auto masks = seen();
     if (!masks) return masks.error();
     const auto shown = view_->show_predicted(gpu::from_wire(shown_part(showing.camera, size_)), size_.width,

@@ -16,14 +16,16 @@ namespace gnomon::client {
 // One thread. Calls block.
 class ClientRenderer {
  public:
-  // `device`: as gpu::RendererOptions::device; empty: the best one.
-  static Result<ClientRenderer> create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                       const std::string& device);
+  struct Options {
+    std::string device;                        // as gpu::RendererOptions::device; empty: the best one
+    gpu::Samples samples = gpu::Samples::one;  // of each pixel of shade()
+  };
+  static Result<ClientRenderer> create(const scenes::ScenePtr& scene, const ViewSize& size, const Options& options);
 
   // The picture, without the border, in the memory that the device wrote: valid until the next call. The exposure is
   // chosen for the first frame and kept.
-  Result<PictureView> draw(const Showing& showing);
-  Result<Picture> shade(const Showing& showing);  // the same, copied
+  Result<PictureView> draw(const Showing& showing, gpu::Samples samples);
+  Result<Picture> shade(const Showing& showing);  // the same, copied, with the samples of the options
   // A picture for each light: base colours where it shines, black elsewhere.
   Result<std::vector<Picture>> seen_by_lights(const Showing& showing);
 
@@ -54,6 +56,7 @@ class ClientRenderer {
 
   std::unique_ptr<gpu::ReferenceView> view_;
   ViewSize size_;
+  gpu::Samples samples_ = gpu::Samples::one;
   std::vector<protocol::LightInfo> lights_;  // in use by the view; empty: the scene's own
   std::optional<float> exposure_;
   ReceivedPtr masks_;                   // the newest, their missing tiles reprojected

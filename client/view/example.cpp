@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   const auto scene = client::load_own_scene(argv[2], {}, thin_client.welcome().motions);
   if (!scene) return fail(scene.error());
   if (const auto same = client::check_same_scene(**scene, thin_client.scene()); !same) return fail(same.error());
-  auto view = client::ClientRenderer::create(*scene, size, "");
+  auto view = client::ClientRenderer::create(*scene, size, {});
   if (!view) return fail(view.error());
 
   // The engine's own loop. The scene's rest camera stands for the player's.

@@ -60,7 +60,7 @@ Result<void> Flight::open() {
 Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& progress) {
   started_ = Clock::now();
   pacer_ = CameraPacer(pace_of(options_, welcome().rate_hz), started_);
-  for (TimePoint now = started_; !finished(now); now = Clock::now()) {
+  for (TimePoint now = started_; !finished(now) && !options_.interrupted(); now = Clock::now()) {
     if (client_.failure()) return *client_.failure();
     const bool ask = may_ask(now);
     if (ask) ask_next(path, now);
@@ -71,7 +71,8 @@ Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& pro
       continue;
     }
     loop_.run_until(next_event(now), [this] {
-      return client_.failure() || draws_on_masks() || (new_masks_ && may_ask(Clock::now()));
+      return client_.failure() || options_.interrupted() || draws_on_masks() ||
+             (new_masks_ && may_ask(Clock::now()));
     });
   }
   ended_ = Clock::now();

@@ -23,6 +23,7 @@ struct FlightOptions {
   uint32_t frames = 60;  // steps in which the path is flown once
   std::function<void(const protocol::Message&)> message =
       {};  // the server's news; what it waits for before open() ends
+  std::function<bool()> interrupted = [] { return false; };  // asked often; once true, the flight ends early
 };
 
 struct FlightStats {
@@ -58,7 +59,8 @@ class Flight {
   Result<void> open();
   const protocol::Welcome& welcome() const { return client_.welcome(); }
 
-  // Runs until every step has been asked for and answered, or given up. Error: of the connection or of `draw`.
+  // Runs until every step has been asked for and answered, or given up, or the flight is interrupted. Error: of the
+  // connection or of `draw`.
   Result<void> fly(const CameraPath& path, const Draw& draw, Progress& progress);
   void close() { client_.close("flight over"); }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace gnomon::client {
 namespace fs = std::filesystem;
@@ -15,13 +16,15 @@ std::string numbered(const char* kind, uint32_t index) {
 
 }  // namespace
 
-Result<Gallery> Gallery::open(const fs::path& folder, uint32_t frames, uint32_t pictures) {
+Result<Gallery> Gallery::open(const fs::path& folder, uint32_t frames, uint32_t pictures,
+                              std::vector<std::string> lights) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return Error{"cannot make folder " + folder.string() + ": " + error.message()};
   Gallery gallery;
   gallery.folder_ = folder;
   gallery.frames_ = frames;
+  gallery.lights_ = std::move(lights);
   gallery.pictures_ = std::min(pictures, frames);
   return gallery;
 }
@@ -36,7 +39,7 @@ Result<void> Gallery::add(uint32_t index, const Picture& shaded, const std::vect
   const fs::path frame_file = folder_ / numbered("frame", index);
   const fs::path lights_file = folder_ / numbered("lights", index);
   if (auto written = write_png(frame_file, shaded); !written) return written;
-  if (auto written = write_png(lights_file, montage(seen_by_lights, shaded)); !written) return written;
+  if (auto written = write_png(lights_file, montage(seen_by_lights, shaded, lights_)); !written) return written;
   files_.insert(files_.end(), {frame_file, lights_file});
   return {};
 }

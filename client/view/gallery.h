@@ -10,8 +10,9 @@ namespace gnomon::client {
 
 class Gallery {
  public:
-  // Creates the folder. At most `pictures` of `frames` are kept.
-  static Result<Gallery> open(const std::filesystem::path& folder, uint32_t frames, uint32_t pictures);
+  // Creates the folder. At most `pictures` of `frames` are kept. `lights`: their names, with which panels are labelled.
+  static Result<Gallery> open(const std::filesystem::path& folder, uint32_t frames, uint32_t pictures,
+                              std::vector<std::string> lights);
 
   // Whether this frame is to be kept: the first one at or after each of the chosen steps, as some are never answered.
   bool wants(uint32_t index) const;
@@ -29,6 +30,7 @@ class Gallery {
   uint32_t frames_ = 0;
   uint32_t pictures_ = 0;
   uint32_t taken_ = 0;
+  std::vector<std::string> lights_;
   std::vector<std::filesystem::path> files_;
 };
 

@@ -1,5 +1,6 @@
 // gnomon-client: the thin reference client. Flies through a scene with the server's visibility, shades every frame
 // itself, writes pictures and reports how long answers took.
+#include <csignal>
 #include <cstdio>
 
 #include "client/cli/options.h"
@@ -19,9 +20,21 @@ namespace {
 using namespace gnomon;
 using namespace gnomon::client;
 
+volatile std::sig_atomic_t interrupted = 0;
+
+// The first Ctrl-C ends the flight, and what was recorded and measured until then is kept; the second ends the program.
+void keep_on_interrupt() {
+  for (const int number : {SIGINT, SIGTERM}) {
+    std::signal(number, [](int caught) {
+      interrupted = 1;
+      std::signal(caught, SIG_DFL);
+    });
+  }
+}
+
 struct Arguments {
   std::string server, tenant, token_file, scene, scene_folder, size, mode = "sequential", out, json, device;
-  std::string border = "0x0", view, codec, record, record_view = "shown";
+  std::string border = "0x0", view, codec, record, record_view = "shown", antialias;
   size_t ahead = 4;
   double cost_per_s = 0.15;
   bool border_by_motion = false;
@@ -59,6 +72,10 @@ void declare(CLI::App& app, Arguments& a) {
       ->type_name("SHARE");
   app.add_flag("--border-by-motion", a.border_by_motion, "more of the border on the side that the camera turns to");
   declare_rate(app, a.rate_hz, "cameras a second at most; 0: as the mode allows");
+  app.add_option("--antialias", a.antialias,
+                 "samples of each pixel that are shaded: 4x or none; if not given, 4x for pictures and videos that "
+                 "are kept")
+      ->type_name("4x|none");
   app.add_option("--out", a.out, "folder for pictures")->type_name("DIR");
   app.add_option("--pictures", a.pictures, "how many frames to keep")
       ->check(CLI::Range(1u, 10000u))
@@ -97,6 +114,7 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   if (flight.size.traced_width() > protocol::kMaxSide || flight.size.traced_height() > protocol::kMaxSide) {
     return Error{"picture and border together exceed " + std::to_string(protocol::kMaxSide) + " pixels"};
   }
+  flight.interrupted = [] { return interrupted != 0; };
   flight.stream.answer_timeout = std::chrono::minutes(2);  // one step may take a CPU-only server long
   flight.stream.connect.server = *server;
   flight.stream.connect.trust = a.trust;
@@ -123,6 +141,13 @@ Result<FlightOptions> flight_options(const Arguments& a) {
     hello.token = std::move(*token);
   }
   return flight;
+}
+
+Result<ClientRenderer::Options> drawing_options(const Arguments& a) {
+  const std::string kept = a.out.empty() && a.record.empty() ? "none" : "4x";
+  const std::string& wanted = a.antialias.empty() ? kept : a.antialias;
+  if (wanted != "4x" && wanted != "none") return Error{"--antialias " + wanted + ": 4x or none is"};
+  return ClientRenderer::Options{a.device, wanted == "4x" ? gpu::Samples::four : gpu::Samples::one};
 }
 
 void print_figures(const FlightStats& f) {
@@ -152,6 +177,7 @@ Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_word
                          {"border", a.border},
                          {"mode", a.mode},
                          {"tenant", a.tenant},
+                         {"interrupted", interrupted != 0},
                          {"frames", f.counters.complete},
                          {"incomplete_frames", f.counters.incomplete},
                          {"superseded_cameras", f.counters.superseded},
@@ -192,13 +218,13 @@ Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::Sc
 }
 
 // The recording that --record asks for; nullopt without it.
-Result<std::optional<Recording>> recording(const Arguments& a, const scenes::ScenePtr& scene,
-                                           const ViewSize& size) {
+Result<std::optional<Recording>> recording(const Arguments& a, const scenes::ScenePtr& scene, const ViewSize& size,
+                                           const ClientRenderer::Options& own) {
   if (a.record.empty()) return std::optional<Recording>();
   const auto view = parse_record_view(a.record_view);
   if (!view) return view.error();
   constexpr double kUsualFps = 30;
-  auto opened = Recording::open({a.record, *view, a.rate_hz > 0 ? a.rate_hz : kUsualFps, a.device}, scene, size);
+  auto opened = Recording::open({a.record, *view, a.rate_hz > 0 ? a.rate_hz : kUsualFps, own}, scene, size);
   if (!opened) return opened.error();
   return std::optional<Recording>(std::move(*opened));
 }
@@ -207,18 +233,21 @@ Result<std::optional<Recording>> recording(const Arguments& a, const scenes::Sce
 // operator moves parts of the scene.
 struct Views {
   ClientRenderer own;
+  gpu::Samples samples;
   std::optional<DebugView> debug;
   std::optional<Recording> video;
 };
 
 Result<Views> make_views(const Arguments& a, const scenes::ScenePtr& scene, const ViewSize& size) {
-  auto own = ClientRenderer::create(scene, size, a.device);
+  const auto options = drawing_options(a);
+  if (!options) return options.error();
+  auto own = ClientRenderer::create(scene, size, *options);
   if (!own) return own.error();
   auto debug = debug_view(a, scene, size);
   if (!debug) return debug.error();
-  auto video = recording(a, scene, size);
+  auto video = recording(a, scene, size, *options);
   if (!video) return video.error();
-  return Views{std::move(*own), std::move(*debug), std::move(*video)};
+  return Views{std::move(*own), options->samples, std::move(*debug), std::move(*video)};
 }
 
 // Makes scene and views anew if the server's operator moves parts of the scene. Error: it is another scene.
@@ -242,9 +271,11 @@ void print_files(const Arguments& a, const std::optional<Gallery>& gallery) {
   if (!a.record.empty()) std::printf("video       %s\n", a.record.c_str());
 }
 
-Result<std::optional<Gallery>> open_gallery(const Arguments& a) {
+Result<std::optional<Gallery>> open_gallery(const Arguments& a, const scenes::Scene& scene) {
   if (a.out.empty()) return std::optional<Gallery>();
-  auto opened = Gallery::open(a.out, a.frames, a.pictures);
+  std::vector<std::string> lights;
+  for (const scenes::Light& light : scene.lights) lights.push_back(light.name);
+  auto opened = Gallery::open(a.out, a.frames, a.pictures, std::move(lights));
   if (!opened) return opened.error();
   return std::optional<Gallery>(std::move(*opened));
 }
@@ -255,6 +286,22 @@ Result<void> check_answers(const FlightStats& figures) {
   return {};
 }
 
+// Ends the recording, and says what was measured and written.
+Result<void> report(const Arguments& a, const Flight& flight, Views& views, const std::optional<Gallery>& gallery) {
+  if (views.video) {
+    if (auto closed = views.video->close(); !closed) return closed;
+  }
+  const FlightStats figures = flight.figures();
+  print_figures(figures);
+  print_files(a, gallery);
+  if (!a.json.empty()) {
+    const auto written =
+        write_report(a.json, report_of(a, figures, views.own.covered_words(), flight.welcome().tracer));
+    if (!written) return written;
+  }
+  return check_answers(figures);
+}
+
 Result<void> run(const Arguments& a) {
   auto options = flight_options(a);
   if (!options) return options.error();
@@ -263,12 +310,13 @@ Result<void> run(const Arguments& a) {
   options->message = [&waiting](const protocol::Message& message) { waiting.heard(message); };
   auto scene = load_own_scene(a.scene, a.scene_folder);
   if (!scene) return scene.error();
-  auto opened_gallery = open_gallery(a);
+  auto opened_gallery = open_gallery(a, **scene);
   if (!opened_gallery) return opened_gallery.error();
   std::optional<Gallery>& gallery = *opened_gallery;
   auto views = make_views(a, *scene, options->size);
   if (!views) return views.error();
 
+  keep_on_interrupt();
   Flight flight(*options);
   const auto opened = flight.open();
   progress.clear();
@@ -276,9 +324,10 @@ Result<void> run(const Arguments& a) {
   if (auto same = match_server(a, flight, options->size, *scene, *views); !same) return same;
 
   const auto draw = [&](const Showing& showing) -> Result<void> {
-    const auto drawn = views->own.draw(showing);
-    if (!drawn) return drawn.error();
     const bool kept = gallery && gallery->wants(showing.index);
+    const bool seen_by_none = a.antialias.empty() && !kept && !views->video;
+    const auto drawn = views->own.draw(showing, seen_by_none ? gpu::Samples::one : views->samples);
+    if (!drawn) return drawn.error();
     const Picture shaded = views->video || kept ? copied(*drawn) : Picture();
     if (views->video) {
       if (auto added = views->video->add(showing, shaded); !added) return added;
@@ -298,20 +347,9 @@ Result<void> run(const Arguments& a) {
   };
   if (auto flown = flight.fly(CameraPath::of_scene(*scene), draw, progress); !flown) return flown;
   progress.clear();
+  if (interrupted) std::printf("interrupted: what follows is of the flight until then\n");
   flight.close();
-  if (views->video) {
-    if (auto closed = views->video->close(); !closed) return closed;
-  }
-
-  const FlightStats figures = flight.figures();
-  print_figures(figures);
-  print_files(a, gallery);
-  if (!a.json.empty()) {
-    const auto written =
-        write_report(a.json, report_of(a, figures, views->own.covered_words(), flight.welcome().tracer));
-    if (!written) return written;
-  }
-  return check_answers(figures);
+  return report(a, flight, *views, gallery);
 }
 
 }  // namespace

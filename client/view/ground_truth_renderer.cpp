@@ -13,13 +13,13 @@ constexpr SceneId kScene{1};
 
 Result<std::unique_ptr<GroundTruthRenderer>> GroundTruthRenderer::create(const scenes::ScenePtr& scene,
                                                                          const ViewSize& size,
-                                                                         const std::string& device,
+                                                                         const ClientRenderer::Options& own,
                                                                          const std::string& cache) {
-  auto view = ClientRenderer::create(scene, size, device);
+  auto view = ClientRenderer::create(scene, size, own);
   if (!view) return view.error();
   std::unique_ptr<GroundTruthRenderer> ideal(new GroundTruthRenderer(std::move(*view), size));
   gpu::RendererOptions options;
-  options.device = device;
+  options.device = own.device;
   options.tracer_options.cache_folder = cache;
   auto renderer = gpu::make_renderer(options);
   if (!renderer) return renderer.error();

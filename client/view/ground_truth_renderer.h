@@ -13,9 +13,9 @@ namespace gnomon::client {
 // One thread. Calls block.
 class GroundTruthRenderer {
  public:
-  // `device`: as gpu::RendererOptions::device. `cache`: folder for light buffers; empty: none are kept.
+  // `options`: as ClientRenderer's. `cache`: folder for light buffers; empty: none are kept.
   static Result<std::unique_ptr<GroundTruthRenderer>> create(const scenes::ScenePtr& scene, const ViewSize& size,
-                                                             const std::string& device,
+                                                             const ClientRenderer::Options& options,
                                                              const std::string& cache = {});
 
   // `camera` is of the traced buffer, from which the picture is cut, as a client does with masks of the camera itself.

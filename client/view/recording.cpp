@@ -1,5 +1,6 @@
 #include "client/view/recording.h"
 
+#include "client/media/label.h"
 #include "client/media/montage.h"
 
 namespace gnomon::client {
@@ -21,7 +22,7 @@ Result<Recording> Recording::open(const Options& options, const scenes::ScenePtr
   if (!video) return video.error();
   Recording recording(options.view, std::move(*video));
   if (options.view == RecordView::shown) return recording;
-  auto ideal = GroundTruthRenderer::create(scene, size, options.device);
+  auto ideal = GroundTruthRenderer::create(scene, size, options.own);
   if (!ideal) return ideal.error();
   recording.ideal_ = std::move(*ideal);
   return recording;
@@ -31,7 +32,12 @@ Result<void> Recording::add(const Showing& showing, const Picture& shaded) {
   if (!ideal_) return video_.add(shaded);
   const auto ideal = ideal_->picture(showing.camera, scenes::SceneTime(showing.seen->mask.moment.scene_time_us));
   if (!ideal) return ideal.error();
-  return video_.add(view_ == RecordView::difference ? difference(shaded, *ideal, kGain) : beside(shaded, *ideal));
+  if (view_ == RecordView::difference) return video_.add(difference(shaded, *ideal, kGain));
+  Picture both = beside(shaded, *ideal);
+  const uint32_t scale = label_scale(both.height), right = both.width - ideal->width;
+  write_label(both, 0, 0, shaded.width, "shown: masks from the server", scale);
+  write_label(both, right, 0, both.width, "to compare: traced here", scale);
+  return video_.add(both);
 }
 
 Result<void> Recording::close() { return video_.close(); }

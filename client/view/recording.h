@@ -12,7 +12,7 @@ namespace gnomon::client {
 
 enum class RecordView {
   shown,
-  side_by_side,  // shown left, traced by this machine right
+  side_by_side,  // shown left, traced by this machine right, each labelled
   difference,    // between the two, times 4
 };
 Result<RecordView> parse_record_view(std::string_view name);  // "side-by-side"
@@ -23,7 +23,7 @@ class Recording {
     std::filesystem::path file;
     RecordView view = RecordView::shown;
     double fps = 30;
-    std::string device;
+    ClientRenderer::Options own;  // as those of the pictures shown
   };
   static Result<Recording> open(const Options& options, const scenes::ScenePtr& scene, const ViewSize& size);
 

@@ -53,6 +53,8 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool 
       {"predict", {[&] { return make_predict_pass(device); }}},
       {"readback_sources", {read("readback_sources", kSources, kHostSources)}},
       {"shade_predicted", {[&] { return make_shade_predicted_pass(device); }}},
+      {"average", {[&] { return make_average_pass(device); }}},
+      {"readback_averaged", {read("readback_averaged", kAveraged, kHostAveraged)}},
       {"readback_draws",
        {read("readback_draws", kOccluderDraws, kHostOccluderDraws), read("readback_draws", kDraws, kHostDraws)}},
   };

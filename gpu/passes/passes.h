@@ -41,8 +41,10 @@
 //             (uint32 for each pixel: 0, or 1 + the pixel of that view that shows the same surface)
 //   shade_predicted  as shade, with given_masks (given) of the seen view, looked up through sources; all lights shine
 //             where the source is 0
+//   average   color, shaded at 2x2 samples a pixel -> averaged (RGBA8, half as wide and half as high)
 //   readback_masks  masks -> host_masks  readback_valid_bits    valid_bits -> host_valid_bits
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
+//   readback_averaged  averaged -> host_averaged
 //   readback_ids  ids -> host_ids  readback_sources  sources -> host_sources
 //   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
 #pragma once
@@ -84,6 +86,8 @@ inline constexpr std::string_view kGivenMasks = "given_masks";
 inline constexpr std::string_view kShading = "shading";
 inline constexpr std::string_view kColor = "color";
 inline constexpr std::string_view kHostColor = "host_color";
+inline constexpr std::string_view kAveraged = "averaged";
+inline constexpr std::string_view kHostAveraged = "host_averaged";
 inline constexpr std::string_view kIds = "ids";
 inline constexpr std::string_view kHostIds = "host_ids";
 inline constexpr std::string_view kSeenView = "seen_view";
@@ -131,6 +135,11 @@ Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device, bool kept);
 Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_predicted_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_average_pass(const DevicePtr& device);
+// Of the averaged picture of a frame of that size.
+inline uint64_t averaged_bytes(uint32_t width, uint32_t height) {
+  return uint64_t{width / 2} * (height / 2) * sizeof(uint32_t);
+}
 
 // Copies the part of a buffer that this frame has written into cached host memory.
 Result<std::unique_ptr<Pass>> make_readback_pass(std::string_view name, std::string_view source,

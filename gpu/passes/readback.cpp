@@ -10,6 +10,7 @@ uint64_t bytes_of(std::string_view source, const Capacity& size) {
   if (source == resource::kDraws || source == resource::kOccluderDraws)
     return uint64_t{size.cluster_chunks} * sizeof(VkDrawIndirectCommand);
   if (source == resource::kMasks || source == resource::kValidBits) return grid.word_count() * sizeof(uint64_t);
+  if (source == resource::kAveraged) return averaged_bytes(grid.width, grid.height);
   const uint64_t pixels = uint64_t{grid.width} * grid.height;
   return pixels * (source == resource::kSurface ? sizeof(SurfaceSample) : sizeof(uint32_t));
 }

@@ -17,6 +17,9 @@ struct SeenView {
   glm::vec3 ray_dy{0.0f};
   glm::vec3 across{0.0f};  // ray_dx / |ray_dx|^2; `down` likewise of ray_dy
   glm::vec3 down{0.0f};
+  // 1 if the new view is from the same eye, with several samples a pixel: one whose surface no pixel shows then takes
+  // the bits of a pixel beside it, instead of counting as lit.
+  uint32_t same_eye = 0;
 
   SeenView() = default;
   SeenView(const CameraView& camera, uint32_t w, uint32_t h) {
@@ -34,6 +37,6 @@ struct SeenView {
     down = ray_dy / glm::dot(ray_dy, ray_dy);
   }
 };
-static_assert(sizeof(SeenView) == 96);
+static_assert(sizeof(SeenView) == 100);
 
 }  // namespace gnomon::gpu

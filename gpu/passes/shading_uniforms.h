@@ -16,15 +16,21 @@ struct LightColour {
 inline constexpr uint32_t kEveryLight = 0xffffffff;
 
 struct ShadingUniforms {
-  glm::vec3 ambient{0.0f};
+  glm::vec3 ambient_above{0.0f};  // scenes::Surroundings, and what options add
   float exposure = 1.0f;
+  glm::vec3 ambient_below{0.0f};
+  uint32_t view = 0;  // ShadeOptions::View; 3: linear luminance as float bits
   glm::vec3 background{0.0f};
-  uint32_t view = 0;     // ShadeOptions::View; 3: linear luminance as float bits
   uint32_t tonemap = 0;  // ShadeOptions::Tonemap
+  glm::vec3 sky_zenith{0.0f};
   uint32_t only_light = kEveryLight;
+  glm::vec3 sky_horizon{0.0f};
+  uint32_t has_sky = 0;
+  glm::vec3 sky_ground{0.0f};
+  float sky_clouds = 0.0f;
   LightColour lights[kMaxLights];
 };
 static_assert(sizeof(LightColour) == 20);
-static_assert(offsetof(ShadingUniforms, lights) == 40);
+static_assert(offsetof(ShadingUniforms, lights) == 96);
 
 }  // namespace gnomon::gpu

@@ -24,15 +24,22 @@ LightColour light_colour(const scenes::Light& light) {
   return out;
 }
 
-ShadingUniforms uniforms_of(const std::vector<scenes::Light>& lights, const ShadeOptions& options) {
+ShadingUniforms uniforms_of(const ResidentScene& scene, const ShadeOptions& options) {
+  const scenes::Surroundings& around = scene.scene().surroundings;
   ShadingUniforms out{};
-  out.ambient = options.ambient;
+  out.ambient_above = options.ambient + around.ambient_above;
+  out.ambient_below = options.ambient + around.ambient_below;
+  out.has_sky = around.has_sky;
+  out.sky_zenith = around.sky_zenith;
+  out.sky_horizon = around.sky_horizon;
+  out.sky_ground = around.sky_ground;
+  out.sky_clouds = around.sky_clouds;
   out.exposure = options.exposure;
   out.background = options.background;
   out.view = static_cast<uint32_t>(options.view);
   out.tonemap = static_cast<uint32_t>(options.tonemap);
   out.only_light = options.only_light.value_or(kEveryLight);
-  std::transform(lights.begin(), lights.end(), out.lights, light_colour);
+  std::transform(scene.lights().begin(), scene.lights().end(), out.lights, light_colour);
   return out;
 }
 
@@ -101,7 +108,7 @@ Result<RgbaView> ReferenceView::show(const CameraView& camera, uint32_t width, u
                                      const TileMaskView& masks, const ShadeOptions& options) {
   if (masks.grid.width != width || masks.grid.height != height)
     return Error{"a mask of another size than the picture's"};
-  const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene().lights(), options), options.time);
+  const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene(), options), options.time);
   if (!pixels) return pixels.error();
   return RgbaView{width, height, *pixels};
 }
@@ -110,8 +117,9 @@ Result<RgbaView> ReferenceView::show_predicted(const CameraView& camera, uint32_
                                                const SeenMasks& seen, const ShadeOptions& options) {
   const auto reprojected = reprojection();
   if (!reprojected) return reprojected.error();
-  const auto shading = uniforms_of(shader_->scene().lights(), options);
-  const auto pixels = (*reprojected)->shade(camera, width, height, seen, std::as_bytes(std::span(&shading, 1)));
+  const auto shading = uniforms_of(shader_->scene(), options);
+  const auto pixels =
+      (*reprojected)->shade(camera, width, height, seen, std::as_bytes(std::span(&shading, 1)), options.samples);
   if (!pixels) return pixels.error();
   return RgbaView{width, height, *pixels};
 }
@@ -132,7 +140,7 @@ Result<void> ReferenceView::set_lights(const std::vector<scenes::Light>& lights)
 Result<float> ReferenceView::suggest_exposure(const CameraView& camera) {
   const TileGrid grid{160, 96, shader_->scene().light_count()};
   const std::vector<uint64_t> all_lit(grid.word_count(), ~uint64_t{0});
-  ShadingUniforms shading = uniforms_of(shader_->scene().lights(), {});
+  ShadingUniforms shading = uniforms_of(shader_->scene(), {});
   shading.view = kLuminanceView;
   const auto pixels = shader_->render(camera, {grid, all_lit}, shading, {});
   if (!pixels) return pixels.error();

@@ -1,6 +1,9 @@
 // The reference client's picture: its own G-buffer, shaded by the dissertation's formula with given visibility bits,
-//   I = emissive + (base colour / pi) * sum over lights i of k_i * saturate(N . L_i) * I_i
-// where I_i is the light's intensity at the point (KHR_lights_punctual: inverse square, range window, cone edge).
+//   I = emissive + (base colour / pi) * sum over lights i of k_i * saturate(N . L_i) * I_i + base colour * ambient
+// where I_i is the light's intensity at the point (KHR_lights_punctual: inverse square, range window, cone edge), and
+// the ambient radiance goes from one value for surfaces that face down to another for those that face up, as the scene
+// states them (scenes::Surroundings; 0 without). Base colours are filtered through mip levels. Where no surface is, the
+// scene's sky shows, if it states one.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +44,10 @@ struct ShadeOptions {
   View view = View::shaded;
   Tonemap tonemap = Tonemap::filmic;
   float exposure = 1.0f;               // multiplies radiance before the tone map
-  glm::vec3 ambient{0.0f};             // radiance that reaches every surface; 0 keeps the formula
-  glm::vec3 background{0.0f};          // linear; where no surface is
+  glm::vec3 ambient{0.0f};             // radiance that reaches every surface, beside the scene's own
+  glm::vec3 background{0.0f};          // linear; where neither surface nor sky is
   std::optional<uint32_t> only_light;  // shade with this light alone; material: black where it is not seen
+  Samples samples = Samples::one;      // of show_predicted and predict alone, see Reprojection::shade
   scenes::SceneTime time{};            // of what moves in the scene, within its period
 };
 

@@ -18,8 +18,13 @@ void copy_into(std::span<std::byte> target, std::span<const std::byte> source) {
 
 uint64_t bytes_of(const TileGrid& grid) { return uint64_t{grid.width} * grid.height * sizeof(uint32_t); }
 
-void give_seen(BlockingFrame& frame, const RasterView& seen) {
-  const SeenView view(seen.camera, seen.width, seen.height);
+bool same_eye(const CameraView& a, const CameraView& b) {
+  return a.position == b.position && a.orientation == b.orientation;
+}
+
+void give_seen(BlockingFrame& frame, const RasterView& seen, bool from_same_eye = false) {
+  SeenView view(seen.camera, seen.width, seen.height);
+  view.same_eye = from_same_eye;
   copy_into(frame.host(resource::kSeenView), std::as_bytes(std::span(&view, 1)));
   frame.give(resource::kSeenIds, *seen.ids);
 }
@@ -133,14 +138,24 @@ Result<std::span<const uint32_t>> Reprojection::sources(const RasterView& view, 
 }
 
 Result<std::span<const std::byte>> Reprojection::shade(const CameraView& camera, uint32_t width, uint32_t height,
-                                                       const SeenMasks& seen, std::span<const std::byte> shading) {
-  const auto grid = shader_->reserve(width, height, seen.raster.time);
+                                                       const SeenMasks& seen, std::span<const std::byte> shading,
+                                                       Samples samples) {
+  const bool four = samples == Samples::four;
+  if (four) {
+    const auto made =
+        when_needed(smoother_, {"gbuffer", "ids", "predict", "shade_predicted", "average", "readback_averaged"});
+    if (!made) return made.error();
+  }
+  BlockingFrame& frame = four ? *smoother_ : *shader_;
+  const uint32_t each_way = four ? 2 : 1;
+  const auto grid = frame.reserve(each_way * width, each_way * height, seen.raster.time);
   if (!grid) return grid.error();
-  give_seen(*shader_, seen.raster);
-  shader_->give(resource::kGivenMasks, *seen.words);
-  copy_into(shader_->host(resource::kShading), shading);
-  if (auto rendered = shader_->render(camera, *grid); !rendered) return rendered.error();
-  return std::span<const std::byte>(shader_->host(resource::kHostColor).first(bytes_of(*grid)));
+  give_seen(frame, seen.raster, four && same_eye(camera, seen.raster.camera));
+  frame.give(resource::kGivenMasks, *seen.words);
+  copy_into(frame.host(resource::kShading), shading);
+  if (auto rendered = frame.render(camera, *grid); !rendered) return rendered.error();
+  const auto pixels = frame.host(four ? resource::kHostAveraged : resource::kHostColor);
+  return std::span<const std::byte>(pixels.first(size_t{width} * height * sizeof(uint32_t)));
 }
 
 }  // namespace gnomon::gpu

@@ -33,6 +33,9 @@ struct SeenMasks {
   std::shared_ptr<const Buffer> words;  // on the device, as common/tile_mask.h
 };
 
+// How many samples of a pixel are shaded.
+enum class Samples { one, four };
+
 // The masks of a view of `width` x `height`, looked up in `seen` through the view's sources (Reprojection::sources);
 // pixels without a source are lit by every light.
 std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const uint32_t> sources, uint32_t width,
@@ -59,9 +62,13 @@ class Reprojection {
   Result<std::span<const uint32_t>> sources(const RasterView& view, const RasterView& seen);
 
   // A picture that is shaded with the masks looked up through the sources: four bytes per pixel, valid until the next
-  // call. `shading`: the bytes of ShadingUniforms.
+  // call. `shading`: the bytes of ShadingUniforms. With four samples a pixel, which lie on a grid of 2x2, each sample
+  // finds its own source, and the pixel is their mean in linear light. From the eye of the seen view itself, a sample
+  // takes the bits of the pixel that it lies in if that pixel shows the sample's surface, else those of one of the three
+  // other pixels around it that does; else, for want of better ones, those of the first of the four with any surface.
   Result<std::span<const std::byte>> shade(const CameraView& camera, uint32_t width, uint32_t height,
-                                           const SeenMasks& seen, std::span<const std::byte> shading);
+                                           const SeenMasks& seen, std::span<const std::byte> shading,
+                                           Samples samples);
 
  private:
   Result<BlockingFrame*> when_needed(std::unique_ptr<BlockingFrame>& frame, const std::vector<std::string>& passes);
@@ -71,8 +78,8 @@ class Reprojection {
 
   DevicePtr device_;
   std::unique_ptr<BlockingFrame> seer_, shader_;
-  std::unique_ptr<BlockingFrame> raster_, finder_;  // made when needed
-  std::vector<std::shared_ptr<Buffer>> buffers_;    // in use elsewhere, or free if use_count() is 1
+  std::unique_ptr<BlockingFrame> raster_, finder_, smoother_;  // made when needed
+  std::vector<std::shared_ptr<Buffer>> buffers_;               // in use elsewhere, or free if use_count() is 1
 };
 
 }  // namespace gnomon::gpu

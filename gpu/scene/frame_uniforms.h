@@ -23,11 +23,13 @@ struct MaterialRecord {
   glm::vec4 base_color{1.0f};
   glm::vec3 emissive{0.0f};
   float alpha_cutoff = 0.0f;
-  uint64_t texels = 0;  // uint RGBA8 for each texel; 0: no texture
+  uint64_t texels = 0;  // uint RGBA8 for each texel, its colour as the square root of the linear one; 0: no texture
   uint32_t texture_width = 0, texture_height = 0;
   uint32_t wrap_u = 0, wrap_v = 0;  // scenes::Wrap
+  uint32_t levels = 1;  // mip levels, one behind the other in `texels`; each half the size, rounded down
+  uint32_t reserved = 0;
 };
-static_assert(sizeof(MaterialRecord) == 56);
+static_assert(sizeof(MaterialRecord) == 64);
 
 struct FrameUniforms {
   glm::mat4 camera_to_clip{1.0f};  // of points relative to the camera's position, in world axes

@@ -4,6 +4,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "gpu/scene/texels.h"
+
 namespace gnomon::gpu {
 namespace {
 
@@ -68,7 +70,7 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   const scenes::WorldMesh& mesh = resident->geometry_->mesh;
   if (auto done = resident->upload_mesh(device, mesh, slots); !done) return done.error();
   if (auto done = resident->upload_clusters(device); !done) return done.error();
-  if (auto done = resident->upload_materials(device); !done) return done.error();
+  if (auto done = resident->upload_materials(device, tracer == nullptr); !done) return done.error();
   if (!tracer) return resident;
   if (auto done = resident->build_traced(*tracer, mesh, built); !done) return done.error();
   return resident;
@@ -207,9 +209,12 @@ Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
   return {};
 }
 
-Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
+Result<void> ResidentScene::upload_materials(const DevicePtr& device, bool drawn) {
+  std::vector<uint32_t> levels;
   for (const scenes::Texture& texture : scene_->textures) {
-    auto buffer = upload(device, std::as_bytes(std::span(texture.rgba)));
+    const Texels texels = drawn ? mipmapped_texels(texture) : flat_texels(texture);
+    levels.push_back(texels.levels);
+    auto buffer = upload(device, std::as_bytes(std::span(texels.rgba)));
     if (!buffer) return buffer.error();
     buffers_.textures.push_back(std::move(*buffer));
   }
@@ -224,6 +229,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device) {
       record.texels = buffers_.textures[material.base_color_texture].address();
       record.texture_width = texture.width;
       record.texture_height = texture.height;
+      record.levels = levels[material.base_color_texture];
       record.wrap_u = static_cast<uint32_t>(texture.wrap_u);
       record.wrap_v = static_cast<uint32_t>(texture.wrap_v);
     }

@@ -87,7 +87,8 @@ class ResidentScene {
   Result<void> upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots);
   Result<void> build_traced(const Tracer& tracer, const scenes::WorldMesh& mesh, Built built);
   Result<void> upload_clusters(const DevicePtr& device);
-  Result<void> upload_materials(const DevicePtr& device);
+  // `drawn`: textures get the levels that shading filters through.
+  Result<void> upload_materials(const DevicePtr& device, bool drawn);
 
   scenes::ScenePtr scene_;
   uint32_t vertex_count_ = 0, triangle_count_ = 0;  // of the resting geometry

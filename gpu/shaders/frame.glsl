@@ -18,9 +18,11 @@ struct MaterialRecord {
   vec4 base_color;
   vec3 emissive;
   float alpha_cutoff;
-  uvec2 texels;  // address of Uints, RGBA8; 0: no texture
+  uvec2 texels;  // address of Uints, RGBA8, the colour as its square root; 0: no texture
   uvec2 texture_size;
   uvec2 wrap;    // scenes::Wrap: 0 repeat, 1 mirrored, 2 clamp
+  uint levels;
+  uint reserved;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Materials { MaterialRecord at[]; };
 

@@ -41,12 +41,15 @@ uint source_of(SurfacePoint here) {
   if (any(lessThan(place, vec2(0.0))) || any(greaterThanEqual(place, vec2(size)))) return 0u;
   ivec2 nearest = min(ivec2(place), size - 1);
   ivec2 towards = mix(ivec2(-1), ivec2(1), greaterThanEqual(fract(place), vec2(0.5)));
+  uint beside_it = 0u;
   for (int i = 0; i < 4; ++i) {
     ivec2 at = nearest + towards * ivec2(i & 1, i >> 1);
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) continue;
-    if (shows(uvec2(at), here, depth * push.seen.pixel)) return 1u + uint(at.y * size.x + at.x);
+    uint number = uint(at.y * size.x + at.x);
+    if (shows(uvec2(at), here, depth * push.seen.pixel)) return 1u + number;
+    if (beside_it == 0u && push.seen_ids.at[number] != 0u) beside_it = 1u + number;
   }
-  return 0u;
+  return push.seen.same_eye != 0u ? beside_it : 0u;
 }
 
 void main() {

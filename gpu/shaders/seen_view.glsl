@@ -10,4 +10,5 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer See
   vec3 ray_dy;
   vec3 across;  // ray_dx / |ray_dx|^2; `down` likewise of ray_dy
   vec3 down;
+  uint same_eye;
 };

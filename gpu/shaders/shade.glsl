@@ -13,12 +13,18 @@ struct LightColour {
   float cone_offset;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Shading {
-  vec3 ambient;
+  vec3 ambient_above;  // radiance that reaches surfaces facing up, and those facing down
   float exposure;
-  vec3 background;
+  vec3 ambient_below;
   uint view;
+  vec3 background;
   uint tonemap;
+  vec3 sky_zenith;
   uint only_light;
+  vec3 sky_horizon;
+  uint has_sky;
+  vec3 sky_ground;
+  float sky_clouds;
   LightColour lights[kMaxLights];
 };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TileWords { uvec2 at[]; };
@@ -37,7 +43,9 @@ const uint kShaded = 0u, kMaterial = 1u, kNormals = 2u, kLuminance = 3u;
 const uint kFilmic = 1u;
 const float kPi = 3.14159265;
 
-float srgb_to_linear(float c) { return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4); }
+#include "textures.glsl"
+#include "sky.glsl"
+
 vec3 linear_to_srgb(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-8)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
@@ -45,22 +53,43 @@ vec3 linear_to_srgb(vec3 c) {
 // Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
 vec3 filmic(vec3 c) { return clamp((c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0); }
 
-// Barycentric weights of the corners at a point of the triangle's plane, clamped to [0, 1].
-vec3 barycentric(vec3 p, vec3 p0, vec3 p1, vec3 p2) {
-  vec3 n = cross(p1 - p0, p2 - p0);
-  float area = dot(n, n);
-  float v2 = dot(cross(p1 - p0, p - p0), n) / area;
-  float v1 = dot(cross(p - p0, p2 - p0), n) / area;
-  return clamp(vec3(1.0 - v1 - v2, v1, v2), 0.0, 1.0);
+// The triangle's gradient of barycentric weights: how much the weights of corners 1 and 2 change along a step, for a
+// triangle with these edges from corner 0.
+vec2 weights_along(vec3 along, vec3 edge1, vec3 edge2) {
+  vec3 n = cross(edge1, edge2);
+  return vec2(dot(cross(along, edge2), n), dot(cross(edge1, along), n)) / dot(n, n);
 }
 
-vec3 base_colour(MaterialRecord m, vec2 uv) {
+// Barycentric weights of the corners at a point of the triangle's plane, clamped to [0, 1].
+vec3 barycentric(vec3 p, vec3 p0, vec3 p1, vec3 p2) {
+  vec2 w = weights_along(p - p0, p1 - p0, p2 - p0);
+  return clamp(vec3(1.0 - w.x - w.y, w), 0.0, 1.0);
+}
+
+// How far the point that a ray meets on the plane through `surface` moves when the ray turns by `turn`, which is one
+// pixel's step.
+vec3 step_on_plane(SurfacePoint surface, vec3 ray, vec3 turn) {
+  float depth = dot(surface.position - frame.camera, frame.forward);
+  float across = dot(surface.normal, ray);
+  if (abs(across) < 1e-6) return vec3(0.0);
+  return depth * (turn - ray * (dot(surface.normal, turn) / across));
+}
+
+Footprint footprint_of(uint triangle, SurfacePoint surface, uvec2 pixel) {
+  uvec3 c = frame.triangles.at[triangle];
+  vec3 p0 = frame.positions.at[c.x];
+  vec3 edge1 = frame.positions.at[c.y] - p0, edge2 = frame.positions.at[c.z] - p0;
+  vec2 uv0 = frame.uvs.at[c.x], uv1 = frame.uvs.at[c.y] - uv0, uv2 = frame.uvs.at[c.z] - uv0;
+  vec3 ray = pixel_ray(pixel);
+  vec2 across = weights_along(step_on_plane(surface, ray, frame.ray_dx), edge1, edge2);
+  vec2 down = weights_along(step_on_plane(surface, ray, frame.ray_dy), edge1, edge2);
+  return Footprint(across.x * uv1 + across.y * uv2, down.x * uv1 + down.y * uv2);
+}
+
+vec3 base_colour(MaterialRecord m, uint triangle, SurfacePoint surface, vec3 weights, uvec2 pixel) {
   vec3 colour = m.base_color.rgb;
-  if (m.texels != uvec2(0)) {
-    uvec2 texel = uvec2(wrap_texel(uv.x, m.wrap.x, m.texture_size.x), wrap_texel(uv.y, m.wrap.y, m.texture_size.y));
-    vec3 c = unpackUnorm4x8(fetch_texel(m, texel)).rgb;
-    colour *= vec3(srgb_to_linear(c.r), srgb_to_linear(c.g), srgb_to_linear(c.b));
-  }
+  if (m.texels != uvec2(0))
+    colour *= texture_colour(m, uv_at(triangle, weights), footprint_of(triangle, surface, pixel));
   return colour;
 }
 
@@ -120,7 +149,8 @@ vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, uvec2 p
   for (uint i = 0u; i < frame.light_count; ++i)
     if ((push.shading.only_light == 0xffffffffu || push.shading.only_light == i) && visible(i, pixel))
       sum += irradiance(i, surface, normal);
-  return emissive + base * (sum / kPi + push.shading.ambient);
+  vec3 ambient = mix(push.shading.ambient_below, push.shading.ambient_above, 0.5 + 0.5 * normal.y);
+  return emissive + base * (sum / kPi + ambient);
 }
 
 uint encode(vec3 radiance) {
@@ -144,15 +174,20 @@ vec3 pixel_colour(uint triangle, uvec2 pixel) {
   if (dot(normal, surface.normal) < 0.0) normal = -normal;  // seen from behind
   if (push.shading.view == kNormals) return normal * 0.5 + 0.5;
   MaterialRecord m = frame.materials.at[frame.triangle_materials.at[triangle]];
-  vec3 base = base_colour(m, uv_at(triangle, weights));
+  vec3 base = base_colour(m, triangle, surface, weights, pixel);
   if (push.shading.view == kMaterial) return reached(surface, pixel) ? base : vec3(0.0);
   return shaded(surface, normal, base, m.emissive, pixel);
+}
+
+vec3 colour_without_surface(uvec2 pixel) {
+  bool sky = push.shading.has_sky != 0u && push.shading.view == kShaded && push.shading.only_light == 0xffffffffu;
+  return sky ? sky_radiance(normalize(pixel_ray(pixel))) : push.shading.background;
 }
 
 void main() {
   uvec2 pixel = gl_WorkGroupID.xy * 8u + pixel_in_tile(gl_LocalInvocationIndex);
   if (pixel.x >= frame.width || pixel.y >= frame.height) return;
   uint id = triangle_at(pixel);
-  vec3 colour = id != 0u ? pixel_colour(id - 1u, pixel) : push.shading.background;
+  vec3 colour = id != 0u ? pixel_colour(id - 1u, pixel) : colour_without_surface(pixel);
   push.pixels.at[pixel.y * frame.width + pixel.x] = encode(colour);
 }

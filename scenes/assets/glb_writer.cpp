@@ -1,9 +1,12 @@
 #include "scenes/assets/glb_writer.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+
+#include "scenes/assets/unwrap.h"
 
 namespace gnomon::scenes::assets {
 namespace {
@@ -12,7 +15,8 @@ using Json = nlohmann::ordered_json;
 
 // Constants of the glTF 2.0 specification.
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-constexpr int kVertexData = 34962, kIndexData = 34963, kClampToEdge = 33071, kLinear = 9729;
+constexpr int kVertexData = 34962, kIndexData = 34963, kClampToEdge = 33071, kRepeat = 10497, kLinear = 9729;
+constexpr int kLinearMipmapLinear = 9987;
 constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 
 Json vector_json(const float* values, int count) {
@@ -38,7 +42,14 @@ class Writer {
     add_camera();
     Json all = Json::array();
     for (size_t i = 0; i < document_["nodes"].size(); ++i) all.push_back(i);
-    document_["scenes"] = Json::array({{{"name", stage_.name}, {"nodes", all}}});
+    const Surroundings& around = stage_.surroundings;
+    const Json ambient = {{"above", to_json(around.ambient_above)}, {"below", to_json(around.ambient_below)}};
+    const Json sky = {{"zenith", to_json(around.zenith)},
+                      {"horizon", to_json(around.horizon)},
+                      {"ground", to_json(around.ground)},
+                      {"clouds", around.clouds}};
+    const Json gnomon = {{"ambient", ambient}, {"sky", sky}};
+    document_["scenes"] = Json::array({{{"name", stage_.name}, {"nodes", all}, {"extras", {{"gnomon", gnomon}}}}});
     align();
     document_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
     return file();
@@ -90,11 +101,13 @@ class Writer {
       const auto view = add_view(std::span<const uint8_t>(png), 0);
       document_["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
       const size_t image = document_["images"].size() - 1;
-      document_["textures"].push_back({{"sampler", 0}, {"source", image}});
+      const bool cuts = std::any_of(stage_.materials.begin(), stage_.materials.end(),
+                                    [&](const Material& m) { return m.cutout == image; });
+      document_["textures"].push_back({{"sampler", cuts ? 0 : 1}, {"source", image}});
     }
-    if (!stage_.images.empty()) {
-      document_["samplers"] = Json::array(
-          {{{"magFilter", kLinear}, {"minFilter", kLinear}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}}});
+    for (const int wrap : {kClampToEdge, kRepeat}) {
+      document_["samplers"].push_back(
+          {{"magFilter", kLinear}, {"minFilter", kLinearMipmapLinear}, {"wrapS", wrap}, {"wrapT", wrap}});
     }
     for (const Material& m : stage_.materials) {
       Json surface = {{"baseColorFactor", {m.base_color.r, m.base_color.g, m.base_color.b, 1.0f}},
@@ -105,6 +118,7 @@ class Writer {
         surface["baseColorTexture"] = {{"index", m.cutout}};
         material["alphaMode"] = "MASK", material["alphaCutoff"] = 0.5f, material["doubleSided"] = true;
       }
+      if (m.texture != kNoImage) surface["baseColorTexture"] = {{"index", m.texture}};
       material["pbrMetallicRoughness"] = surface;
       if (m.emissive != glm::vec3(0.0f)) material["emissiveFactor"] = to_json(m.emissive);
       document_["materials"].push_back(material);
@@ -114,15 +128,17 @@ class Writer {
   void add_model(const Model& model) {
     Json primitives = Json::array();
     for (const Part& part : model.parts) {
-      glm::vec3 low = part.mesh.positions.front(), high = low;
-      for (const glm::vec3& p : part.mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+      const Material& material = stage_.materials[part.material];
+      const Mesh mesh = material.texture == kNoImage ? part.mesh : unwrapped(part.mesh, material.texture_metres);
+      glm::vec3 low = mesh.positions.front(), high = low;
+      for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
       const Json bounds = {{"min", to_json(low)}, {"max", to_json(high)}};
-      Json attributes = {{"POSITION", add_vectors(part.mesh.positions, "VEC3", kVertexData, bounds)},
-                         {"NORMAL", add_vectors(part.mesh.normals, "VEC3")}};
-      const bool textured = stage_.materials[part.material].cutout != kNoImage;
-      if (textured) attributes["TEXCOORD_0"] = add_vectors(part.mesh.uvs, "VEC2");
+      Json attributes = {{"POSITION", add_vectors(mesh.positions, "VEC3", kVertexData, bounds)},
+                         {"NORMAL", add_vectors(mesh.normals, "VEC3")}};
+      const bool textured = material.cutout != kNoImage || material.texture != kNoImage;
+      if (textured) attributes["TEXCOORD_0"] = add_vectors(mesh.uvs, "VEC2");
       primitives.push_back(
-          {{"attributes", attributes}, {"indices", add_indices(part.mesh)}, {"material", part.material}});
+          {{"attributes", attributes}, {"indices", add_indices(mesh)}, {"material", part.material}});
     }
     document_["meshes"].push_back({{"name", model.name}, {"primitives", primitives}});
   }

@@ -50,6 +50,22 @@ uint32_t Stage::matte(const std::string& material_name, glm::vec3 srgb) {
   return add(std::move(material));
 }
 
+void Stage::dress(std::initializer_list<uint32_t> dressed, Pattern pattern, float metres) {
+  auto found = made_.find(pattern);
+  if (found == made_.end()) {
+    ColourTexture texture = make_texture(pattern);
+    found = made_.emplace(pattern, Made{static_cast<uint32_t>(images.size()), texture.mean}).first;
+    images.push_back(std::move(texture.png));
+  }
+  for (const uint32_t material : dressed) {
+    Material& m = materials[material];
+    m.texture = found->second.image;
+    m.texture_metres = metres;
+    m.base_color /= found->second.mean;
+    m.base_color /= std::max({m.base_color.r, m.base_color.g, m.base_color.b, 1.0f});  // glTF allows no more
+  }
+}
+
 void Stage::place(uint32_t model, const glm::mat4& placement) { nodes.push_back({model, placement}); }
 void Stage::place(Model model, const glm::mat4& placement) { place(add(std::move(model)), placement); }
 

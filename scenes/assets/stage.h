@@ -7,10 +7,13 @@
 #include <deque>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <initializer_list>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "scenes/assets/mesh.h"
+#include "scenes/assets/textures.h"
 
 namespace gnomon::scenes::assets {
 
@@ -23,6 +26,9 @@ struct Material {
   float metallic = 0.0f;
   glm::vec3 emissive{0.0f};
   uint32_t cutout = kNoImage;  // image whose alpha cuts holes (alphaMode MASK), seen from both sides
+  // Image that colours the surface, and how much of the surface it spans; meshes get coordinates as they are written.
+  uint32_t texture = kNoImage;
+  float texture_metres = 1.0f;
 };
 
 // A part of a model: its triangles of one material.
@@ -56,6 +62,13 @@ struct Light {
   float inner_cone = 0.0f, outer_cone = 0.7f;  // radians from the axis
 };
 
+// What surrounds the scene, as `extras.gnomon` states it (docs/scenes.md); radiances, linear.
+struct Surroundings {
+  glm::vec3 ambient_above{0.0f}, ambient_below{0.0f};
+  glm::vec3 zenith{0.0f}, horizon{0.0f}, ground{0.0f};
+  float clouds = 0.0f;
+};
+
 struct CameraKey {
   float seconds = 0;
   glm::vec3 position{0.0f};
@@ -69,16 +82,26 @@ struct Stage {
   std::vector<Model> models;
   std::vector<Node> nodes;
   std::vector<Light> lights;
+  Surroundings surroundings;
   float vertical_fov = 0.9f;  // radians
   std::vector<CameraKey> flight;
 
   uint32_t add(Material material);
   uint32_t add(Model model);
   uint32_t matte(const std::string& name, glm::vec3 srgb);  // adds a plain material of that sRGB colour
+  // Gives the materials that pattern, which spans `metres`; on the whole they keep their colours.
+  void dress(std::initializer_list<uint32_t> dressed, Pattern pattern, float metres);
   void place(uint32_t model, const glm::mat4& placement = glm::mat4(1.0f));
   void place(Model model, const glm::mat4& placement = glm::mat4(1.0f));
 
   uint64_t triangle_count() const;  // in the world: a model placed twice counts twice
+
+ private:
+  struct Made {
+    uint32_t image;
+    glm::vec3 mean;
+  };
+  std::map<Pattern, Made> made_;
 };
 
 glm::vec3 linear(glm::vec3 srgb);

@@ -16,6 +16,7 @@
 #include "scenes/gltf/folder.h"
 #include "scenes/gltf/model.h"
 #include "scenes/loader.h"
+#include "scenes/scene.h"
 
 namespace gnomon::scenes::gltf {
 
@@ -30,6 +31,7 @@ struct Document {
   tinygltf::Model model;                          // without the bytes of buffers and images
   std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or empty where glTF allows no bytes
   std::vector<ImageSource> images;
+  Surroundings surroundings;
   std::vector<Bytes> owned;  // the memory that `buffers` refers to
   mutable Budget budget;     // whoever makes something of the file announces it here first
 

@@ -5,12 +5,13 @@
 #include <string_view>
 
 #include "common/result.h"
+#include "scenes/scene.h"
 
 namespace gnomon::scenes::gltf {
 
-// Error: the text is not a glTF 2 object, requires an extension that is not supported or stands only in one, is nested too deeply for
-// recursive code, or has too many entries. The result leaves out extras and all extensions that the loader does not
-// read.
-Result<nlohmann::json> parse_gltf_json(std::string_view text);
+// Error: the text is not a glTF 2 object, requires an extension that is not supported or stands only in one, is nested
+// too deeply for recursive code, or has too many entries. The result leaves out all extensions that the loader does not
+// read, and all extras, of which `surroundings` gets what Gnomon reads.
+Result<nlohmann::json> parse_gltf_json(std::string_view text, Surroundings& surroundings);
 
 }  // namespace gnomon::scenes::gltf

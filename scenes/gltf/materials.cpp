@@ -171,7 +171,7 @@ bool has_source(const Document& document, int texture) {
 
 }  // namespace
 
-Result<Materials> read_materials(Document& document) {
+Result<Materials> read_materials(Document& document, Reads reads) {
   Materials out;
   Textures textures(document);
   for (const tinygltf::Material& source : document.model.materials) {
@@ -179,7 +179,8 @@ Result<Materials> read_materials(Document& document) {
     Material material = factors_of(source);
     if (!all_finite(material)) return Error{name + " has a number that is not finite"};
     const tinygltf::TextureInfo& info = source.pbrMetallicRoughness.baseColorTexture;
-    if (info.index != -1 && has_source(document, info.index)) {
+    const bool wanted = reads == Reads::colours || material.alpha_mode == AlphaMode::mask;
+    if (wanted && info.index != -1 && has_source(document, info.index)) {
       const Result<uint32_t> texture = textures.get(info.index);
       if (!texture && material.alpha_mode == AlphaMode::mask) {
         return Error{name + " needs its texture for an alpha test: " + texture.error().message};

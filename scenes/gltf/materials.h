@@ -23,9 +23,12 @@ struct Materials {
   uint32_t default_material = 0;
 };
 
+// Which base colour textures are read: all, or only those that an alpha test needs.
+enum class Reads { colours, alpha_tests };
+
 // A base colour texture that is missing, damaged or neither PNG nor JPEG is left out with a warning, and its surface
 // keeps the plain base colour. Error: an alpha test needs such a texture, so that shadows would be wrong; a texture is
 // beyond the limits; or a material has a number that is not finite.
-Result<Materials> read_materials(Document& document);
+Result<Materials> read_materials(Document& document, Reads reads);
 
 }  // namespace gnomon::scenes::gltf

@@ -42,6 +42,14 @@ Palette::Palette(Stage& stage) {
   cut.name = "lattice", cut.base_color = linear(0x9a6a44), cut.cutout = static_cast<uint32_t>(stage.images.size());
   stage.images.push_back(lattice_png(4));
   screen = stage.add(std::move(cut));
+  stage.dress({plaster, blush_wall, ceiling}, Pattern::plaster, 0.9f);
+  stage.dress({floor[0], floor[1], floor[2], floor[3], oak}, Pattern::wood, 0.9f);
+  stage.dress({walnut, bark}, Pattern::wood, 0.7f);
+  stage.dress({sofa, mustard, rose, cream}, Pattern::weave, 0.14f);
+  stage.dress({curtain, blind}, Pattern::weave, 0.10f), stage.dress({rattan}, Pattern::weave, 0.30f);
+  stage.dress({rug_field, rug_border}, Pattern::wool, 0.22f), stage.dress({leather}, Pattern::leather, 0.25f);
+  stage.dress({terracotta, stoneware}, Pattern::clay, 0.35f), stage.dress({soil}, Pattern::ground, 0.3f);
+  stage.dress({brass}, Pattern::hammered, 0.3f);
 }
 
 }  // namespace room
@@ -159,6 +167,12 @@ Stage make_living_room() {
   furnish_walls(stage, palette);
   add_plants(stage, palette);
   add_lights(stage);
+  stage.surroundings = {.ambient_above = {0.33f, 0.31f, 0.30f},
+                        .ambient_below = {0.28f, 0.23f, 0.18f},
+                        .zenith = {0.35f, 0.62f, 1.35f},
+                        .horizon = {3.0f, 1.75f, 0.85f},
+                        .ground = {0.30f, 0.30f, 0.20f},
+                        .clouds = 0.4f};
   stage.vertical_fov = 0.92f;
   stage.flight = fly({{5.00f, 1.58f, 3.85f},
                       {4.80f, 1.55f, 3.10f},

@@ -31,6 +31,14 @@ Palette::Palette(Stage& stage) {
   leaves.cutout = static_cast<uint32_t>(stage.images.size());
   stage.images.push_back(ivy_leaf_png());
   ivy_leaf = stage.add(std::move(leaves));
+  stage.dress({limestone, sandstone, red_band, blue_band}, Pattern::stone, 1.7f);
+  stage.dress({paving[0], paving[1], paving[2], block[0], block[1], block[2]}, Pattern::stone, 1.4f);
+  stage.dress({joint}, Pattern::plaster, 0.7f);
+  stage.dress({marble}, Pattern::marble, 1.1f), stage.dress({granite}, Pattern::marble, 0.5f);
+  stage.dress({bronze}, Pattern::patina, 0.8f), stage.dress({gold}, Pattern::hammered, 0.45f);
+  stage.dress({terracotta}, Pattern::clay, 0.6f), stage.dress({cloth}, Pattern::weave, 0.16f);
+  stage.dress({earth}, Pattern::ground, 14.0f), stage.dress({cypress}, Pattern::foliage, 1.3f);
+  stage.dress({ivy_stem}, Pattern::wood, 0.4f);
 }
 
 }  // namespace temple
@@ -146,6 +154,12 @@ Stage make_temple() {
   add_decay(stage, palette);
   add_country(stage, palette);
   add_lights(stage);
+  stage.surroundings = {.ambient_above = {0.085f, 0.095f, 0.115f},
+                        .ambient_below = {0.080f, 0.062f, 0.042f},
+                        .zenith = {0.22f, 0.48f, 1.15f},
+                        .horizon = {1.15f, 1.20f, 1.25f},
+                        .ground = {0.45f, 0.42f, 0.32f},
+                        .clouds = 0.45f};
   stage.vertical_fov = 0.96f;
   stage.flight = fly({{0.0f, 1.75f, -2.0f},
                       {-0.3f, 1.70f, -7.0f},

@@ -104,7 +104,8 @@ double squared_error(const client::Picture& a, const client::Picture& b) {
 // Of the pictures that came against those that were meant. Writes both as videos if asked.
 Result<double> compare(const Arguments& a, const scenes::ScenePtr& scene, const client::Size& size,
                        const FlightResult& flight) {
-  auto source = client::GroundTruthRenderer::create(scene, {size.width, size.height}, a.device, a.cache);
+  auto source =
+      client::GroundTruthRenderer::create(scene, {size.width, size.height}, {.device = a.device}, a.cache);
   if (!source) return source.error();
   std::optional<client::VideoFile> shown_file, ideal_file;
   if (!a.out.empty()) {

@@ -82,7 +82,7 @@ uint16_t RemoteServer::port() const { return state_->socket->port(); }
 Result<std::unique_ptr<RemoteServer>> RemoteServer::start(const ServerOptions& options) {
   auto state = std::make_unique<State>(options);
   auto source = client::GroundTruthRenderer::create(options.scene, {options.video.width, options.video.height},
-                                                    options.device, options.cache);
+                                                    {.device = options.device}, options.cache);
   if (!source) return source.error();
   state->source = std::move(*source);
   auto encoder = H264Encoder::create(options.video);

@@ -50,7 +50,7 @@ TEST(Exact, AFreshFrameIsTheLocalPicturePixelForPixel) {
   auto probe = gpu::SurfaceProbe::create(local, *scene);
   ASSERT_TRUE(probe) << probe.error().message;
   const client::ViewSize size{.width = 150, .height = 82, .border_x = 32, .border_y = 18};
-  auto view = client::ClientRenderer::create(*scene, size, "cpu");
+  auto view = client::ClientRenderer::create(*scene, size, {.device = "cpu"});
   ASSERT_TRUE(view) << view.error().message;
 
   client::Loop loop;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "client/media/label.h"
 #include "client/media/montage.h"
 #include "client/media/png.h"
 
@@ -102,6 +103,30 @@ TEST(Comparison, BesideKeepsBothAndDifferenceShowsWhereTheyPart) {
   for (uint32_t y = 0; y < 10; ++y)
     for (uint32_t x = 0; x < 20; ++x) EXPECT_EQ(off.pixel(x, y)[1], x == 7 && y == 3 ? 36 : 0);
   EXPECT_EQ(difference(a, b, 100).pixel(7, 3)[1], 255) << "as strong as a byte can say";
+}
+
+TEST(Label, IsReadableWhereItStandsAndLeavesTheRestAlone) {
+  Picture picture(200, 60), other(200, 60);
+  write_label(picture, 20, 10, 190, "shown", 2);
+  write_label(other, 20, 10, 190, "traced", 2);
+  EXPECT_NE(picture, other);
+  const auto count = [](const Picture& p, uint8_t value) {
+    size_t found = 0;
+    for (size_t i = 0; i < p.rgba.size(); i += 4) found += p.rgba[i] == value;
+    return found;
+  };
+  EXPECT_GT(count(picture, 245), 100u) << "letters";
+  for (uint32_t y = 0; y < 60; ++y) {
+    for (uint32_t x = 0; x < 200; ++x) {
+      const bool outside = x < 20 || y < 10 || x >= 190 || y >= 10 + 30;
+      ASSERT_TRUE(!outside || picture.pixel(x, y)[0] == 0) << x << "," << y;
+    }
+  }
+  // What does not fit is cut at `right`, and in a picture that is too small for any letter.
+  Picture cut(200, 60), tiny(3, 2);
+  write_label(cut, 20, 10, 40, "a long text that is cut", 2);
+  for (uint32_t y = 0; y < 60; ++y) ASSERT_EQ(cut.pixel(40, y)[0], 0);
+  write_label(tiny, 0, 0, 3, "nothing", 1);
 }
 
 }  // namespace
