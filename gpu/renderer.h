@@ -110,6 +110,7 @@ struct SceneFootprint {
   bool tracer_from_cache = false;  // the light_buffer tracer read its lists from its cache
   double tracer_average_list = 0;  // entries of those lists
   uint32_t tracer_longest_list = 0;
+  bool tracer_not_kept = false;  // the cache did not take what the tracer built
 };
 
 // A submit that has ended: a complete frame, or a band of one.

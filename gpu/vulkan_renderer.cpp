@@ -65,7 +65,8 @@ class VulkanRenderer : public Renderer {
     const TracedScene& traced = scene->traced();
     return {scene->memory_bytes(),          traced.memory_bytes(),
             traced.build_seconds,           traced.list_statistics.from_cache,
-            traced.list_statistics.average, traced.list_statistics.longest};
+            traced.list_statistics.average, traced.list_statistics.longest,
+            traced.list_statistics.not_kept};
   }
   LightState light_state(SceneId id) const override {
     const ResidentScene* scene = scenes_.find(id);

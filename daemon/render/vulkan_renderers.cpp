@@ -21,6 +21,7 @@ std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::S
   options.raster = render.raster;
   options.tracer = render.tracer;
   options.tracer_options.cache_folder = render.cache_folder;
+  if (render.cache_mb > 0) options.tracer_options.cache_bytes = uint64_t{render.cache_mb} << 20;
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   options.tracer_options.builds = builds;
   options.wait_for_builds = render.wait_for_light_buffers;

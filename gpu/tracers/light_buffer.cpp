@@ -94,8 +94,10 @@ class LightBufferTracer : public Tracer {
     const auto buffer =
         options_.builds->light_buffer(input.mesh, input.scene.bounds, input.lights, settings_for(input));
     if (!buffer) return buffer.error();
-    save(input, *buffer);
-    return upload_built(input, *buffer, start, false);
+    const bool kept = save(input, *buffer);
+    auto scene = upload_built(input, *buffer, start, false);
+    if (scene) (*scene)->list_statistics.not_kept = !kept;
+    return scene;
   }
 
   Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const override {
@@ -151,11 +153,14 @@ class LightBufferTracer : public Tracer {
     return cached;
   }
 
-  void save(const TracerInput& input, const light_buffer::LightBuffer& buffer) const {
-    if (!is_cached(input)) return;
-    if (auto saved = light_buffer::save(options_.cache_folder, key_of(input), buffer); !saved) {
-      log::warning("light buffer not cached", {{"reason", saved.error().message}});
+  // False if the cache should have taken it and did not.
+  bool save(const TracerInput& input, const light_buffer::LightBuffer& buffer) const {
+    if (!is_cached(input)) return true;
+    const auto saved = light_buffer::save(options_.cache_folder, key_of(input), buffer, options_.cache_bytes);
+    if (!saved) {
+      log::warning("light buffer not cached", {{"scene", input.scene.name}, {"reason", saved.error().message}});
     }
+    return bool(saved);
   }
 
   Result<std::unique_ptr<TracedScene>> upload_built(const TracerInput& input,
@@ -195,6 +200,10 @@ Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device
   const uint32_t lanes = device->features().subgroup_size;
   if (lanes != 8 && lanes != 32) {
     return Error{"tracer 'light_buffer' needs subgroups of 8 or 32 lanes; the device has " + std::to_string(lanes)};
+  }
+  if (!options.cache_folder.empty()) {  // the limit may be lower than it was
+    const auto trimmed = light_buffer::trim(options.cache_folder, options.cache_bytes);
+    if (trimmed.files > 0) log::info("cache trimmed", {{"files", trimmed.files}, {"bytes", trimmed.bytes}});
   }
   return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, options));
 }

@@ -23,6 +23,7 @@ struct ListStatistics {
   double average = 0;    // entries of a list
   uint32_t longest = 0;  // entries of the longest list
   bool from_cache = false;
+  bool not_kept = false;  // the cache did not take what was built
 };
 
 // A tracer's data on the device for one scene. Immutable.

@@ -14,6 +14,7 @@ namespace {
 
 // To be increased whenever the same scene and settings would give other bytes, or bytes with another meaning.
 constexpr uint32_t kVersion = 3;
+constexpr const char* kEnding = ".lightbuffer";
 constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
 
 static_assert(std::endian::native == std::endian::little, "files are little-endian");
@@ -81,6 +82,25 @@ std::string fault(const Header& header, const CacheKey& key, uint64_t file_bytes
   return "";
 }
 
+struct CachedFile {
+  std::filesystem::path path;
+  std::filesystem::file_time_type used;
+  uint64_t bytes = 0;
+};
+
+// Of whatever cannot be read, nothing: another process may be removing it.
+std::vector<CachedFile> cached_files(const std::filesystem::path& folder) {
+  std::vector<CachedFile> files;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+    if (at->path().filename().string().find(kEnding) == std::string::npos) continue;
+    std::error_code gone;
+    const CachedFile file{at->path(), at->last_write_time(gone), gone ? 0 : at->file_size(gone)};
+    if (!gone) files.push_back(file);
+  }
+  return files;
+}
+
 }  // namespace
 
 CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings, const scenes::WorldMesh& mesh,
@@ -99,7 +119,7 @@ CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& sett
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key) {
   std::array<char, 20> build{};
   std::snprintf(build.data(), build.size(), "%016llx", static_cast<unsigned long long>(key.build));
-  return folder / (scenes::to_hex(key.content) + "-" + build.data() + ".lightbuffer");
+  return folder / (scenes::to_hex(key.content) + "-" + build.data() + kEnding);
 }
 
 std::optional<LightBuffer> load(const std::filesystem::path& folder, const CacheKey& key, std::string& why) {
@@ -122,6 +142,7 @@ std::optional<LightBuffer> load(const std::filesystem::path& folder, const Cache
     why = "is damaged";
     return std::nullopt;
   }
+  std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now(), none);
   buffer.statistics.bytes = buffer.memory_bytes();
   buffer.statistics.leaves = header.leaves;
   buffer.statistics.entries = header.entries;
@@ -129,7 +150,8 @@ std::optional<LightBuffer> load(const std::filesystem::path& folder, const Cache
   return buffer;
 }
 
-Result<void> save(const std::filesystem::path& folder, const CacheKey& key, const LightBuffer& buffer) {
+Result<void> save(const std::filesystem::path& folder, const CacheKey& key, const LightBuffer& buffer,
+                  uint64_t most_bytes) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) return Error{"creating '" + folder.string() + "': " + failed.message()};
@@ -137,6 +159,12 @@ Result<void> save(const std::filesystem::path& folder, const CacheKey& key, cons
   // The name is unique to the process, because two daemons may share the folder.
   const std::filesystem::path part = file.string() + "." + std::to_string(::getpid());
   const Header header = describe(key, buffer);
+  const uint64_t bytes = sizeof(header) + payload_bytes(header);
+  if (bytes > most_bytes) {
+    return Error{"'" + file.string() + "' would have " + std::to_string(bytes) +
+                 " bytes, more than the cache may hold"};
+  }
+  if (most_bytes != kNoLimit) trim(folder, most_bytes - bytes);
   std::ofstream out(part, std::ios::binary | std::ios::trunc);
   out.write(reinterpret_cast<const char*>(&header), sizeof(header));
   write_array(out, buffer.lights);
@@ -149,6 +177,23 @@ Result<void> save(const std::filesystem::path& folder, const CacheKey& key, cons
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
   return Error{"writing '" + file.string() + "': " + (failed ? failed.message() : "the disk refused it")};
+}
+
+Trimmed trim(const std::filesystem::path& folder, uint64_t most_bytes) {
+  std::vector<CachedFile> files = cached_files(folder);
+  std::ranges::sort(files, {}, &CachedFile::used);
+  uint64_t left = 0;
+  for (const CachedFile& file : files) left += file.bytes;
+  Trimmed trimmed;
+  for (const CachedFile& file : files) {
+    if (left <= most_bytes) break;
+    std::error_code failed;
+    if (!std::filesystem::remove(file.path, failed)) continue;
+    left -= file.bytes;
+    ++trimmed.files;
+    trimmed.bytes += file.bytes;
+  }
+  return trimmed;
 }
 
 }  // namespace gnomon::gpu::light_buffer

@@ -267,6 +267,7 @@ TEST(ShippedConfig, DocumentsEveryKeyWithItsDefault) {
   EXPECT_EQ(config->server.drain_timeout, defaults.server.drain_timeout);
   EXPECT_EQ(config->admin.port, defaults.admin.port);
   EXPECT_EQ(config->render.cache_folder, defaults.render.cache_folder);
+  EXPECT_EQ(config->render.cache_mb, defaults.render.cache_mb);
   EXPECT_EQ(config->render.light_buffer_mb, defaults.render.light_buffer_mb);
   EXPECT_EQ(config->render.frames_in_flight, defaults.render.frames_in_flight);
   EXPECT_EQ(config->render.max_width, defaults.render.max_width);

@@ -66,6 +66,47 @@ TEST_F(Cache, GivesBackWhatWasSaved) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()), 1);
 }
 
+// Of three files, the one that was used least recently leaves, though it was not written first.
+TEST_F(Cache, WhatWasUsedLeastRecentlyLeavesFirst) {
+  using namespace std::chrono_literals;
+  const std::vector<light_buffer::CacheKey> keys{key_, key_of(2, soup_, settings_), key_of(3, soup_, settings_)};
+  const auto now = std::filesystem::file_time_type::clock::now();
+  for (size_t i = 0; i < keys.size(); ++i) {
+    ASSERT_TRUE(light_buffer::save(folder_, keys[i], buffer_));
+    std::filesystem::last_write_time(light_buffer::cache_file(folder_, keys[i]), now - 3h + i * 1h);
+  }
+  std::ofstream(folder_ / "something_else") << "not ours";
+  const uint64_t each = file().size();
+  std::string why;
+  ASSERT_TRUE(light_buffer::load(folder_, keys[0], why)) << why;
+
+  EXPECT_EQ(light_buffer::trim(folder_, 3 * each).files, 0u) << "there is room for all of them";
+  const light_buffer::Trimmed trimmed = light_buffer::trim(folder_, 3 * each - 1);
+  EXPECT_EQ(trimmed.files, 1u);
+  EXPECT_EQ(trimmed.bytes, each);
+  const auto kept = [&](size_t i) { return std::filesystem::exists(light_buffer::cache_file(folder_, keys[i])); };
+  EXPECT_TRUE(kept(0)) << "it was read just now";
+  EXPECT_FALSE(kept(1));
+  EXPECT_TRUE(kept(2));
+
+  ASSERT_TRUE(light_buffer::save(folder_, keys[1], buffer_, 2 * each));
+  EXPECT_TRUE(kept(0));
+  EXPECT_TRUE(kept(1)) << "what was just built";
+  EXPECT_FALSE(kept(2)) << "room was made";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "something_else"));
+}
+
+TEST_F(Cache, WhatIsLargerThanTheCacheIsNotWritten) {
+  ASSERT_TRUE(light_buffer::save(folder_, key_, buffer_));
+  const uint64_t each = file().size();
+  const auto larger = light_buffer::save(folder_, key_of(2, soup_, settings_), buffer_, each - 1);
+  ASSERT_FALSE(larger);
+  EXPECT_NE(larger.error().message.find("more than the cache may hold"), std::string::npos)
+      << larger.error().message;
+  std::string why;
+  EXPECT_TRUE(loads(why)) << "nothing had to leave for it";
+}
+
 TEST_F(Cache, AnyChangedByteIsFound) {
   ASSERT_TRUE(light_buffer::save(folder_, key_, buffer_));
   const std::vector<char> good = file();
