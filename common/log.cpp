@@ -23,7 +23,7 @@ std::atomic<Format> line_format{Format::key_value};
 spdlog::logger& logger() {
   static const std::shared_ptr<spdlog::logger> instance = [] {
     auto made = std::make_shared<spdlog::logger>("gnomon", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-    made->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+    made->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
     made->set_level(spdlog::level::warn);
     return made;
   }();
@@ -134,8 +134,8 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
 std::shared_ptr<spdlog::logger> make_audit_logger(spdlog::sink_ptr sink) {
   auto made = std::make_shared<spdlog::logger>("audit", std::move(sink));
   made->set_pattern(line_format.load() == Format::json
-                        ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e","level":"%l","logger":"%n",%v)"
-                        : "%Y-%m-%dT%H:%M:%S.%e %n %v");
+                        ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","logger":"%n",%v)"
+                        : "%Y-%m-%dT%H:%M:%S.%e%z %n %v");
   made->flush_on(spdlog::level::info);
   return made;
 }
@@ -157,7 +157,7 @@ Published<std::shared_ptr<spdlog::logger>>& audit_logger() {
 void configure(Level level, Format format) {
   line_format = format;
   if (format == Format::json) {
-    logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%e","level":"%l",%v)");
+    logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)");
   }
   set_level(level);
   audit_logger().publish(audit_logger_to_stderr());

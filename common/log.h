@@ -1,5 +1,5 @@
-// Structured logging: one event a line, `time level event key=value ...` or a JSON object. No other header exposes
-// spdlog.
+// Structured logging: one event a line, `time level event key=value ...` or a JSON object. The time is local and names
+// its zone, as RFC 3339 has it. No other header exposes spdlog.
 //
 //   log::info("session opened", {{"session", id.value}, {"tenant", name}});
 //

@@ -26,17 +26,6 @@ constexpr auto kBetweenLooks = 20ms;  // whether the devices are open
 
 constexpr const char* kNoSession = "no such session, or it is over";
 
-protocol::Refused refusal_of(const scheduler::AdmissionRejection& rejection) {
-  const bool size = rejection.limit == scheduler::Limit::size;
-  std::string text("beyond the limit of ");
-  text.append(to_string(rejection.limit));
-  protocol::Refused refused = refusal(size ? RefusalCode::bad_size : RefusalCode::over_capacity, text);
-  refused.fit_width = static_cast<uint16_t>(rejection.fit_width);
-  refused.fit_height = static_cast<uint16_t>(rejection.fit_height);
-  refused.fit_rate_hz = static_cast<float>(rejection.fit_rate_hz);
-  return refused;
-}
-
 // In words that name neither the scene's file nor other clients.
 std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {
   if (!health.serving) return "the server is starting";
@@ -70,7 +59,9 @@ void Admission::on_accept(asio::ip::tcp::socket socket) {
   auto stream = std::make_shared<ControlStream>(std::move(socket), tls->context, kMaxClientMessageBytes);
   const auto deadline = Clock::now() + shared_.config.server.handshake_timeout;
   if (const PendingConnection pushed_out = pending_.add(stream, deadline); pushed_out.stream) {
-    if (!pushed_out.leaving) shared_.metrics.report(Fault::half_open_replaced);
+    if (!pushed_out.leaving) {
+      shared_.metrics.report(Fault::half_open_replaced, {{"address", pushed_out.stream->peer().to_string()}});
+    }
     pushed_out.stream->close();
   }
   listen(
@@ -84,13 +75,15 @@ void Admission::on_accept(asio::ip::tcp::socket socket) {
 
 void Admission::close_overdue(TimePoint now) {
   for (const PendingConnection& connection : pending_.expire(now)) {
-    if (!connection.leaving) shared_.metrics.report(Fault::handshake_timeout);
+    if (!connection.leaving) {
+      shared_.metrics.report(Fault::handshake_timeout, {{"address", connection.stream->peer().to_string()}});
+    }
     connection.stream->close();
   }
 }
 
 void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Message> message) {
-  if (!message) return refuse(stream, refused(RefusalCode::malformed, message.error().message));
+  if (!message) return refuse(stream, refused(RefusalCode::malformed, message.error().message), Claim{});
   if (std::holds_alternative<protocol::Bye>(*message)) return part(stream);
   asio::co_spawn(io_, admit(stream, std::move(*message)), asio::detached);
 }
@@ -99,7 +92,7 @@ asio::awaitable<void> Admission::admit(StreamPtr stream, protocol::Message first
   Applicant applicant{.stream = std::move(stream)};
   if (has_departed(applicant)) co_return;  // before this coroutine was started
   const Verdict refusal = co_await take_steps(applicant, first);
-  if (refusal) refuse(applicant.stream, *refusal, applicant.grant.tenant);
+  if (refusal) refuse(applicant.stream, *refusal, applicant.claim, applicant.grant.tenant);
 }
 
 asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, const protocol::Message& first) {
@@ -124,12 +117,17 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
 
 // Determines who the client is and what its Hello is granted.
 Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hello& hello) const {
+  applicant.claim.tenant = hello.tenant;
   if (shared_.health.draining) return refused(RefusalCode::draining, "the server is going away");
   if (const auto message = check_version(hello)) return refused(*message);
   const auto who =
       daemon::identify(hello, applicant.stream->certificate(), *shared_.tenants.get(), shared_.config.server.mode);
-  if (const auto* rejected = std::get_if<Rejected>(&who)) return Refusal{rejected->refused, rejected->fault};
+  if (const auto* rejected = std::get_if<Rejected>(&who)) {
+    applicant.claim.tenant = rejected->tenant;
+    return Refusal{rejected->refused, rejected->fault};
+  }
   const auto& identified = std::get<Identified>(who);
+  applicant.claim.tenant = shared_.tenants.get()->name(identified.tenant);
   auto granted = check_hello(hello, identified.tenant, shared_.config,
                              [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) return refused(*message);
@@ -141,6 +139,7 @@ Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hel
 
 // Hands a stored session to the client that proves it is its own, even if another connection still controls it.
 asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, const protocol::Resume& resume) {
+  applicant.claim.session = resume.session;
   if (shared_.health.draining) co_return refused(RefusalCode::draining, "the server is going away");
   const auto secret = shared_.store.resumption_secret(resume.session);
   const auto proof = applicant.stream->resumption_proof(resume.session, secret.value_or(protocol::Secret{}));
@@ -155,6 +154,7 @@ asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, con
   if (!claimed || has_departed(applicant)) co_return departed();
   applicant.stored = std::move(*claimed);
   if (!applicant.stored) co_return refused(RefusalCode::unknown_session, kNoSession);
+  applicant.claim.tenant = applicant.stored.record().tenant.data();
   auto granted = grant_of(applicant.stored.record(), *shared_.tenants.get(), shared_.config,
                           [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) co_return refused(*message);
@@ -233,8 +233,7 @@ Admission::Verdict Admission::book(Applicant& applicant) const {
       shared_.limits.book(*applicant.permit, {grant.width, grant.height, grant.lights, grant.rate_hz},
                           known == costs.end() ? scheduler::CostModel() : known->second);
   if (!rejection) return std::nullopt;
-  const protocol::Refused message = refusal_of(*rejection);
-  return Refusal{message, fault_of(message.code), rejection->limit};
+  return refused(*rejection);
 }
 
 // Asks the devices whether there is memory for the session's frames.
@@ -362,39 +361,25 @@ void Admission::hold(const Applicant& applicant) {
   pending_.prove(applicant.stream.get());
   listen(
       applicant.stream,
-      [this, departure = applicant.departure](const StreamPtr& from, const Result<protocol::Message>& message) {
+      [this, departure = applicant.departure, claim = applicant.claim](const StreamPtr& from,
+                                                                       const Result<protocol::Message>& message) {
         if (message && std::holds_alternative<protocol::Bye>(*message)) {
           part(from);
         } else {
-          refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"));
+          refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"), claim);
         }
         departure.request_stop();
       },
       applicant.departure);
 }
 
-void Admission::refuse(const StreamPtr& stream, const Refusal& refusal, TenantId tenant) {
+void Admission::refuse(const StreamPtr& stream, const Refusal& refusal, const Claim& claim, TenantId tenant) {
   if (refusal.departed) return;
   if (refusal.limit) shared_.metrics.refused(tenant, to_string(*refusal.limit));
-  const std::string& why = refusal.for_operators.empty() ? refusal.message.text : refusal.for_operators;
-  shared_.metrics.report(
-      refusal.fault,
-      {{"reason", row_of(refusal.fault).label}, {"text", why}, {"address", stream->peer().to_string()}});
+  report(shared_.metrics, refusal, claim, stream->peer());
   pending_.remove(stream.get());
   stream->send(refusal.message);
   pending_.close_gracefully(stream, Clock::now());
-}
-
-Admission::Refusal Admission::refused(const protocol::Refused& message) {
-  return {message, fault_of(message.code)};
-}
-
-Admission::Refusal Admission::refused(RefusalCode code, std::string text) {
-  return refused(refusal(code, std::move(text)));
-}
-
-Admission::Refusal Admission::departed() {
-  return {.message = {}, .fault = Fault::handshake_abandoned, .departed = true};
 }
 
 }  // namespace gnomon::daemon

@@ -16,6 +16,7 @@
 #include <stop_token>
 #include <string>
 
+#include "daemon/net/admission_refusal.h"
 #include "daemon/net/net_shared.h"
 #include "daemon/net/pending_connections.h"
 #include "daemon/net/session_control.h"
@@ -36,25 +37,20 @@ class Admission {
  private:
   using StreamPtr = std::shared_ptr<ControlStream>;
 
+  using Claim = AdmissionClaim;
+  using Refusal = AdmissionRefusal;
+  using Verdict = std::optional<Refusal>;  // nullopt if the step was taken
+
   // What a connection has gathered on its way to a session.
   struct Applicant {
     StreamPtr stream;
+    Claim claim = {};
     std::stop_source departure = {};  // stopped when the connection ends while the applicant waits
     SessionGrant grant = {};
     StoredSession stored = {};  // the session that is resumed; empty if a new one is opened
     std::optional<SessionPermit> permit = {};
     SceneForUse scene = {};
   };
-
-  // Why a connection does not become a session.
-  struct Refusal {
-    protocol::Refused message;
-    Fault fault;
-    std::optional<scheduler::Limit> limit = {};  // the exceeded limit; nullopt if none was exceeded
-    bool departed = false;                       // the connection has ended, so that no refusal is sent
-    std::string for_operators = {};              // logged in the place of the message's text
-  };
-  using Verdict = std::optional<Refusal>;  // nullopt if the step was taken
 
   asio::awaitable<void> admit(StreamPtr stream, protocol::Message first);
   asio::awaitable<Verdict> take_steps(Applicant& applicant, const protocol::Message& first);
@@ -76,11 +72,7 @@ class Admission {
   bool has_departed(const Applicant& applicant) const { return !pending_.is_waiting(applicant.stream.get()); }
   Result<std::unique_ptr<protocol::Seal>> make_seal(Applicant& applicant, SessionId id) const;
   void send_welcome(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene) const;
-  void refuse(const StreamPtr& stream, const Refusal& refusal, TenantId tenant = {});
-
-  static Refusal refused(const protocol::Refused& message);
-  static Refusal refused(protocol::RefusalCode code, std::string text);
-  static Refusal departed();
+  void refuse(const StreamPtr& stream, const Refusal& refusal, const Claim& claim, TenantId tenant = {});
 
   const NetShared& shared_;
   const uint16_t data_port_;

@@ -72,7 +72,7 @@ void Server::accept() {
       if (gone || rate_.admit(network_of(from.address()), Clock::now())) {
         owner.adopt(std::move(socket));
       } else {
-        metrics_.report(Fault::connection_rate);
+        metrics_.report(Fault::connection_rate, {{"address", from.address().to_string()}});
       }
       return accept();
     }

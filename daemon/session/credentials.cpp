@@ -35,10 +35,16 @@ bool may_know(const Names& certificate, const TenantDirectory& directory, Server
   return std::all_of(all.begin(), all.end(), [&](const auto& tenant) { return lets_anybody_in(tenant, mode); });
 }
 
-Rejected reject(RefusalCode code, Fault fault) {
-  return {refusal(code, code == RefusalCode::bad_token ? "the token is not that of this tenant"
-                                                       : "there is no such tenant here"),
-          fault};
+// What does not prove who the client is, by what it has shown and not by what there is to be shown here.
+const char* unproven(const protocol::Hello& hello, const Names& certificate) {
+  if (!hello.token.empty()) return "the token is not that of this tenant";
+  if (!certificate.empty()) return "no token was sent, and the certificate is not of this tenant";
+  return "no token was sent, and no certificate: this tenant's clients show one of them";
+}
+
+Rejected reject(RefusalCode code, Fault fault, const std::string& tenant, const char* unproven) {
+  const char* const why = code == RefusalCode::bad_token ? unproven : "there is no such tenant here";
+  return {refusal(code, why), fault, tenant};
 }
 
 }  // namespace
@@ -56,7 +62,7 @@ std::variant<Identified, Rejected> identify(const protocol::Hello& hello, const 
   if (!id) {
     const auto code =
         may_know(certificate.names, directory, mode) ? RefusalCode::unknown_tenant : RefusalCode::bad_token;
-    return reject(code, Fault::refused_unknown_tenant);
+    return reject(code, Fault::refused_unknown_tenant, name, unproven(hello, certificate.names));
   }
   if (token_is_good) return Identified{*id, {.kind = Credential::Kind::token, .id = token}};
   if (contains(certificate.names, name)) {
@@ -67,7 +73,7 @@ std::variant<Identified, Rejected> identify(const protocol::Hello& hello, const 
                        .expires = certificate.expires}};
   }
   if (lets_anybody_in(tenant, mode)) return Identified{*id, {}};
-  return reject(RefusalCode::bad_token, Fault::refused_bad_token);
+  return reject(RefusalCode::bad_token, Fault::refused_bad_token, name, unproven(hello, certificate.names));
 }
 
 std::optional<std::string> objection_to(const Credential& credential, TenantId id, const CredentialRules& rules,

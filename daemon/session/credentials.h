@@ -2,7 +2,7 @@
 // whether a session may go on that was opened so.
 //
 // A stranger does not learn which tenants there are: a wrong token and an unknown name get the same answer after the
-// same work. The operator's counters distinguish the two.
+// same work, and so do no token and an unknown name. The operator's counters and log distinguish them.
 #pragma once
 
 #include <chrono>
@@ -23,6 +23,7 @@ namespace gnomon::daemon {
 struct Rejected {
   protocol::Refused refused;
   Fault fault;
+  std::string tenant;  // that the client named or left to us
 };
 
 struct Identified {

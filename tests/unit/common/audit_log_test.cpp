@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include "common/log.h"
@@ -53,6 +54,26 @@ TEST_F(AuditLog, IsWrittenAtEveryLevelUnderItsOwnName) {
   struct stat info {};
   ASSERT_EQ(stat(file_.c_str(), &info), 0);
   EXPECT_EQ(info.st_mode & 07137u, 0u) << "not for others, nor to be written by the group";
+}
+
+// RFC 3339, so that lines of nodes in different zones can be compared.
+TEST_F(AuditLog, TimesNameTheirZone) {
+  setenv("TZ", "Asia/Kolkata", 1);
+  tzset();
+  for (const Format format : {Format::key_value, Format::json}) {
+    configure(Level::info, format);
+    testing::internal::CaptureStderr();
+    open();
+    audit("action");
+    info("something");
+    const std::regex time(R"(^(\{"time":")?\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}\+05:30[" ])");
+    EXPECT_TRUE(std::regex_search(text_of(file_), time)) << text_of(file_);
+    const std::string others = testing::internal::GetCapturedStderr();
+    EXPECT_TRUE(std::regex_search(others, time)) << others;
+    fs::remove(file_);
+  }
+  unsetenv("TZ");
+  tzset();
 }
 
 TEST_F(AuditLog, IsJsonWhereTheOtherLinesAre) {

@@ -48,6 +48,31 @@ INSTANTIATE_TEST_SUITE_P(
                 }}),
     [](const auto& instance) { return instance.param.name; });
 
+TEST_F(Served, ARefusalIsLoggedWithWhoWasRefused) {
+  config_.tenants = {{.name = kDefaultTenant}, {.name = "studio", .token_sha256 = {hash_of("s")}}};
+  start();
+  TestClient usual = client(), stranger = client(), lost = client();
+  log::set_level(log::Level::info);
+  testing::internal::CaptureStderr();
+  protocol::Hello hello = TestClient::hello("nowhere");
+  usual.send(hello);
+  hello.tenant = "studio";
+  stranger.send(hello);
+  lost.send(protocol::Resume{.session = SessionId{42}});
+  for (TestClient* each : {&usual, &stranger, &lost}) EXPECT_TRUE(each->receive_a<protocol::Refused>());
+  const std::string log = testing::internal::GetCapturedStderr();
+  log::set_level(log::Level::warning);
+  for (const char* line :
+       {"warning refused reason=bad_token text=\"no token was sent, and no certificate: this tenant's clients show "
+        "one "
+        "of them\" tenant=studio address=127.0.0.1\n",
+        "info refused reason=unknown_scene text=", " tenant=default address=127.0.0.1\n",
+        "info refused reason=unknown_session text=\"no such session, or it is over\" tenant=\"\" session=42 "
+        "address=127.0.0.1\n"}) {
+    EXPECT_NE(log.find(line), std::string::npos) << line << " is not in\n" << log;
+  }
+}
+
 TEST_F(Served, ARefusedSizeSaysWhatWouldFit) {
   start();
   TestClient c = client();

@@ -23,6 +23,21 @@ TEST_F(Secure, TokensOpenTheirOwnTenant) {
   EXPECT_EQ(count_of(Fault::refused_unknown_tenant), 1u);
 }
 
+TEST_F(Secure, WhoShowsNothingIsToldSoWhetherThereIsSuchATenantOrNot) {
+  start();
+  const auto text_for = [&](const protocol::Hello& hello) {
+    TestClient c = client();
+    c.send(hello);
+    const auto refused = c.receive_a<protocol::Refused>();
+    return refused ? refused->text : "";
+  };
+  const std::string nothing_shown = text_for(hello("studio", ""));
+  EXPECT_NE(nothing_shown.find("no token was sent"), std::string::npos) << nothing_shown;
+  EXPECT_EQ(text_for(hello("nobody", "")), nothing_shown);
+  EXPECT_EQ(text_for(hello("studio", "wrong")), "the token is not that of this tenant");
+  EXPECT_EQ(text_for(hello("nobody", "wrong")), "the token is not that of this tenant");
+}
+
 TEST_F(Secure, AReloadTakesAwayAToken) {
   start();
   Config next = config_;
