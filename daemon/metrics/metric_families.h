@@ -7,7 +7,6 @@
 
 #include "daemon/metrics/link_metrics.h"
 #include "daemon/metrics/metrics.h"
-#include "daemon/metrics/process_stats.h"
 #include "daemon/metrics/prometheus_families.h"
 
 namespace gnomon::daemon {
@@ -18,15 +17,19 @@ using prometheus::Gauge;
 using prometheus::Histogram;
 using prometheus::Registry;
 
-// Seconds. Few buckets, since each tenant has them: frames of a fast GPU, of a shared one, of an overloaded one.
-inline const Histogram::BucketBoundaries kFrameBuckets{0.01, 0.03, 0.1, 0.3};
-inline const Histogram::BucketBoundaries kStageBuckets{0.002, 0.01, 0.05};
+// Seconds, from a stage of a fast GPU (0.1 ms) to a frame of an overloaded node (0.82 s). Each bound is twice the one
+// before, so that a quantile within them is wrong by less than a factor of two, however long frames take.
+inline const Histogram::BucketBoundaries kSecondsBuckets = [] {
+  Histogram::BucketBoundaries bounds{0.0001};
+  while (bounds.size() < 14) bounds.push_back(2 * bounds.back());
+  return bounds;
+}();
 
 struct Stages {
   Histogram *queue, *gpu, *readback, *encode, *send;
 
   explicit Stages(Family<Histogram>& family) {
-    const auto stage = [&](const char* name) { return &family.Add({{"stage", name}}, kStageBuckets); };
+    const auto stage = [&](const char* name) { return &family.Add({{"stage", name}}, kSecondsBuckets); };
     queue = stage("queue");
     gpu = stage("gpu");
     readback = stage("readback");
@@ -47,6 +50,7 @@ struct TenantSeries {
   Histogram& frame;
   Counter& buffers;
   Counter& bits;
+  Counter& views;
   Counter& coalesced;
   Counter& bytes_sent;
   Counter& queue_seconds;
@@ -67,6 +71,8 @@ struct Metrics::Families {
                                             "Visibility buffers sent; vbps is the rate of this.");
   Family<Counter>& bits = counter_family(registry, "gnomon_visibility_values_total",
                                          "Visibility values sent: pixels times lights, a bit each.");
+  Family<Counter>& views =
+      counter_family(registry, "gnomon_views_received_total", "Views that sessions asked for, served or not.");
   Family<Counter>& coalesced = counter_family(registry, "gnomon_frames_coalesced_total",
                                               "Views replaced by a newer one before they were rendered.");
   Family<Counter>& bytes =
@@ -90,8 +96,9 @@ struct Metrics::Families {
       "Time that the tenant's frames waited from their camera's arrival to their start; divide by buffers.");
   Family<Counter>& gpu_seconds =
       counter_family(registry, "gnomon_tenant_gpu_seconds_total", "Device time that the tenant's frames took.");
-  Family<Counter>& late = counter_family(registry, "gnomon_frames_late_total",
-                                         "Frames sent after the time until which they were of use.");
+  Family<Counter>& late =
+      counter_family(registry, "gnomon_frames_late_total",
+                     "Frames that were sent, or given up, after the time until which they were of use.");
   // These series are made when there is something to count, as most tenants never lose a frame.
   Family<Counter>& tenant_dropped = counter_family(registry, "gnomon_tenant_frames_dropped_total",
                                                    "Views and frames of the tenant that were dropped, by reason.");
@@ -123,11 +130,6 @@ struct Metrics::Families {
   Stages stage{stages};
   Family<Histogram>& frames =
       histogram_family(registry, "gnomon_frame_seconds", "Time from a camera's arrival until its frame was sent.");
-  Gauge& resident_memory =
-      gauge_family(registry, "gnomon_process_resident_memory_bytes", "Memory of the process, as the system has it.")
-          .Add({});
-  Gauge& open_files = gauge_family(registry, "gnomon_process_open_fds", "Open file descriptors.").Add({});
-  Gauge& threads = gauge_family(registry, "gnomon_process_threads", "Threads of the process.").Add({});
 
   Family<Counter>& limit_refusals = counter_family(registry, "gnomon_tenant_refusals_total",
                                                    "Sessions refused a tenant, by the limit that they met.");
@@ -164,11 +166,11 @@ struct Metrics::Families {
 
   void add_tenant(const std::string& name) {
     auto series = std::make_unique<TenantSeries>(TenantSeries{
-        frames.Add({{"tenant", name}}, kFrameBuckets), buffers.Add({{"tenant", name}}),
-        bits.Add({{"tenant", name}}), coalesced.Add({{"tenant", name}}), bytes.Add({{"tenant", name}}),
-        queue_seconds.Add({{"tenant", name}}), gpu_seconds.Add({{"tenant", name}}), late.Add({{"tenant", name}}),
-        share.Add({{"tenant", name}}), expected_share.Add({{"tenant", name}}), lag.Add({{"tenant", name}}),
-        sessions.Add({{"tenant", name}})});
+        frames.Add({{"tenant", name}}, kSecondsBuckets), buffers.Add({{"tenant", name}}),
+        bits.Add({{"tenant", name}}), views.Add({{"tenant", name}}), coalesced.Add({{"tenant", name}}),
+        bytes.Add({{"tenant", name}}), queue_seconds.Add({{"tenant", name}}), gpu_seconds.Add({{"tenant", name}}),
+        late.Add({{"tenant", name}}), share.Add({{"tenant", name}}), expected_share.Add({{"tenant", name}}),
+        lag.Add({{"tenant", name}}), sessions.Add({{"tenant", name}})});
     tenants.push_back(std::move(series));
     names.push_back(name);
   }

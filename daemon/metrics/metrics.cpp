@@ -2,8 +2,12 @@
 
 #include <prometheus/text_serializer.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "daemon/config/tenant_directory.h"
 #include "daemon/metrics/metric_families.h"
+#include "daemon/metrics/process_metrics.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -29,6 +33,9 @@ bool is_rare(const FaultRow& row) {
   }
   return false;
 }
+
+// Most frames that are late are never sent: neither devices nor links go on with one that is of no use any more.
+bool is_late(Fault fault) { return fault == Fault::deadline_unreachable || fault == Fault::link_too_slow; }
 
 }  // namespace
 
@@ -83,6 +90,9 @@ DeviceMetrics& Metrics::devices() { return families_->devices; }
 OperationMetrics& Metrics::operation() { return families_->operation; }
 
 void Metrics::datagram_received() { families_->datagrams.Increment(); }
+void Metrics::views_received(TenantId tenant, uint32_t count) {
+  families_->tenants[tenant.value]->views.Increment(count);
+}
 void Metrics::coalesced(TenantId tenant) { families_->tenants[tenant.value]->coalesced.Increment(); }
 void Metrics::session_opened(TenantId tenant) { families_->tenants[tenant.value]->sessions.Increment(); }
 void Metrics::session_closed(TenantId tenant) { families_->tenants[tenant.value]->sessions.Decrement(); }
@@ -103,6 +113,7 @@ void Metrics::dropped(TenantId tenant, SessionId session, Fault fault, const std
   report(tenant, session, fault, why);
   const prometheus::Labels labels{{"tenant", name(tenant)}, {"reason", row_of(fault).label}};
   families_->tenant_dropped.Add(labels).Increment();
+  if (is_late(fault)) families_->tenants[tenant.value]->late.Increment();
 }
 
 void Metrics::degraded(bool down) { (down ? families_->degraded : families_->restored).Increment(); }
@@ -147,11 +158,9 @@ uint64_t Metrics::count_of(Fault fault) const {
 uint64_t Metrics::datagrams() const { return static_cast<uint64_t>(families_->datagrams.Value()); }
 
 std::string Metrics::text() const {
-  const ProcessStats process = process_stats();
-  families_->resident_memory.Set(process.resident_bytes);
-  families_->open_files.Set(process.open_files);
-  families_->threads.Set(process.threads);
-  return prometheus::TextSerializer().Serialize(families_->registry.Collect());
+  auto families = families_->registry.Collect();
+  std::ranges::move(process_families(process_stats()), std::back_inserter(families));
+  return prometheus::TextSerializer().Serialize(families);
 }
 
 }  // namespace gnomon::daemon

@@ -47,7 +47,8 @@ class Metrics {
   DeviceMetrics& devices();
   OperationMetrics& operation();
 
-  void datagram_received();  // counts datagrams of every kind, accepted or not
+  void datagram_received();                              // counts datagrams of every kind, accepted or not
+  void views_received(TenantId tenant, uint32_t count);  // those replaced on the way to a device included
   void coalesced(TenantId tenant);
   void session_opened(TenantId tenant);
   void session_closed(TenantId tenant);

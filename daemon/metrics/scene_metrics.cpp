@@ -17,6 +17,9 @@ SceneMetrics::SceneMetrics(prometheus::Registry& registry, const std::vector<std
                                  "Device memory of what the tracer built, as light buffers.")),
       from_cache_(gauge_family(registry, "gnomon_scene_light_buffer_cached",
                                "1: the light buffers were read from the cache, 0: built.")),
+      kept_(gauge_family(
+          registry, "gnomon_scene_light_buffer_kept",
+          "0: the cache did not take the light buffers, and the next start builds them again; else 1.")),
       built_(gauge_family(registry, "gnomon_scene_light_buffers_built_ratio",
                           "Share of the light buffers' build that is done; until 1, frames cost more.")),
       lights_(gauge_family(
@@ -46,6 +49,7 @@ void SceneMetrics::resident(const std::string& scene, const scenes::LoadedScene&
   device_bytes_.Add(labels).Set(static_cast<double>(on_device.memory_bytes));
   tracer_bytes_.Add(labels).Set(static_cast<double>(on_device.tracer_memory_bytes));
   from_cache_.Add(labels).Set(on_device.tracer_from_cache ? 1 : 0);
+  kept_.Add(labels).Set(on_device.tracer_not_kept ? 0 : 1);
 }
 
 void SceneMetrics::unloaded(const std::string& scene) {

@@ -42,7 +42,7 @@ class SceneMetrics {
   bool known(const std::string& scene) const { return buffers_.contains(scene); }
 
   Gauges &resident_, &load_seconds_, &memory_bytes_, &build_seconds_, &device_bytes_, &tracer_bytes_, &from_cache_,
-      &built_, &lights_;
+      &kept_, &built_, &lights_;
   Counters& rebuilds_;
   std::map<std::string, prometheus::Counter*> buffers_;  // by scene; made at the start
 };

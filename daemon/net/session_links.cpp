@@ -54,6 +54,7 @@ void SessionLinks::handle_fault(const Session& session, const DatagramOutcome& r
 
 void SessionLinks::request(const Session& session, const ViewRequest& view) {
   const TenantId tenant = session.grant().tenant;
+  shared_.metrics.views_received(tenant, 1 + view.coalesced);
   for (uint32_t i = 0; i < view.coalesced; ++i) shared_.metrics.coalesced(tenant);
   if (!shared_.devices.push_view(view)) shared_.metrics.dropped(tenant, session.id(), Fault::view_queue_full);
 }

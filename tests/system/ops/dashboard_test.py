@@ -32,6 +32,7 @@ class Structure(unittest.TestCase):
         source = {"type": "prometheus", "uid": "${datasource}"}
         for panel in PANELS:
             with self.subTest(panel["title"]):
+                self.assertGreater(len(panel["description"]), len(panel["title"]), "the title alone explains little")
                 self.assertEqual(panel["datasource"], source)
                 self.assertGreater(len(panel["targets"]), 0)
                 self.assertEqual(len({target["refId"] for target in panel["targets"]}), len(panel["targets"]))

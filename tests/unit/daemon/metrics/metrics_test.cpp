@@ -33,13 +33,50 @@ TEST(Metrics, FollowPrometheusNamingRules) {
   const auto types = types_in(metrics.text());
   EXPECT_GE(types.size(), 10u);
   for (const auto& [name, type] : types) {
-    EXPECT_TRUE(name.starts_with("gnomon_")) << name;
+    EXPECT_TRUE(name.starts_with("gnomon_") || name.starts_with("process_")) << name;
     EXPECT_EQ(name.ends_with("_total"), type == "counter") << name;
     for (const char* unit : {"_ms", "_us", "_ns", "_milliseconds", "_kb", "_percent"}) {
       EXPECT_EQ(name.find(unit), std::string::npos) << name << " is not in base units";
     }
     EXPECT_NE(metrics.text().find("# HELP " + name + " "), std::string::npos) << name;
   }
+}
+
+TEST(Metrics, TheProcessIsDescribedUnderTheUsualNames) {
+  const Metrics metrics({"default"}, {}, "test");
+  const std::string text = metrics.text();
+  const auto value_of = [&](const std::string& name) {
+    const size_t at = text.find("\n" + name + " ");
+    return at == std::string::npos ? -1.0 : std::stod(text.substr(at + name.size() + 2));
+  };
+  const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+  EXPECT_GT(value_of("process_start_time_seconds"), now.count() - 600) << "this test was started just now";
+  EXPECT_LE(value_of("process_start_time_seconds"), now.count());
+  EXPECT_GE(value_of("process_cpu_seconds_total"), 0);
+  EXPECT_GE(value_of("process_threads"), 1);
+  EXPECT_GE(value_of("process_open_fds"), 3);
+  EXPECT_GT(value_of("process_max_fds"), value_of("process_open_fds"));
+  EXPECT_GT(value_of("process_resident_memory_bytes"), 1e6);
+  EXPECT_GT(value_of("process_virtual_memory_bytes"), value_of("process_resident_memory_bytes"));
+  EXPECT_EQ(value_of("gnomon_process_resident_memory_bytes"), value_of("process_resident_memory_bytes"));
+}
+
+// Of any time from 0.1 ms to 0.8 s, the bucket that it is counted in tells it but for a factor of two.
+TEST(Metrics, BucketsBoundTheErrorOfAQuantile) {
+  const Metrics metrics({"default"}, {"room"}, "test");
+  const std::string text = metrics.text();
+  const std::string family = "gnomon_frame_seconds_bucket{";
+  double below = 0, first = 0, last = 0;
+  for (size_t at = 0; (at = text.find("\n" + family, at)) != std::string::npos; ++at) {
+    const size_t le = text.find("le=\"", at) + 4;
+    if (text.compare(le, 4, "+Inf") == 0) continue;
+    const double bound = std::stod(text.substr(le));
+    EXPECT_LE(bound, below > 0 ? 2.0001 * below : 1e-4);
+    first = first == 0 ? bound : first;
+    last = below = bound;
+  }
+  EXPECT_LE(first, 1e-4);
+  EXPECT_GE(last, 0.8);
 }
 
 TEST(Metrics, EveryFaultHasItsOwnSeries) {
@@ -141,7 +178,7 @@ TEST(Metrics, AScenesLightBuffersAreDescribed) {
   for (const char* line :
        {"gnomon_scene_device_memory_bytes{scene=\"room\"} 5000",
         "gnomon_scene_tracer_memory_bytes{scene=\"room\"} 3000", "gnomon_scene_build_seconds{scene=\"room\"} 1.5",
-        "gnomon_scene_light_buffer_cached{scene=\"room\"} 1",
+        "gnomon_scene_light_buffer_cached{scene=\"room\"} 1", "gnomon_scene_light_buffer_kept{scene=\"room\"} 1",
         "gnomon_scene_light_buffers_built_ratio{scene=\"room\"} 0.75",
         "gnomon_scene_lights{scene=\"room\",state=\"unbuilt\"} 2"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line;
