@@ -6,6 +6,7 @@ documents name only what these scrapes have.
     alerts_test.py BUILD
 """
 import json
+import os
 import re
 import shutil
 import signal
@@ -227,12 +228,19 @@ class Alerts(Happens):
         scene = scratch.folder / "small.gltf"
         scene.write_text(json.dumps(SMALL_SCENE))
         self.node = node = Node(BUILD, faults=True, server={"mode": "production", "tls": tls},
-                                scenes={"list": [{"name": "small", "file": str(scene)}]},
+                                scenes={"list": [{"name": "small", "file": str(scene)}]}, render={"cache_mb": 1},
                                 tenants=[{"name": "studio", "token_sha256": ["00" * 32]}])
         self.addCleanup(node.__exit__)
+        node.cache.mkdir()
+        for name, age_s in (("older", 2000), ("newer", 1000)):
+            file = node.cache / f"{name}.lightbuffer"
+            file.write_bytes(bytes(600_000))
+            os.utime(file, (time.time() - age_s,) * 2)
         node.order("disk_full")
         node.start(preload=node.build / "faults/libgnomon_fault_files.so")
         eventually(lambda: "light buffer not cached" in node.log_text(), "a cache without room")
+        self.assertEqual([file.stem for file in node.cache.glob("*.lightbuffer")], ["newer"], "render.cache_mb holds")
+        self.assertRegex(node.log_text(), r"cache trimmed files=1 bytes=600000")
         fired = what_fires(node.folder, self.scrapes(), calm=False)
         self.assertEqual(set(fired), {"GnomonCertificateExpires", "GnomonCacheNotKept"})
         self.assertEqual({one["scene"] for one in fired["GnomonCacheNotKept"]}, {"small"})

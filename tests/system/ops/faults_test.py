@@ -84,13 +84,13 @@ class Faults(unittest.TestCase):
         node = self.serve(render={"tracer": "bvh"}).start()
         self.load({"studio": 2, "arcade": 2}, size="64x64", rate=20)
         self.flying(4)
-        before, descriptors = self.sessions(), node.metric("gnomon_process_open_fds")
+        before, descriptors = self.sessions(), node.metric("process_open_fds")
         for number in range(OPTIONS.reloads):
             node.config["tenants"][0]["weight"] = 1 + number % 5
             node.write_config()
             self.assertEqual(node.ctl("reload")[0], 0)
         self.assertEqual(self.sessions(), before, "none was dropped")
-        self.assertLessEqual(node.metric("gnomon_process_open_fds"), descriptors)
+        self.assertLessEqual(node.metric("process_open_fds"), descriptors)
         for reason in ("session_gone", "draining", "submit_failed", "encode_failed", "send_queue_full"):
             self.assertEqual(node.metric("gnomon_frames_dropped_total", reason=reason), 0, reason)
         frames = self.frames()

@@ -38,7 +38,7 @@ class Hostile(unittest.TestCase):
         return load
 
     def memory(self):
-        return self.node.metric("gnomon_process_resident_memory_bytes")
+        return self.node.metric("process_resident_memory_bytes")
 
     def flood(self, seconds):
         return subprocess.Popen(
@@ -103,7 +103,7 @@ class Hostile(unittest.TestCase):
         """What was answered while they were there; that they are closed and counted so, and leave nothing."""
         node = self.node
         self.load(0.5).rows()
-        descriptors = node.metric("gnomon_process_open_fds")
+        descriptors = node.metric("process_open_fds")
         strangers = self.half_open(server, sort)
         times, until = [], time.monotonic() + OPTIONS.seconds
         while time.monotonic() < until:
@@ -112,7 +112,7 @@ class Hostile(unittest.TestCase):
                 self.assertEqual(node.code(page), 200, page)
                 times.append(time.monotonic() - since)
             time.sleep(0.01)
-        held = node.metric("gnomon_process_open_fds") - descriptors
+        held = node.metric("process_open_fds") - descriptors
         rows = self.load(0.5).rows()
         eventually(lambda: sum(node.metric(name, reason=reason) for reason in reasons) > 0, "some of them are closed")
         self.assertIsNone(strangers.poll(), "they are still there")
@@ -126,7 +126,7 @@ class Hostile(unittest.TestCase):
         self.assertGreater(held, 100, "they were there")
         strangers.stdin.close()
         strangers.wait()
-        eventually(lambda: node.metric("gnomon_process_open_fds") <= descriptors, "their descriptors are free again")
+        eventually(lambda: node.metric("process_open_fds") <= descriptors, "their descriptors are free again")
 
     def test_half_open_connections_to_the_admin_server(self):
         self.pages_and_clients_beside(self.node.admin.removeprefix("http://"), "http",

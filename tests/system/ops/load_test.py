@@ -60,10 +60,10 @@ class UnderLoad(unittest.TestCase):
         self.assertEqual(node.status()["tenants"][0]["weight"], 4)
         self.assertEqual(node.code("/readyz"), 200)
 
-        descriptors = node.metric("gnomon_process_open_fds")
+        descriptors = node.metric("process_open_fds")
         for number in range(RELOADS):
             self.assertEqual(self.reload(1 + number % 4)[0], 0)
-        self.assertLessEqual(node.metric("gnomon_process_open_fds"), descriptors + 8, "descriptors leak")
+        self.assertLessEqual(node.metric("process_open_fds"), descriptors + 8, "descriptors leak")
         self.assertEqual(node.metric("gnomon_config_reloads_total", result="done"), RELOADS + 1)
         self.assertIsNone(load.process.poll(), "they are all still there")
         load.process.send_signal(signal.SIGINT)
@@ -89,7 +89,7 @@ class UnderLoad(unittest.TestCase):
             for _ in range(SESSIONS // 2 // AT_A_TIME):
                 self.load({"studio": AT_A_TIME}, size="32x32", seconds=0.1).rows()
                 eventually(lambda: node.metric("gnomon_sessions") == 0, "all sessions closed")
-            grown.append(node.metric("gnomon_process_resident_memory_bytes"))
+            grown.append(node.metric("process_resident_memory_bytes"))
         print(f"{SESSIONS} short sessions: {grown[0] / 1e6:.1f} MB after the first half, "
               f"{grown[1] / 1e6:.1f} MB at the end")
         self.assertLess(grown[1] - grown[0], MOST_GROWTH)
@@ -167,7 +167,7 @@ class ManyClients(unittest.TestCase):
         return load
 
     def memory(self):
-        return self.node.metric("gnomon_process_resident_memory_bytes")
+        return self.node.metric("process_resident_memory_bytes")
 
     def test_sessions_that_stand_still_cost_next_to_nothing(self):
         node, idle = self.node, OPTIONS.idle
