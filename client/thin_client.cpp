@@ -52,6 +52,8 @@ void ThinClient::on_closed(const Error& error) {
     failure_ = error;
     return;
   }
+  const bool was_open = stream_->connection().welcome().session != SessionId{};
+  if (was_open && events_.lost) events_.lost(error);
   retry_.arm(Clock::now() + *wait);
 }
 

@@ -56,6 +56,7 @@ class ThinClient {
   struct Events {
     std::function<void(const ReceivedMasks&)> received = {};
     std::function<void(const protocol::Message&)> message = {};
+    std::function<void(const Error&)> lost = {};  // a session that is replaced now, with the reason for its end
   };
 
   // Starts to connect. `loop` outlives the client.
@@ -67,7 +68,7 @@ class ThinClient {
   Result<void> wait_open();
   // Why the client is without a session for good; nullopt as long as it has one or tries to get one.
   const std::optional<Error>& failure() const { return failure_; }
-  // The server's answer to the newest connection, if it was Refused.
+  // The server's answer to the newest connection, if it was Refused, or if it keeps this client out.
   const std::optional<protocol::Refused>& refusal() const { return stream_->connection().refusal(); }
   bool online() const { return stream_ && stream_->connection().state() == Connection::State::open; }
   uint32_t reconnects() const { return reconnects_; }

@@ -127,6 +127,7 @@ Result<void> Daemon::bring_up() {
                               .tls = certificates_.published(),
                               .scenes = *scenes_,
                               .limits = session_limits_,
+                              .kept_out = kept_out_,
                               .store = *store_,
                               .devices = devices_,
                               .metrics = metrics_});
@@ -154,7 +155,7 @@ Result<void> Daemon::open_admin() {
                                                            .devices = devices_,
                                                            .scenes = *scenes_,
                                                            .server = *server_,
-                                                           .begin_drain = options_.on_drain,
+                                                           .begin_stop = options_.on_stop,
                                                            .ask_for_reload = options_.ask_for_reload});
   auto admin = Admin::start(options_.config.admin, operations_->pages(), operations_->actions(), metrics_);
   if (!admin) return admin.error();
@@ -248,9 +249,9 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
 }
 
 void Daemon::drain() {
-  health_.draining = true;
+  health_.stopping = true;
   const auto timeout = options_.config.server.drain_timeout;
-  log::info("draining", {{"sessions", session_limits_.taken()}, {"deadline_ms", timeout.count()}});
+  log::info("stopping", {{"sessions", session_limits_.taken()}, {"deadline_ms", timeout.count()}});
   server_->announce_drain(timeout);
   const TimePoint deadline = Clock::now() + timeout;
   while (session_limits_.taken() > 0 && Clock::now() < deadline) std::this_thread::sleep_for(5ms);
@@ -266,7 +267,7 @@ void Daemon::give_up() {
 
 // The order of the flow: no more views, then the frames on the devices, in the pool and on the wire; then the rest.
 void Daemon::stop() {
-  health_.draining = true;
+  health_.stopping = true;
   if (scenes_) scenes_->stop_reading();
   devices_.stop();
   encode_pool_.reset();

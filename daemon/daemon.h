@@ -27,7 +27,7 @@ class Daemon final : private FrameSink {
     Config config;                                // after find_files(), with passes set
     std::vector<RendererFactory> make_renderers;  // one for each device
     std::string version;
-    std::function<void()> on_drain = {};           // an operator requests a drain, as SIGTERM does; any thread
+    std::function<void()> on_stop = {};            // an operator wants the end, as SIGTERM does; any thread
     std::function<void(const Error&)> on_failure;  // called once, on a render thread, when no device is left
     // Reads the configuration again and calls reload() on the main thread, then its argument. Any thread may call it.
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
@@ -91,6 +91,7 @@ class Daemon final : private FrameSink {
   Health health_;
   Metrics metrics_;
   SessionLimits session_limits_;
+  KeptOut kept_out_;
   std::unique_ptr<SessionStore> store_;
   DevicePool devices_;
   Published<SharingPolicy> sharing_policy_;

@@ -165,13 +165,13 @@ int serve(const Config& config, const Arguments& arguments) {
       events.stop();
     });
   };
-  const auto drain = [&] { asio::post(events, [&] { events.stop(); }); };
+  const auto stop = [&] { asio::post(events, [&] { events.stop(); }); };
   Daemon* running = nullptr;  // set before the events run
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
     asio::post(events, [&, answer] { answer(reload(*running, arguments, "operator")); });
   };
   const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
-  auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, drain,
+  auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, stop,
                                failed, ask_for_reload, reader_in_worker(worker)});
   if (!daemon) return fail(daemon.error());
   running = daemon->get();

@@ -149,6 +149,10 @@ void fields(A& a, Of<A, Stats>& m) {
 template <class A>
 void fields(A& a, Of<A, Bye>& m) {
   a.text(m.reason, kMaxSentence);
+  if constexpr (A::kReading) {
+    if (a.rest().empty()) return;  // of a peer that does not know the rest
+  }
+  a(m.stay_out_ms);
 }
 
 template <class A>
@@ -216,6 +220,7 @@ const char* to_string(RefusalCode code) {
     case RefusalCode::draining: return "draining";
     case RefusalCode::internal: return "internal";
     case RefusalCode::unknown_session: return "unknown_session";
+    case RefusalCode::kept_out: return "kept_out";
   }
   return "unknown";
 }

@@ -75,6 +75,7 @@ enum class RefusalCode : uint16_t {
   draining = 11,
   internal = 12,
   unknown_session = 13,
+  kept_out = 14,
 };
 const char* to_string(RefusalCode code);
 
@@ -126,6 +127,9 @@ struct Stats {
 // Sent by either side before it closes the connection on purpose.
 struct Bye {
   std::string reason;
+  // The server's: so long it takes no session of this client, who therefore does not come back by itself. 0: it may. A
+  // Bye of before this field has none.
+  uint32_t stay_out_ms = 0;
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 

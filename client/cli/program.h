@@ -3,22 +3,35 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <type_traits>
 
+#include "client/cli/exit.h"
 #include "common/result.h"
 
 namespace gnomon::client {
 
-// Parses the command line into Arguments and runs with them. Returns the exit status: 0 if done, 1 after an error, which
-// goes to standard error behind the program's name; CLI11's own for --help and wrong usage.
-template <class Arguments>
-int run_program(CLI::App& app, int argc, char** argv, void (*declare)(CLI::App&, Arguments&),
-                Result<void> (*run)(const Arguments&)) {
+// Parses the command line into Arguments and runs with them: `run(arguments)` or `run(arguments, after_error)`, which
+// gives a Result<void>. Returns the exit status: done, wrong_usage, or after an error, which goes to standard error behind
+// the program's name, what `run` has put into `after_error`, else failed.
+template <class Arguments, class Run>
+int run_program(CLI::App& app, int argc, char** argv, void (*declare)(CLI::App&, Arguments&), Run run) {
   Arguments arguments;
   declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  const auto done = run(arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& wrong) {
+    return static_cast<int>(app.exit(wrong) == 0 ? Exit::done : Exit::wrong_usage);
+  }
+  Exit after_error = Exit::failed;
+  Result<void> done = [&] {
+    if constexpr (std::is_invocable_v<Run, const Arguments&, Exit&>) {
+      return run(arguments, after_error);
+    } else {
+      return run(arguments);
+    }
+  }();
   if (!done) std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), done.error().message.c_str());
-  return done ? 0 : 1;
+  return static_cast<int>(done ? Exit::done : after_error);
 }
 
 // Options that several programs have in the same words.

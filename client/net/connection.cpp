@@ -36,6 +36,23 @@ protocol::Hello completed(protocol::Hello hello) {
   return hello;
 }
 
+Error end_told_by(const protocol::Bye& bye) {
+  std::string why = "the server ended the session";
+  if (!bye.reason.empty()) why.append(": ").append(bye.reason);
+  if (bye.stay_out_ms > 0) {
+    const uint64_t seconds = (uint64_t{bye.stay_out_ms} + 999) / 1000;
+    why.append("; it keeps this client out for ").append(std::to_string(seconds)).append(" s");
+  }
+  return Error{why};
+}
+
+protocol::Refused kept_out_by(const protocol::Bye& bye) {
+  protocol::Refused refused;
+  refused.code = protocol::RefusalCode::kept_out;
+  refused.text = bye.reason;
+  return refused;
+}
+
 void ping(DataChannel& data) {
   static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
   data.send(protocol::DatagramKind::ping, kZeros);
@@ -134,8 +151,8 @@ void Connection::on_message(protocol::Message message) {
   if (state_ == State::closed) return;
   control_heard_ = Clock::now();
   if (const auto* bye = std::get_if<protocol::Bye>(&message)) {
-    return fail(Error{"the server ended the session" +
-                      (bye->reason.empty() ? std::string() : std::string(": ") + bye->reason)});
+    if (bye->stay_out_ms > 0) refusal_ = kept_out_by(*bye);
+    return fail(end_told_by(*bye));
   }
   if (lost_ && !asked_to_resume_) return;  // from a connection already given up
   if (std::holds_alternative<protocol::Waiting>(message)) {

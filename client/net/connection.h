@@ -56,6 +56,7 @@ class Connection {
   Result<void> wait_open();
   // Why the server or the network closed, or the server refused; nullopt if none did.
   const std::optional<Error>& failure() const { return failure_; }
+  // Also set, with the code kept_out, where the server ended the session and keeps this client out for a time.
   const std::optional<protocol::Refused>& refusal() const { return refusal_; }
 
   const protocol::Welcome& welcome() const { return welcome_; }  // once open

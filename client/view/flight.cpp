@@ -47,7 +47,11 @@ Flight::Flight(FlightOptions options)
       pacer_({}, Clock::now()),
       client_(loop_, client_options(options_),
               {.received = [this](const ReceivedMasks& received) { on_received(received); },
-               .message = options_.message}) {}
+               .message = options_.message,
+               .lost =
+                   [](const Error& why) {
+                     std::fprintf(stderr, "connection lost, connecting again: %s\n", why.message.c_str());
+                   }}) {}
 
 Result<void> Flight::open() {
   if (auto opened = client_.wait_open(); !opened) return opened;
@@ -55,6 +59,11 @@ Result<void> Flight::open() {
   if (client_.grid().lights == 0)
     return Error{"scene '" + client_.scene().name + "' has no lights: there is nothing to ask for"};
   return {};
+}
+
+bool Flight::kept_out() const {
+  const auto& refusal = client_.refusal();
+  return refusal && refusal->code == protocol::RefusalCode::kept_out;
 }
 
 Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& progress) {

@@ -57,6 +57,8 @@ class Flight {
 
   // Connects. Error: one line, also if the server offers another size than asked for, or the scene has no lights.
   Result<void> open();
+  // Whether the server's operator keeps this client out: why open() or fly() has failed.
+  bool kept_out() const;
   const protocol::Welcome& welcome() const { return client_.welcome(); }
 
   // Runs until every step has been asked for and answered, or given up, or the flight is interrupted. Error: of the

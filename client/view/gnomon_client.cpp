@@ -302,7 +302,13 @@ Result<void> report(const Arguments& a, const Flight& flight, Views& views, cons
   return check_answers(figures);
 }
 
-Result<void> run(const Arguments& a) {
+// Notes the exit status of a flight that ended early.
+Result<void> ended(const Flight& flight, const Error& why, Exit& after_error) {
+  if (flight.kept_out()) after_error = Exit::kept_out;
+  return why;
+}
+
+Result<void> run(const Arguments& a, Exit& after_error) {
   auto options = flight_options(a);
   if (!options) return options.error();
   Progress progress;
@@ -320,7 +326,7 @@ Result<void> run(const Arguments& a) {
   Flight flight(*options);
   const auto opened = flight.open();
   progress.clear();
-  if (!opened) return opened;
+  if (!opened) return ended(flight, opened.error(), after_error);
   if (auto same = match_server(a, flight, options->size, *scene, *views); !same) return same;
 
   const auto draw = [&](const Showing& showing) -> Result<void> {
@@ -345,7 +351,9 @@ Result<void> run(const Arguments& a) {
     if (!pictures) return pictures.error();
     return gallery->add_views(showing.index, a.view.c_str(), *pictures);
   };
-  if (auto flown = flight.fly(CameraPath::of_scene(*scene), draw, progress); !flown) return flown;
+  if (auto flown = flight.fly(CameraPath::of_scene(*scene), draw, progress); !flown) {
+    return ended(flight, flown.error(), after_error);
+  }
   progress.clear();
   if (interrupted) std::printf("interrupted: what follows is of the flight until then\n");
   flight.close();

@@ -30,7 +30,7 @@ struct OperatedParts {
   DevicePool& devices;
   SceneHost& scenes;
   Server& server;
-  std::function<void()> begin_drain;                                      // empty if nobody can be asked to drain
+  std::function<void()> begin_stop;                                       // empty if nobody can be asked to stop
   std::function<void(std::function<void(Result<void>)>)> ask_for_reload;  // empty if there is no file to read again
 };
 

@@ -15,6 +15,17 @@ using namespace std::chrono_literals;
 
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr size_t kMaxWhy = 200;  // bytes of the reason that the client is sent
+// For how long a client that was kicked is kept out: where the operator says nothing, and at most.
+constexpr int64_t kUsualStayOutS = 60;
+constexpr int64_t kLongestStayOutS = 7 * 24 * 3600;
+
+// The member `name` of the object, or `usual` where it has none; nullopt if it is no whole number from 0 to `most`.
+std::optional<int64_t> whole_number(const json& object, const char* name, int64_t usual, int64_t most) {
+  const auto found = object.find(name);
+  if (found == object.end()) return usual;
+  const bool fits = found->is_number_unsigned() && found->get<uint64_t>() <= static_cast<uint64_t>(most);
+  return fits ? std::optional<int64_t>(found->get<int64_t>()) : std::nullopt;
+}
 
 }  // namespace
 
@@ -46,28 +57,74 @@ Page Operations::kick(const std::string& session, const std::string& body) {
   if (why != asked.end() && (!why->is_string() || why->get_ref<const std::string&>().size() > kMaxWhy)) {
     return {400, kText, "why: allowed is a text of up to " + std::to_string(kMaxWhy) + " bytes\n"};
   }
-  const std::string told = why == asked.end() ? "closed by the operator" : why->get<std::string>();
-  return parts_.server.kick(id, told) ? Page{200, kText, "closed\n"} : Page{404, kText, "no such session\n"};
+  const auto stay_out_s = whole_number(asked, "for_s", kUsualStayOutS, kLongestStayOutS);
+  if (!stay_out_s) {
+    return {400, kText,
+            "for_s: allowed is a whole number of seconds from 0 to " + std::to_string(kLongestStayOutS) + "\n"};
+  }
+  const Kick kick{why == asked.end() ? "closed by the operator" : why->get<std::string>(),
+                  std::chrono::seconds(*stay_out_s)};
+  if (!parts_.server.kick(id, kick)) return {404, kText, "no such session\n"};
+  if (*stay_out_s == 0) return {200, kText, "closed; its client may come back\n"};
+  return {200, kText, "closed; its client stays out for " + std::to_string(*stay_out_s) + " s\n"};
 }
 
 Page Operations::drain_device(const std::string& number, bool drained) {
   size_t device = parts_.devices.size();
   std::from_chars(number.data(), number.data() + number.size(), device);
-  if (!parts_.devices.set_drained(device, drained)) return {404, kText, "no such device\n"};
+  switch (parts_.devices.set_drained(device, drained)) {
+    case DevicePool::DrainAnswer::no_such_device: return {404, kText, "no such device\n"};
+    case DevicePool::DrainAnswer::last_in_service:
+      return {409, kText,
+              "no other device takes sessions, so that nobody would be served; `gnomonctl drain` admits nobody and "
+              "serves on\n"};
+    case DevicePool::DrainAnswer::done: break;
+  }
   return {200, kText, drained ? "drained\n" : "takes sessions\n"};
 }
 
-Page Operations::begin_drain() {
-  if (!parts_.begin_drain) return {501, kText, "this daemon cannot be drained from here\n"};
-  parts_.health.draining = true;  // at once, as the main thread may be busy
-  parts_.begin_drain();
-  return {202, kText, "draining\n"};
+Page Operations::set_draining(bool draining) {
+  if (parts_.health.stopping) return {409, kText, "the server is stopping, which cannot be taken back\n"};
+  if (parts_.health.draining.exchange(draining) != draining) {
+    log::info(draining ? "nobody is admitted any more" : "clients are admitted again",
+              {{"sessions", parts_.server.sessions().size()}});
+  }
+  return {200, kText,
+          draining ? "draining: nobody is admitted, who is here is served on; undrain takes it back\n"
+                   : "clients are admitted\n"};
 }
 
-// A daemon that is stopping may never fulfil `done`, so the wait ends when it drains.
+Page Operations::begin_stop() {
+  if (!parts_.begin_stop) return {501, kText, "this daemon cannot be stopped from here\n"};
+  parts_.health.stopping = true;  // at once, as the main thread may be busy
+  parts_.begin_stop();
+  return {202, kText, "stopping\n"};
+}
+
+// Why no new client is served, or that some are.
+Page Operations::readiness() const {
+  const Health& health = parts_.health;
+  if (health.ready()) return {200, kText, "ready\n"};
+  std::string why;
+  const auto add = [&](const std::string& reason) { why += (why.empty() ? "not ready: " : "; ") + reason; };
+  if (health.stopping) add("stopping");
+  if (health.draining) add("draining: nobody is admitted (gnomonctl undrain takes it back)");
+  if (!health.device_up) add(health.scenes_loaded ? "no device is up" : "devices are being opened");
+  if (!health.scenes_loaded) {
+    const auto resident = parts_.scenes.resident();
+    std::string missing;
+    for (const auto& source : parts_.catalog.sources()) {
+      if (!resident.contains(source.name)) missing += (missing.empty() ? "" : ", ") + source.name;
+    }
+    add("scenes are being loaded: " + missing);
+  }
+  return {503, kText, why + "\n"};
+}
+
+// A daemon that is stopping may never fulfil `done`.
 Page Operations::await(std::future<Result<void>> done, const char* what) {
   while (done.wait_for(50ms) != std::future_status::ready) {
-    if (parts_.health.draining) return {503, kText, "the server is stopping\n"};
+    if (parts_.health.stopping) return {503, kText, "the server is stopping\n"};
   }
   const auto result = done.get();
   return result ? Page{200, kText, std::string(what) + "\n"} : Page{409, kText, result.error().message + "\n"};
@@ -110,7 +167,9 @@ Admin::Actions Operations::actions() {
       {"/devices/([0-9]+)/resume",
        {"resume device", [this](const Groups& g, const Body&) { return drain_device(g[0], false); }}},
       {"/reload", {"reload", [this](const Groups&, const Body&) { return reload_page(); }}},
-      {"/drain", {"drain", [this](const Groups&, const Body&) { return begin_drain(); }}},
+      {"/drain", {"drain", [this](const Groups&, const Body&) { return set_draining(true); }}},
+      {"/undrain", {"undrain", [this](const Groups&, const Body&) { return set_draining(false); }}},
+      {"/stop", {"stop", [this](const Groups&, const Body&) { return begin_stop(); }}},
       {"/scenes/(.+)/load", {"load scene", [this](const Groups& g, const Body&) { return load_scene(g[0]); }}},
       {"/scenes/(.+)/unload",
        {"unload scene", [this](const Groups& g, const Body&) { return unload_scene(g[0]); }}},
@@ -138,10 +197,7 @@ Admin::Pages Operations::pages() {
          return parts_.health.hangs(Clock::now()) ? Page{503, kText, "a render thread hangs\n"}
                                                   : Page{200, kText, "alive\n"};
        }},
-      {"/readyz",
-       [this] {
-         return parts_.health.ready() ? Page{200, kText, "ready\n"} : Page{503, kText, "not ready\n"};
-       }},
+      {"/readyz", [this] { return readiness(); }},
       {"/metrics",
        [this] {
          parts_.metrics.operation().ready(parts_.health.ready());

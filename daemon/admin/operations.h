@@ -20,12 +20,14 @@ class Operations {
 
  private:
   Page kick(const std::string& session, const std::string& body);
-  Page begin_drain();
+  Page set_draining(bool draining);
+  Page begin_stop();
   Page drain_device(const std::string& number, bool drained);
   Page load_scene(const std::string& name);
   Page unload_scene(const std::string& name);
   Page await(std::future<Result<void>> done, const char* what);
   Page reload_page();
+  Page readiness() const;
   Page change_light(const std::string& scene, const std::string& light, const std::string& body);
 
   OperatedParts parts_;

@@ -99,6 +99,7 @@ std::string status_json(const OperatedParts& parts) {
   json status{{"version", parts.version},
               {"ready", parts.health.ready()},
               {"draining", parts.health.draining.load()},
+              {"stopping", parts.health.stopping.load()},
               {"devices", json::array()},
               {"scene_memory",
                {{"bytes", parts.scenes.memory().bytes}, {"limit_bytes", parts.scenes.memory().limit_bytes}}},

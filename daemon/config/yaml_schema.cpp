@@ -1,34 +1,11 @@
 #include "daemon/config/yaml_schema.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "common/suggestion.h"
 
 namespace gnomon::daemon::schema {
 namespace {
-
-// The Levenshtein distance: how many characters to insert, delete or change.
-size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
-    }
-  }
-  return row.back();
-}
-
-std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-  if (known.empty() || name.size() > 64) return "";
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(name, a) < edit_distance(name, b);
-  });
-  const bool near = edit_distance(name, *nearest) <= std::max<size_t>(2, nearest->size() / 3);
-  return near ? "; did you mean " + *nearest + "?" : ";";
-}
 
 std::string shown(const YAML::Node& node) {
   switch (node.Type()) {
@@ -40,6 +17,11 @@ std::string shown(const YAML::Node& node) {
   }
   const std::string& text = node.Scalar();
   return "\"" + (text.size() > 60 ? text.substr(0, 60) + "..." : text) + "\"";
+}
+
+std::string unknown_key(const std::string& name, const std::vector<std::string>& known) {
+  const auto meant = suggestion(name, known);
+  return "unknown key;" + (meant ? " did you mean " + *meant + "?" : "") + " allowed here: " + join(known);
 }
 
 }  // namespace
@@ -82,7 +64,7 @@ Result<std::vector<std::pair<std::string, Value>>> entries_of(const Value& value
     const std::string path = value.path.empty() ? name : value.path + "." + name;
     const Value entry{value.source, path, pair.second, pair.first.Mark()};
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return entry.refuse("unknown key" + suggestion(name, known) + " allowed here: " + join(known));
+      return entry.refuse(unknown_key(name, known));
     }
     const bool repeated =
         std::any_of(entries.begin(), entries.end(), [&](const auto& seen) { return seen.first == name; });

@@ -1,13 +1,14 @@
 // gnomonctl: the operators' command line tool for a running gnomond.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <optional>
 
 #include "daemon/ctl/admin_client.h"
 #include "daemon/ctl/scene_load.h"
 #include "daemon/ctl/secrets.h"
 #include "daemon/ctl/top.h"
+#include "daemon/ctl/usage.h"
 #include "daemon/ctl/views.h"
 
 namespace gnomon::ctl {
@@ -19,6 +20,7 @@ struct Arguments {
   bool json = false;
   std::string session;
   std::string why;
+  std::optional<uint64_t> stay_out_s;
   std::string scene;
   uint32_t device = 0;
   double interval_s = 1;
@@ -69,6 +71,7 @@ Result<void> post(const Arguments& arguments, const std::string& path,
 Result<void> kick(const Arguments& arguments) {
   nlohmann::json body = nlohmann::json::object();
   if (!arguments.why.empty()) body["why"] = arguments.why;
+  if (arguments.stay_out_s) body["for_s"] = *arguments.stay_out_s;
   return post(arguments, "/sessions/" + arguments.session + "/kick", body);
 }
 
@@ -133,11 +136,20 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is interrupted");
   add(app, chosen, "reload", "Read the configuration again; no session is dropped",
       [](const Arguments& a) { return post(a, "/reload"); });
-  add(app, chosen, "drain", "Admit nobody, tell the clients, then stop",
+  add(app, chosen, "drain", "Admit nobody, and serve those who are here on",
       [](const Arguments& a) { return post(a, "/drain"); });
-  CLI::App* kick_command = add(app, chosen, "kick", "Close a session", kick);
-  kick_command->add_option("SESSION", arguments.session, "Its id, as `sessions` shows it")->required();
+  add(app, chosen, "undrain", "Admit clients again", [](const Arguments& a) { return post(a, "/undrain"); });
+  add(app, chosen, "stop", "Admit nobody, tell the clients, then end the daemon",
+      [](const Arguments& a) { return post(a, "/stop"); });
+  CLI::App* kick_command = add(app, chosen, "kick", "Close a session and keep its client out for a time", kick);
+  kick_command->add_option("SESSION", arguments.session, "Its id, as `sessions` shows it")
+      ->required()
+      ->check(is_session_id());
   kick_command->add_option("--why", arguments.why, "What the client is told");
+  kick_command
+      ->add_option("--for", arguments.stay_out_s,
+                   "How long clients of its tenant at its address stay out: 90s, 5m, 2h; 0: not at all; else 60s")
+      ->transform(seconds_with_unit());
   add_scene_commands(app, chosen, arguments);
   add_device_commands(app, chosen, arguments);
 }
@@ -179,7 +191,11 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   add_commands(app, chosen, arguments);
   add_secret_commands(app, chosen, arguments.certs);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& ended) {
+    return exit_after(app, ended);
+  }
   const auto done = chosen(arguments);
   if (done) return EXIT_SUCCESS;
   std::fprintf(stderr, "gnomonctl: %s\n", done.error().message.c_str());

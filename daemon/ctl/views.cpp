@@ -25,7 +25,8 @@ const json& list(const json& from, const char* key) {
 }
 
 std::string state_of(const json& status) {
-  if (status.value("draining", false)) return "draining";
+  if (status.value("stopping", false)) return "stopping";
+  if (status.value("draining", false)) return "draining: admits nobody";
   return status.value("ready", false) ? "ready" : "not ready";
 }
 

@@ -54,6 +54,7 @@ constexpr std::array kTable{
     FaultRow{Fault::refused_draining, kRefusal, "draining", Level::info, "refused"},
     FaultRow{Fault::refused_internal, kRefusal, "internal", Level::error, "refused"},
     FaultRow{Fault::refused_unknown_session, kRefusal, "unknown_session", Level::info, "refused"},
+    FaultRow{Fault::refused_kept_out, kRefusal, "kept_out", Level::info, "refused"},
     FaultRow{Fault::handshake_timeout, kRefusal, "handshake_timeout", Level::debug,
              "connection said no Hello in time"},
     FaultRow{Fault::handshake_abandoned, kRefusal, "abandoned", Level::debug, "connection closed before a session"},
@@ -107,6 +108,7 @@ Fault fault_of(protocol::RefusalCode code) {
     case RefusalCode::draining: return Fault::refused_draining;
     case RefusalCode::internal: return Fault::refused_internal;
     case RefusalCode::unknown_session: return Fault::refused_unknown_session;
+    case RefusalCode::kept_out: return Fault::refused_kept_out;
   }
   return Fault::refused_internal;
 }

@@ -50,6 +50,7 @@ enum class Fault : uint8_t {
   refused_draining,
   refused_internal,
   refused_unknown_session,
+  refused_kept_out,
   handshake_timeout,
   handshake_abandoned,
   half_open_replaced,

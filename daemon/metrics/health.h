@@ -15,12 +15,14 @@ struct Health {
   std::atomic<bool> serving{false};  // the devices are open; clients that came before wait for it
   std::atomic<bool> scenes_loaded{false};
   std::atomic<bool> device_up{false};
-  std::atomic<bool> draining{false};
+  std::atomic<bool> draining{false};  // an operator wants nobody admitted; who is here is served on
+  std::atomic<bool> stopping{false};  // for good
 
   // When every render thread was last found alive; max: not checked yet.
   std::atomic<TimePoint> alive_at{TimePoint::max()};
 
-  bool ready() const { return scenes_loaded && device_up && !draining; }
+  bool admits() const { return !draining && !stopping; }
+  bool ready() const { return scenes_loaded && device_up && admits(); }
   bool hangs(TimePoint now) const { return now > alive_at.load() && now - alive_at.load() > kHung; }
 };
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "daemon/net/answer.h"
+#include "daemon/net/words_for_clients.h"
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/credentials.h"
 #include "daemon/session/resumption.h"
@@ -24,29 +25,8 @@ constexpr std::chrono::milliseconds kFirstNews = 500ms;  // a client hears withi
 constexpr std::chrono::milliseconds kBetweenNews = 1s;
 constexpr auto kBetweenLooks = 20ms;  // whether the devices are open
 
+constexpr const char* kGoingAway = "the server is going away";
 constexpr const char* kNoSession = "no such session, or it is over";
-
-// In words that name neither the scene's file nor other clients.
-std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {
-  if (!health.serving) return "the server is starting";
-  if (!scene) return "a place on the devices";
-  switch (scene->stage) {
-    case SceneUnderWay::Stage::queued: return "the scene is to be read, after others";
-    case SceneUnderWay::Stage::reading: return "the scene is being read";
-    case SceneUnderWay::Stage::preparing: return "the scene is being prepared on the devices";
-  }
-  return "";
-}
-
-// The reason without the scene's folder, whose name is no client's business.
-std::string without_folder(std::string why, const std::string& scene, const SceneCatalog& catalog) {
-  const auto& sources = catalog.sources();
-  const auto source = std::find_if(sources.begin(), sources.end(), [&](const auto& s) { return s.name == scene; });
-  if (source == sources.end()) return why;
-  const std::string folder = source->file.parent_path().string() + "/";
-  for (size_t at = 0; (at = why.find(folder, at)) != std::string::npos;) why.erase(at, folder.size());
-  return why;
-}
 
 }  // namespace
 
@@ -118,7 +98,8 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
 // Determines who the client is and what its Hello is granted.
 Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hello& hello) const {
   applicant.claim.tenant = hello.tenant;
-  if (shared_.health.draining) return refused(RefusalCode::draining, "the server is going away");
+  if (shared_.health.stopping) return refused(RefusalCode::draining, kGoingAway);
+  if (shared_.health.draining) return refused(RefusalCode::draining, "the server admits nobody at the moment");
   if (const auto message = check_version(hello)) return refused(*message);
   const auto who =
       daemon::identify(hello, applicant.stream->certificate(), *shared_.tenants.get(), shared_.config.server.mode);
@@ -128,6 +109,10 @@ Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hel
   }
   const auto& identified = std::get<Identified>(who);
   applicant.claim.tenant = shared_.tenants.get()->name(identified.tenant);
+  applicant.grant.tenant = identified.tenant;
+  const auto from = network_of(applicant.stream->peer());
+  if (const auto message = shared_.kept_out.objection(identified.tenant, from, Clock::now()))
+    return refused(*message);
   auto granted = check_hello(hello, identified.tenant, shared_.config,
                              [&](const auto& asked) { return shared_.catalog.find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) return refused(*message);
@@ -140,7 +125,7 @@ Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hel
 // Hands a stored session to the client that proves it is its own, even if another connection still controls it.
 asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, const protocol::Resume& resume) {
   applicant.claim.session = resume.session;
-  if (shared_.health.draining) co_return refused(RefusalCode::draining, "the server is going away");
+  if (shared_.health.stopping) co_return refused(RefusalCode::draining, kGoingAway);
   const auto secret = shared_.store.resumption_secret(resume.session);
   const auto proof = applicant.stream->resumption_proof(resume.session, secret.value_or(protocol::Secret{}));
   if (!proof) co_return refused(RefusalCode::internal, proof.error().message);

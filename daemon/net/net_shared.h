@@ -1,6 +1,7 @@
 // What the net threads share with the rest of the daemon.
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_host.h"
 #include "daemon/session/credentials.h"
+#include "daemon/session/kept_out.h"
 #include "daemon/session/session_limits.h"
 #include "daemon/session/session_store.h"
 
@@ -29,9 +31,16 @@ struct NetShared {
   const PublishedTls& tls;
   SceneHost& scenes;
   SessionLimits& limits;
+  KeptOut& kept_out;
   SessionStore& store;
   DevicePool& devices;
   Metrics& metrics;
+};
+
+// What an operator closes a session with.
+struct Kick {
+  std::string why;                       // its client is told
+  std::chrono::milliseconds stay_out{};  // for so long its client is kept out; 0: it may come back
 };
 
 // Why a session with this grant may not go on now, as its client is told; nullopt if it may.

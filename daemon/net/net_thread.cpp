@@ -106,12 +106,12 @@ void NetThread::notify(const SessionDegraded& session) {
   asio::post(io_, [this, session] { control_.notify(session); });
 }
 
-bool NetThread::kick(SessionId id, const std::string& why) {
+bool NetThread::kick(SessionId id, const Kick& kick) {
   auto answer = std::make_shared<std::promise<bool>>();
   std::future<bool> kicked = answer->get_future();
-  asio::post(io_, [this, id, why, answer] {
+  asio::post(io_, [this, id, kick, answer] {
     answer->set_value(sessions_.find(id) != nullptr);
-    control_.close(id, why);
+    control_.kick(id, kick);
   });
   return kicked.wait_for(kAnswerTime) == std::future_status::ready && kicked.get();
 }

@@ -38,7 +38,7 @@ class NetThread {
   void adopt(asio::ip::tcp::socket socket);  // the socket's executor is that of io()
   void deliver(EncodedFrame frame);          // dropped and counted if too many frames wait
   void notify(const SessionDegraded& session);
-  bool kick(SessionId id, const std::string& why);  // false if the session is not here. Blocks
+  bool kick(SessionId id, const Kick& kick);  // false if the session is not here. Blocks
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
   void close_unwelcome();                            // at once the sessions that may not go on after a reload

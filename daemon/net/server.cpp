@@ -87,8 +87,8 @@ void Server::accept() {
 
 void Server::notify(const SessionDegraded& session) { threads_[session.net_thread]->notify(session); }
 
-bool Server::kick(SessionId id, const std::string& why) {
-  return std::any_of(threads_.begin(), threads_.end(), [&](const auto& thread) { return thread->kick(id, why); });
+bool Server::kick(SessionId id, const Kick& kick) {
+  return std::any_of(threads_.begin(), threads_.end(), [&](const auto& thread) { return thread->kick(id, kick); });
 }
 
 void Server::announce_drain(std::chrono::milliseconds deadline) {

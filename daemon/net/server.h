@@ -28,7 +28,7 @@ class Server {
     thread.deliver(std::move(frame));
   }
   void notify(const SessionDegraded& session);
-  bool kick(SessionId id, const std::string& why);  // false if there is no such session. Blocks; not a net thread
+  bool kick(SessionId id, const Kick& kick);  // false if there is no such session. Blocks; not a net thread
   void announce_drain(std::chrono::milliseconds deadline);
   void announce_lights(const LightsUpdate& update);
   void close_unwelcome();

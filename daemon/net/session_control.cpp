@@ -43,21 +43,31 @@ void SessionControl::on_control_message(SessionId id, const Result<protocol::Mes
 // A session that can be resumed is served without its control connection for server.silence_timeout.
 void SessionControl::on_control_lost(SessionId id, const std::string& why) {
   Session& session = *sessions_.find(id);
-  if (!session.resumable() || shared_.health.draining) return close(id, why);
+  if (!session.resumable() || shared_.health.stopping) return close(id, why);
   sessions_.take_stream(id);
-  session.control_lost(Clock::now() + shared_.config.server.silence_timeout);
+  session.resumed_until() = Clock::now() + shared_.config.server.silence_timeout;
   if (!sessions_.is_reachable(session)) links_.pause(id);
   log::info("control connection lost",
             {{"session", id.value}, {"tenant", shared_.tenants.get()->name(session.grant().tenant)}, {"why", why}});
 }
 
-void SessionControl::close(SessionId id, const std::string& why) {
+void SessionControl::kick(SessionId id, const Kick& kick) {
+  const Session* const session = sessions_.find(id);
+  if (!session) return;
+  if (kick.stay_out.count() > 0) {
+    shared_.kept_out.keep(session->grant().tenant, session->permit().network(), kick.why,
+                          Clock::now() + kick.stay_out);
+  }
+  close(id, kick.why, kick.stay_out);
+}
+
+void SessionControl::close(SessionId id, const std::string& why, std::chrono::milliseconds stay_out) {
   Session* const session = sessions_.find(id);
   if (!session) return;
   session->forget();
   const auto stream = drop(id, why);
   if (!stream) return;
-  stream->send(protocol::Bye{why});
+  stream->send(protocol::Bye{why, static_cast<uint32_t>(stay_out.count())});
   pending_.close_gracefully(stream, Clock::now());
 }
 

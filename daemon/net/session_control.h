@@ -22,8 +22,11 @@ class SessionControl {
   // Starts to serve the session, controlled by `stream`. Precondition: `stream` is no longer pending.
   const Session& open(SessionParts parts, const std::shared_ptr<ControlStream>& stream);
 
-  // Ends the session for good and sends its client a Bye with the reason. No effect if there is no such session.
-  void close(SessionId id, const std::string& why);
+  // Ends the session for good and sends its client a Bye with the reason and the time for which it is not let in again
+  // (0: it may come back). No effect if there is no such session.
+  void close(SessionId id, const std::string& why, std::chrono::milliseconds stay_out = {});
+  // Closes the session for an operator, and keeps its client out.
+  void kick(SessionId id, const Kick& kick);
   // Closes the sessions whose client has been silent for too long, or has not come back to resume them.
   void close_silent(TimePoint now);
   // Closes the sessions that may not go on: their tenant is no longer served, or their credential was revoked, has

@@ -165,12 +165,14 @@ void DevicePool::take_away(SceneId scene) {
   for (const auto& device : devices_) device->inbox().push(SceneUnloaded{scene});
 }
 
-bool DevicePool::set_drained(size_t device, bool drained) {
-  if (device >= devices_.size()) return false;
+DevicePool::DrainAnswer DevicePool::set_drained(size_t device, bool drained) {
+  if (device >= devices_.size()) return DrainAnswer::no_such_device;
   std::lock_guard lock(mutex_);
+  const auto number = static_cast<uint32_t>(device);
+  if (drained && !places_.drained(number) && !places_.any_other_open(number)) return DrainAnswer::last_in_service;
   log::info(drained ? "device drained" : "device takes sessions again", {{"number", device}});
-  places_.set_drained(static_cast<uint32_t>(device), drained);
-  return true;
+  places_.set_drained(number, drained);
+  return DrainAnswer::done;
 }
 
 void DevicePool::device_changed(uint32_t device, bool up) {

@@ -59,9 +59,10 @@ class DevicePool final : private DeviceThread::Owner {
   void bring(const SceneLoaded& arrived);
   void take_away(SceneId scene);
 
-  // A drained device gets no sessions, and its sessions move to other devices, if there are any. Returns false if there
-  // is no such device.
-  bool set_drained(size_t device, bool drained);
+  enum class DrainAnswer { done, no_such_device, last_in_service };
+  // A drained device gets no sessions, and its sessions move to other devices. The last one that takes sessions is not
+  // drained.
+  DrainAnswer set_drained(size_t device, bool drained);
 
  private:
   void device_changed(uint32_t device, bool up) override;

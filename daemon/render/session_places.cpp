@@ -56,6 +56,12 @@ std::vector<RenderInbox*> SessionPlaces::open_inboxes() const {
   return open;
 }
 
+bool SessionPlaces::any_other_open(uint32_t device) const {
+  for (uint32_t i = 0; i < devices_.size(); ++i)
+    if (i != device && placement_.is_open(i)) return true;
+  return false;
+}
+
 void SessionPlaces::set_drained(uint32_t device, bool drained) {
   drained_[device] = drained;
   settle(device);

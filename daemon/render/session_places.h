@@ -30,6 +30,7 @@ class SessionPlaces {
   void set_gone(uint32_t device);  // for ever
 
   bool drained(uint32_t device) const { return drained_[device]; }
+  bool any_other_open(uint32_t device) const;  // whether another device takes sessions
   uint32_t sessions(uint32_t device) const { return placement_.sessions(device); }
   std::vector<RenderInbox*> open_inboxes() const;  // of the devices that take sessions
 

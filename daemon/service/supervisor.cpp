@@ -68,7 +68,7 @@ void reloading() {
   sd_notify(0, ("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(monotonic_us()) + "\nSTATUS=reloading").c_str());
 }
 
-void stopping() { sd_notify(0, "STOPPING=1\nSTATUS=draining"); }
+void stopping() { sd_notify(0, "STOPPING=1\nSTATUS=stopping"); }
 
 void status(const std::string& text) { sd_notify(0, ("STATUS=" + one_line(text)).c_str()); }
 

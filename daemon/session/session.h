@@ -90,10 +90,10 @@ class Session {
 
   TimePoint last_received() const { return last_received_; }
 
-  // A session that can be resumed continues without its control connection until `until`.
   bool resumable() const { return static_cast<bool>(stored_); }
-  void control_lost(TimePoint until) { resumed_until_ = until; }
-  TimePoint resumed_until() const { return resumed_until_; }
+  // How long the session continues without its control connection; max while it has one.
+  TimePoint& resumed_until() { return resumed_until_; }
+  const SessionPermit& permit() const { return permit_; }
   // Counts how often the session was resumed. Notifications carrying an older generation are ignored.
   uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 

@@ -37,6 +37,8 @@ class SessionPermit {
   SessionPermit& operator=(SessionPermit&&) = delete;
   ~SessionPermit();
 
+  const ClientNetwork& network() const { return network_; }
+
  private:
   friend class SessionLimits;
 

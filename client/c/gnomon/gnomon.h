@@ -259,7 +259,8 @@ typedef struct gnomon_session {
 
 GNOMON_API gnomon_result gnomon_get_session(gnomon_client* client, gnomon_session* session);
 
-// Why a server refused: `code` is one of protocol/WIRE.md's refusal codes, 0 if none has refused. The other members are
+// Why a server refused: `code` is one of protocol/WIRE.md's refusal codes, 0 if none has refused; 14 also where it ended
+// the session and keeps this client out for a time, which the error's text names. The other members are
 // what it would have accepted, 0 if nothing of that kind is on offer.
 typedef struct gnomon_refusal {
   size_t size;

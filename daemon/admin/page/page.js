@@ -196,8 +196,8 @@ function setState(name, text) {
 function show(status) {
   remember(status);
   at('version').textContent = status.version;
-  setState(status.draining ? 'draining' : status.ready ? 'ready' : 'down',
-    status.draining ? 'draining' : status.ready ? 'ready' : 'not ready');
+  const leaving = status.stopping ? 'stopping' : status.draining ? 'draining' : '';
+  setState(leaving ? 'draining' : status.ready ? 'ready' : 'down', leaving || (status.ready ? 'ready' : 'not ready'));
   const device = status.devices[0] || {};
   at('facts').textContent = `${device.name || 'no device'}, ${device.tracer || 'no tracer'}, policy ${status.policy}, ` +
     `${status.sessions.length} sessions, Jain ${status.jain.toFixed(3)}, worst lag ${status.worst_lag_ms.toFixed(1)} ms`;
@@ -227,7 +227,7 @@ async function look() {
     at('access').hidden = true;
     show(await answer.json());
   } catch (error) {
-    if (last && last.status.draining) setState('draining', 'drained');
+    if (last && last.status.stopping) setState('draining', 'stopped');
     else setState('down', 'does not answer');
   }
   setTimeout(look, INTERVAL_MS);

@@ -35,7 +35,8 @@ class Admin(unittest.TestCase):
 
     def test_the_token_is_for_those_who_change_something(self):
         node, wrong, right = self.node, self.write("wrong", TOKEN + "?"), self.node.config["admin"]["token_file"]
-        for command in (("reload",), ("scene", "unload", "living_room"), ("device", "drain", "0"), ("drain",)):
+        for command in (("reload",), ("scene", "unload", "living_room"), ("device", "drain", "0"), ("drain",),
+                        ("undrain",), ("stop",)):
             code, said = self.over_tcp(*command)
             self.assertEqual(code, 1, command)
             self.assertIn("admin.token_file", said)
@@ -50,9 +51,27 @@ class Admin(unittest.TestCase):
         self.assertEqual(self.over_tcp("reload", "--token-file", right)[0], 0)
         self.assertEqual(node.metric("gnomon_config_reloads_total", result="done"), 1)
         self.rotate(right)
-        self.assertEqual(self.over_tcp("drain", "--token-file", right)[0], 0)
+        self.assertEqual(self.over_tcp("stop", "--token-file", right)[0], 0)
         self.assertEqual(node.wait(), 0)
         self.assertNotIn(TOKEN, node.log_text())
+
+    def test_what_is_written_wrong_is_said_and_asks_nobody(self):
+        for words, said in ((("sessoins",), "no command 'sessoins'; did you mean sessions?"),
+                            (("scene", "lod", "temple"), "no command 'lod'; did you mean load?"),
+                            (("quit",), "there are: status, sessions"),
+                            (("kick", "abc"), "'abc' is no number"),
+                            (("kick", "1", "--for", "soon"), "--for"),
+                            ((), "subcommand is required")):
+            code, output = self.node.ctl(*words)
+            self.assertEqual(code, 2, (words, output))
+            self.assertIn(said, output, words)
+
+    def test_who_does_not_answer(self):
+        code, said = self.node.ctl("status", admin="http://127.0.0.1:9")
+        self.assertEqual((code, said), (1, "gnomonctl: http://127.0.0.1:9 does not answer: Connection refused\n"))
+        code, said = self.node.ctl("status", admin=f"unix:{self.node.folder}/nothing")
+        self.assertEqual(code, 1)
+        self.assertIn("/nothing does not answer: No such file or directory", said)
 
     def bare_ctl(self, *arguments, **environment):
         """gnomonctl as people call it: exit status, output."""

@@ -170,13 +170,13 @@ class Booted(unittest.TestCase):
         self.end_load()
         self.serves()
 
-    def test_drained(self):
+    def test_stopped(self):
         self.system.systemctl("stop", "gnomond.service")
         self.assertEqual(self.system.property("Result"), "success")
         self.assertEqual(self.system.property("ExecMainStatus"), "0")
         self.system.start("gnomond.service")
-        self.system.run("gnomonctl", "drain")
-        eventually(lambda: self.system.property("ActiveState") == "inactive", "inactive after gnomonctl drain")
+        self.system.run("gnomonctl", "stop")
+        eventually(lambda: self.system.property("ActiveState") == "inactive", "inactive after gnomonctl stop")
         self.assertEqual(self.system.property("ExecMainStatus"), "0")
         self.assertEqual(int(self.system.property("NRestarts")), 0, "who was asked to go is not started again")
 

@@ -72,11 +72,20 @@ class UnderLoad(unittest.TestCase):
         self.assertEqual(load.process.returncode, 0, load.output)
         self.assertEqual((total["lost_slices"], total["wrong_frames"]), (0, 0), total)
 
-    def test_drain(self):
+    def test_a_drain_serves_on_and_a_stop_ends(self):
         node = self.node
         load = self.load({"studio": 2, "arcade": 2})
         eventually(lambda: node.metric("gnomon_visibility_buffers_total") > 20, "frames")
         self.assertEqual(node.ctl("drain")[0], 0)
+        self.assertEqual(node.code("/readyz"), 503)
+        refused = self.load({"studio": 1}, seconds=1)
+        refused.process.wait()
+        self.assertIn("refused (draining)", refused.output)
+        frames = node.metric("gnomon_visibility_buffers_total")
+        eventually(lambda: node.metric("gnomon_visibility_buffers_total") > frames + 20, "frames while it drains")
+        self.assertEqual(node.ctl("undrain"), (0, "clients are admitted\n"))
+        self.assertEqual(node.code("/readyz"), 200)
+        self.assertEqual(node.ctl("stop")[0], 0)
         self.assertEqual(node.code("/readyz") in (503, 0), True)
         self.assertEqual(node.wait(), 0, node.log_text())
         total = load.rows()[-1]

@@ -129,7 +129,7 @@ class Package(unittest.TestCase):
             self.assertIsNone(daemon.poll(), log.read_text())
             yield ready.groups()
             self.assertIn("ready", self.chroot("gnomonctl", "--admin", ready.group(2), "status").stdout)
-            self.chroot("gnomonctl", "--admin", f"unix:{SOCKET}", "drain")
+            self.chroot("gnomonctl", "--admin", f"unix:{SOCKET}", "stop")
             self.assertEqual(daemon.wait(60), 0, log.read_text())
         finally:
             daemon.kill()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The operators' page in headless Chromium: plots move under load, a drain shows, nothing is logged as an error.
+"""The operators' page in headless Chromium: plots move under load, a stop shows, nothing is logged as an error.
 
     page_test.py BUILD [PICTURE.png]     with a picture: of two minutes of three tenants, for the documentation
 """
@@ -36,7 +36,7 @@ class LivePage(unittest.TestCase):
     def text(self, selector):
         return self.browser.evaluate(f"document.querySelector('{selector}').innerText")
 
-    def test_plots_move_and_a_drain_shows(self):
+    def test_plots_move_and_a_stop_shows(self):
         eventually(lambda: self.state() == "ready", "a page that says ready")
         load = self.node.load({"studio": 2, "arcade": 1, "museum": 1}, seconds=600)
         self.addCleanup(load.kill)
@@ -52,9 +52,9 @@ class LivePage(unittest.TestCase):
             self.browser.picture(PICTURE)
 
         self.node.signal(signal.SIGTERM)
-        eventually(lambda: self.state() in ("draining", "drained"), "the drain on the page")
+        eventually(lambda: self.state() in ("stopping", "stopped"), "the stop on the page")
         self.node.wait()
-        eventually(lambda: self.state() in ("drained", "does not answer"), "its end on the page")
+        eventually(lambda: self.state() in ("stopped", "does not answer"), "its end on the page")
 
     def test_nothing_comes_from_elsewhere(self):
         eventually(lambda: self.state() == "ready", "a page that says ready")

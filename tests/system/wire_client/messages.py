@@ -40,6 +40,7 @@ class Refusal(IntEnum):
     DRAINING = 11
     INTERNAL = 12
     UNKNOWN_SESSION = 13
+    KEPT_OUT = 14
 
     @classmethod
     def _missing_(cls, _):
@@ -269,13 +270,14 @@ class Stats:
 @dataclass
 class Bye:
     reason: str = ""
+    stay_out_ms: int = 0
 
     @staticmethod
     def read(reader):
-        return Bye(reader.text(1024))
+        return Bye(reader.text(1024), reader.u32() if reader.data else 0)
 
     def message(self):
-        return framed(Type.BYE, text(self.reason))
+        return framed(Type.BYE, text(self.reason) + struct.pack("<I", self.stay_out_ms))
 
 
 @dataclass

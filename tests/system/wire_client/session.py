@@ -273,7 +273,8 @@ class Session:
             raise Malformed("a second answer to Hello")
         self.news.append(message)
         if isinstance(message, messages.Bye):
-            raise Closed(f"the server says Bye: {message.reason}")
+            stay_out = f"; stay out for {message.stay_out_ms} ms" if message.stay_out_ms else ""
+            raise Closed(f"the server says Bye: {message.reason}{stay_out}")
         if isinstance(message, messages.SceneChanged):
             if len(message.scene.lights) != self.lights:
                 self._drop_frames()

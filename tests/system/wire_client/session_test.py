@@ -12,6 +12,7 @@ import socket
 import ssl
 import subprocess
 import sys
+import time
 import unittest
 from dataclasses import replace
 
@@ -249,10 +250,16 @@ class Sessions(unittest.TestCase):
 
     def test_being_shown_out(self):
         session = self.session()
-        self.assertEqual(self.node.ctl("kick", str(session.welcome.session))[0], 0)
+        self.assertEqual(self.node.ctl("kick", str(session.welcome.session), "--for", "2s",
+                                       "--why", "too loud")[0], 0)
         with self.assertRaises(Closed) as raised:
             session.listen(60)
-        self.assertIn("Bye", str(raised.exception))
+        self.assertIn("Bye: too loud; stay out for 2000 ms", str(raised.exception))
+        refused = self.refusal()
+        self.assertEqual(refused.code, Refusal.KEPT_OUT, refused.text)
+        self.assertRegex(refused.text, r"kept out for another [12] s: too loud")
+        time.sleep(2)
+        self.session()
 
     # ---- what strangers send
 

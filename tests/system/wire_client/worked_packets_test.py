@@ -23,7 +23,8 @@ from datagrams import PING, FrameParity, FrameSlice, Kind, age, camera_update, f
 from fields import Malformed, Reader
 from frame import Frame
 from mask_codecs import LIT, decode
-from messages import MOMENTS, Camera, Hello, Light, Manifest, Motion, Refusal, Refused, Waiting, Welcome, take_message
+from messages import (MOMENTS, Bye, Camera, Hello, Light, Manifest, Motion, Refusal, Refused, Waiting, Welcome,
+                      take_message)
 from seal import AES_128_GCM, CHACHA20_POLY1305, Keys, Opener, Sealer
 
 WIRE = pathlib.Path(sys.argv.pop(1)).read_text()
@@ -83,6 +84,13 @@ class Packets(unittest.TestCase):
             self.assertEqual(take_message(waiting[:-1] + bytes([percent])).percent, known)
         with self.assertRaises(Malformed):
             take_message(waiting[:-1] + bytes([101]))
+
+    def test_bye(self):
+        buffer = packet("bye")
+        self.assertEqual(take_message(bytearray(buffer)), Bye("too far", 60000))
+        self.assertEqual(Bye("too far", 60000).message(), buffer)
+        older = struct.pack("<I", len(buffer) - 8) + buffer[4:-4]
+        self.assertEqual(take_message(bytearray(older)), Bye("too far", 0))
 
     def test_messages_in_parts_of_later_versions_and_wrong_ones(self):
         welcome, buffer = packet("welcome"), bytearray()

@@ -190,7 +190,7 @@ Message random_message(size_t type, Random& random) {
                       std::vector<uint16_t>(random() % 5, side(random))};
     case 6: return Draining{static_cast<uint32_t>(random())};
     case 7: return stats(random);
-    case 8: return Bye{text(random)};
+    case 8: return Bye{text(random), static_cast<uint32_t>(random())};
     case 9: return data(random);
     case 10: return resume(random);
     default:

@@ -150,6 +150,7 @@ TEST(WireDocument, WelcomeIsAsWorkedOut) {
 
 TEST(WireDocument, RefusedIsAsWorkedOut) {
   expect_message(Refused{RefusalCode::over_capacity, "full", 640, 320, 15}, "refused");
+  expect_message(Bye{"too far", 60'000}, "bye");
 }
 
 TEST(WireDocument, WaitingIsAsWorkedOut) { expect_message(Waiting{"reading the scene", 40}, "waiting"); }
@@ -273,7 +274,7 @@ TEST(WireDocument, PayloadsOfTilesContextAreAsWorkedOut) {
 
 TEST(WireDocument, NamesEveryRefusalCode) {
   const auto rows = numbered_rows("## Refusal codes");
-  ASSERT_EQ(rows.size(), 13u);
+  ASSERT_EQ(rows.size(), 14u);
   for (const auto& [code, name] : rows) EXPECT_EQ(name, to_string(static_cast<RefusalCode>(code)));
 }
 

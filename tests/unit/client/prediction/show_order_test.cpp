@@ -131,6 +131,7 @@ TEST(Reconnect, DoesNotInsistWhereItIsNotWanted) {
   EXPECT_TRUE(after(protocol::RefusalCode::over_capacity));
   EXPECT_FALSE(after(protocol::RefusalCode::bad_token));
   EXPECT_FALSE(after(protocol::RefusalCode::unknown_scene));
+  EXPECT_FALSE(after(protocol::RefusalCode::kept_out));
 }
 
 }  // namespace

@@ -57,6 +57,37 @@ TEST(ThinClient, ShowsCamerasAheadOfTheirMasks) {
   client.close("");
 }
 
+TEST(ThinClient, StaysOutWhereItIsToldTo) {
+  for (const uint32_t stay_out_ms : {0u, 61'500u}) {
+    FakeServer server(
+        [&](Peer& peer) {
+          peer.read();
+          peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
+          peer.write(protocol::Bye{"too loud", stay_out_ms});
+          peer.hang_up();
+        },
+        stay_out_ms > 0 ? 1 : 2);
+    Loop loop;
+    std::vector<std::string> lost;
+    ThinClient client(loop, options_for(server.address(), Mode::queued, 0),
+                      {.lost = [&](const Error& why) { lost.push_back(why.message); }});
+    ASSERT_TRUE(client.wait_open());
+    ASSERT_TRUE(loop.run_until(Clock::now() + 20s, [&] { return client.failure() || client.reconnects() > 0; }));
+    if (stay_out_ms == 0) {
+      EXPECT_FALSE(client.failure()) << "it comes back";
+      EXPECT_EQ(lost.front(), "the server ended the session: too loud");
+    } else {
+      ASSERT_TRUE(client.failure());
+      EXPECT_EQ(client.failure()->message,
+                "the server ended the session: too loud; it keeps this client out for 62 s");
+      EXPECT_TRUE(lost.empty()) << "it is not looked for";
+      ASSERT_TRUE(client.refusal());
+      EXPECT_EQ(client.refusal()->code, protocol::RefusalCode::kept_out);
+    }
+    client.close("");
+  }
+}
+
 TEST(ThinClient, FindsItsServerAgain) {
   const auto mask = tests::noise(kGrid, 1);
   FakeServer server(

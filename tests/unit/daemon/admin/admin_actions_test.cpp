@@ -53,6 +53,48 @@ TEST_F(AdminActions, AKickedClientIsToldWhyAndItsSessionIsGone) {
   EXPECT_EQ(refusal_of("/sessions/99999999999999999999999/kick"), "no such session");
 }
 
+// Tenants are told apart, whose clients may share an address; the wire client's session_test has the time.
+TEST_F(AdminActions, AKickedClientStaysOutForItsTime) {
+  config_.tenants = {{.name = "default"}, {.name = "another"}};
+  start();
+  const auto kick = [&](const nlohmann::json& how) {
+    TestClient c = client();
+    EXPECT_TRUE(c.join(TestClient::hello(kScene)));
+    EXPECT_TRUE(admin().post("/sessions/" + only_session() + "/kick", how));
+    EXPECT_TRUE(eventually([&] { return admin().status()->at("sessions").empty(); }));
+    return c.receive_a<protocol::Bye>();
+  };
+  EXPECT_EQ(kick({{"for_s", 0}})->stay_out_ms, 0u);
+  EXPECT_EQ(kick({{"for_s", 3600}, {"why", "too loud"}})->stay_out_ms, 3'600'000u);
+  TestClient again = client();
+  again.send(TestClient::hello(kScene));
+  const auto refused = again.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, protocol::RefusalCode::kept_out);
+  EXPECT_EQ(refused->text.find("kept out for another 3"), 0u) << refused->text;
+  EXPECT_NE(refused->text.find(" s: too loud"), std::string::npos) << refused->text;
+  EXPECT_EQ(count_of(Fault::refused_kept_out), 1u);
+  protocol::Hello other = TestClient::hello(kScene);
+  other.tenant = "another";
+  EXPECT_TRUE(client().join(other));
+}
+
+TEST_F(AdminActions, AKickWithoutATimeKeepsItsClientOutForAMinute) {
+  start();
+  TestClient c = client();
+  ASSERT_TRUE(c.join(TestClient::hello(kScene)));
+  const std::string path = "/sessions/" + only_session() + "/kick";
+  for (const nlohmann::json& wrong : {nlohmann::json(-1), nlohmann::json("60"), nlohmann::json(604801)}) {
+    const auto answer = admin().post(path, {{"for_s", wrong}});
+    ASSERT_FALSE(answer) << wrong;
+    EXPECT_NE(answer.error().message.find("for_s"), std::string::npos);
+  }
+  const auto answer = admin().post(path);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(*answer, "closed; its client stays out for 60 s");
+  EXPECT_EQ(c.receive_a<protocol::Bye>()->stay_out_ms, 60'000u);
+}
+
 TEST_F(AdminActions, ASceneIsUnloadedWhenNobodyUsesItAndComesBackFromItsFile) {
   start();
   TestClient c = client();
@@ -94,6 +136,8 @@ TEST_F(AdminActions, WhatCannotBeLoadedSaysWhy) {
 
 constexpr const char* kActions[] = {"/reload",
                                     "/drain",
+                                    "/undrain",
+                                    "/stop",
                                     "/sessions/1/kick",
                                     "/scenes/triangle/unload",
                                     "/scenes/triangle/load",
@@ -246,14 +290,45 @@ TEST_F(AdminActions, ATokenNeverCrossesInClear) {
   EXPECT_NE(status.error().message.find("in clear"), std::string::npos) << status.error().message;
 }
 
-TEST_F(AdminActions, DrainIsSeenAtOnce) {
+TEST_F(AdminActions, AStopIsSeenAtOnce) {
   std::atomic<int> asked = 0;
-  on_drain_ = [&] { ++asked; };
+  on_stop_ = [&] { ++asked; };
   start();
-  ASSERT_TRUE(admin().post("/drain"));
+  ASSERT_TRUE(admin().post("/stop"));
   EXPECT_EQ(asked, 1);
+  EXPECT_TRUE(admin().status()->at("stopping"));
+  EXPECT_NE(ctl::status_text(*admin().status()).find("stopping"), std::string::npos);
+  EXPECT_NE(refusal_of("/undrain").find("cannot be taken back"), std::string::npos);
+}
+
+TEST_F(AdminActions, ADrainAdmitsNobodyServesOnAndIsTakenBack) {
+  on_stop_ = [] { FAIL() << "nobody asked for that"; };
+  start();
+  TestClient stays = client();
+  ASSERT_TRUE(stays.join(TestClient::hello(kScene)));
+  ASSERT_TRUE(admin().post("/drain"));
   EXPECT_TRUE(admin().status()->at("draining"));
+  EXPECT_FALSE(admin().status()->at("ready"));
   EXPECT_NE(ctl::status_text(*admin().status()).find("draining"), std::string::npos);
+  TestClient late = client();
+  late.send(TestClient::hello(kScene));
+  const auto refused = late.receive_a<protocol::Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code, protocol::RefusalCode::draining);
+  stays.send_view(1, 1);
+  EXPECT_FALSE(stays.receive_frame(1).empty()) << "who is here is served on";
+  ASSERT_TRUE(admin().post("/undrain"));
+  EXPECT_TRUE(admin().status()->at("ready"));
+  EXPECT_TRUE(client().join(TestClient::hello(kScene)));
+  stays.send_view(2, 1);
+  EXPECT_FALSE(stays.receive_frame(2).empty());
+}
+
+TEST_F(AdminActions, TheOnlyDeviceStaysInService) {
+  start();
+  EXPECT_NE(refusal_of("/devices/0/drain").find("no other device takes sessions"), std::string::npos);
+  EXPECT_FALSE(admin().status()->at("devices")[0].at("drained"));
+  EXPECT_TRUE(client().join(TestClient::hello(kScene)));
 }
 
 TEST_F(AdminActions, TopShowsRatesBetweenTwoLooks) {

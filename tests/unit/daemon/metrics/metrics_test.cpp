@@ -231,7 +231,7 @@ TEST_F(AdminPages, AnswerWhatOperatorsAskAndClientsAreToldTheirShareOfIt) {
   }
 }
 
-TEST_F(AdminPages, SayNotReadyWhileDraining) {
+TEST_F(AdminPages, SayNotReadyWhileStopping) {
   config_.server.drain_timeout = 30s;
   start();
   TestClient c = client();
@@ -240,6 +240,7 @@ TEST_F(AdminPages, SayNotReadyWhileDraining) {
   ASSERT_TRUE(c.receive_a<protocol::Draining>());
   httplib::Client http("127.0.0.1", daemon_->admin().port());
   EXPECT_EQ(http.Get("/readyz")->status, 503);
+  EXPECT_EQ(http.Get("/readyz")->body, "not ready: stopping\n");
   EXPECT_EQ(http.Get("/healthz")->status, 200);
   c.send(protocol::Bye{});
   draining.join();

@@ -71,7 +71,7 @@ class Served : public testing::Test {
     Daemon::Options options;
     options.config = config_;
     options.version = "test";
-    options.on_drain = on_drain_;
+    options.on_stop = on_stop_;
     if (make_renderers_.empty()) {
       make_renderers_ = {[this]() -> Result<std::unique_ptr<gpu::Renderer>> {
         return std::unique_ptr<gpu::Renderer>(std::make_unique<SelfRunningFakeRenderer>(3, kLights, frame_time_));
@@ -116,7 +116,7 @@ class Served : public testing::Test {
   Config config_;
   std::vector<RendererFactory> make_renderers_;  // empty: one, which makes a SelfRunningFakeRenderer
   std::chrono::milliseconds frame_time_{0};
-  std::function<void()> on_drain_;
+  std::function<void()> on_stop_;
   std::unique_ptr<Daemon> daemon_;
 };
 

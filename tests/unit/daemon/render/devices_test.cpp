@@ -109,6 +109,9 @@ TEST_F(TwoDevices, ADrainedOneHasNoSessions) {
   ASSERT_TRUE(admin().post("/devices/0/drain"));
   EXPECT_TRUE(eventually_live({0, 6}));
   expect_frames(2);
+  const auto last = admin().post("/devices/1/drain");
+  ASSERT_FALSE(last) << "it is the last one in service";
+  EXPECT_NE(last.error().message.find("no other device takes sessions"), std::string::npos);
   ASSERT_TRUE(admin().post("/devices/0/resume"));
   EXPECT_TRUE(eventually_live({3, 3}));
   expect_frames(3);

@@ -1,0 +1,28 @@
+#include "daemon/net/words_for_clients.h"
+
+#include <algorithm>
+
+namespace gnomon::daemon {
+
+// In words that name neither the scene's file nor other clients.
+std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {
+  if (!health.serving) return "the server is starting";
+  if (!scene) return "a place on the devices";
+  switch (scene->stage) {
+    case SceneUnderWay::Stage::queued: return "the scene is to be read, after others";
+    case SceneUnderWay::Stage::reading: return "the scene is being read";
+    case SceneUnderWay::Stage::preparing: return "the scene is being prepared on the devices";
+  }
+  return "";
+}
+
+std::string without_folder(std::string why, const std::string& scene, const SceneCatalog& catalog) {
+  const auto& sources = catalog.sources();
+  const auto source = std::find_if(sources.begin(), sources.end(), [&](const auto& s) { return s.name == scene; });
+  if (source == sources.end()) return why;
+  const std::string folder = source->file.parent_path().string() + "/";
+  for (size_t at = 0; (at = why.find(folder, at)) != std::string::npos;) why.erase(at, folder.size());
+  return why;
+}
+
+}  // namespace gnomon::daemon
