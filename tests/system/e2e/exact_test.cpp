@@ -188,6 +188,28 @@ TEST(Client, RecordsWhatItShows) {
   EXPECT_EQ(static_cast<uint8_t>(brightest(difference)), 0);
 }
 
+// Ctrl-C at a terminal reaches every program of the group, ffmpeg too if it were in it.
+TEST(Client, AnInterruptedRecordingKeepsItsFramesAndFigures) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no program ffmpeg";
+  const Daemon daemon;
+  const TemporaryFolder folder;
+  const fs::path video = folder.path() / "flight.mp4", json = folder.path() / "flight.json",
+                 said = folder.path() / "said";
+  // The client leads a group of its own, which gets the signal when the video has been begun.
+  const std::string client = "setsid '" GNOMON_CLIENT "' --server " + daemon.server() + " --pin " + daemon.pin() +
+                             " --tenant studio --scene living_room --size 160x90 --frames 100000 --record '" +
+                             video.string() + "' --json '" + json.string() + "' >'" + said.string() + "' 2>&1";
+  const std::string command = client + " & pid=$!; until [ -e '" + video.string() +
+                              "' ] || ! kill -0 $pid; do sleep 0.1; done; sleep 3; kill -INT -$pid; wait $pid";
+  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(said);
+  EXPECT_NE(read_file(said).find("interrupted"), std::string::npos);
+  const auto row = nlohmann::json::parse(read_file(json))["rows"][0];
+  EXPECT_EQ(row["interrupted"], true);
+  const size_t shown = row["shown"].get<size_t>();
+  EXPECT_GT(shown, 0u);
+  EXPECT_EQ(brightness(video).size(), shown * 160 * 90) << "a frame of video for each picture shown";
+}
+
 TEST(Client, FailuresAreOneClearLine) {
   const Daemon daemon;
   const TemporaryFolder folder;
