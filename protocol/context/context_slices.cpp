@@ -72,60 +72,97 @@ void FrameTiles::refer_to(const MaskReference* frame, const std::optional<Camera
 struct UnitEncoder::Memory {
   Kit<false> alone;
   Kit<true> referenced;
-  std::vector<Motion> motions;  // of one light
+  std::vector<Motion> motions;       // of one light
+  std::vector<uint64_t> words_kept;  // what the first of two attempts makes of a slice's tiles
+  std::vector<uint8_t> bytes_kept;   // and its payload
 
   FrameTiles* frame = nullptr;
   size_t limit = 0;
   EncodedFrame* out = nullptr;
 
-  LightTiles light(uint32_t number) {
-    const TileGrid& grid = frame->grid;
-    const size_t first = size_t{number} * grid.tile_count();
-    return {std::span(frame->classes).subspan(first, grid.tile_count()),
-            std::span(frame->words).subspan(first, grid.tile_count()),
-            frame->reference ? &frame->reference->rows(number) : nullptr, motions};
-  }
-
-  void find_motions_of(const SliceRange& range, uint32_t number) {
-    if (!frame->reference) return;
-    const TileGrid& grid = frame->grid;
-    const uint32_t rows_of_block = grid.tiles_x() * kBlock;
-    motions.resize(size_t{(grid.tiles_x() + kBlock - 1) / kBlock} * ((grid.tiles_y() + kBlock - 1) / kBlock));
-    const LightTiles tiles = light(number);
-    const BlockRows rows{range.first_tile / rows_of_block,
-                         (range.first_tile + range.tile_count + rows_of_block - 1) / rows_of_block};
-    find_motions(grid, tiles, frame->camera ? &*frame->camera : nullptr, rows, motions);
-  }
-
-  void encode(const SliceRange& unit) {
-    if (frame->reference) {
-      encode(unit, referenced);
-    } else {
-      encode(unit, alone);
-    }
+  std::span<uint64_t> words_of(uint32_t light, uint32_t first_tile, uint32_t tiles) const {
+    return std::span(frame->words).subspan(size_t{light} * frame->grid.tile_count() + first_tile, tiles);
   }
 
   template <bool Referenced>
-  void encode(const SliceRange& unit, Kit<Referenced>& kit) {
-    if (unit.light_count > 1 && encode_lights(unit, kit)) return;
+  LightTiles light(uint32_t number) {
+    const TileGrid& grid = frame->grid;
+    const size_t first = size_t{number} * grid.tile_count();
+    return {std::span(frame->classes).subspan(first, grid.tile_count()), words_of(number, 0, grid.tile_count()),
+            Referenced ? &frame->reference->rows(number) : nullptr, motions};
+  }
+
+  void find_motions_of(const SliceRange& range, uint32_t number) {
+    const TileGrid& grid = frame->grid;
+    const uint32_t rows_of_block = grid.tiles_x() * kBlock;
+    motions.resize(size_t{(grid.tiles_x() + kBlock - 1) / kBlock} * ((grid.tiles_y() + kBlock - 1) / kBlock));
+    const BlockRows rows{range.first_tile / rows_of_block,
+                         (range.first_tile + range.tile_count + rows_of_block - 1) / rows_of_block};
+    find_motions(grid, light<true>(number), frame->camera ? &*frame->camera : nullptr, rows, motions);
+  }
+
+  void encode(const SliceRange& unit) {
+    if (unit.light_count > 1 && encode_lights(unit)) return;
+    Choice choice = frame->reference ? Choice::open : Choice::alone;
     for (uint32_t l = 0; l < unit.light_count; ++l) {
       SliceRange range{unit.first_tile, unit.tile_count, unit.first_light + l, 1};
-      find_motions_of(range, range.first_light);
+      if (choice != Choice::alone) find_motions_of(range, range.first_light);
       const uint32_t end = unit.first_tile + unit.tile_count;
       while (range.first_tile < end) {
         range.tile_count = end - range.first_tile;
-        range.tile_count = encode_some(range, kit);
+        range.tile_count = encode_slice(range, choice);
         append(range);
         range.first_tile += range.tile_count;
       }
     }
   }
 
+  // How the further slices of a unit are encoded.
+  enum class Choice : uint8_t { open, referenced, alone };
+
+  // With a reference where that takes fewer bytes. Both ways are tried until one is clearly ahead, and the rest of the
+  // unit follows it: neighbours differ little in what a reference brings. Returns the number of tiles.
+  uint32_t encode_slice(const SliceRange& range, Choice& choice) {
+    if (choice == Choice::referenced) return encode_some(range, referenced);
+    if (choice == Choice::alone) return encode_some(range, alone);
+    const size_t begin = out->bytes.size();
+    SliceRange same = range;
+    same.tile_count = encode_some(range, referenced);
+    const size_t with = out->bytes.size() - begin;
+    keep(begin, words_of(range.first_light, range.first_tile, same.tile_count));
+    const uint32_t fit = encode_some(same, alone);
+    const size_t without = out->bytes.size() - begin;
+    if (fit < same.tile_count || without >= with) {
+      if (fit < same.tile_count || clearly_more(without, with)) choice = Choice::referenced;
+      bring_back(begin, words_of(range.first_light, range.first_tile, same.tile_count));
+      return same.tile_count;
+    }
+    if (clearly_more(with, without)) choice = Choice::alone;
+    out->bytes.resize(begin);
+    return encode_some(range, alone);  // more tiles may fit
+  }
+
+  // By a tenth, and more than what a payload's head may account for.
+  static bool clearly_more(size_t bytes, size_t than) { return bytes > than + than / 10 + kReferencedHead; }
+
+  void keep(size_t begin, std::span<const uint64_t> words) {
+    bytes_kept.assign(out->bytes.begin() + static_cast<ptrdiff_t>(begin), out->bytes.end());
+    words_kept.assign(words.begin(), words.end());
+    out->bytes.resize(begin);
+  }
+  void bring_back(size_t begin, std::span<uint64_t> words) const {
+    out->bytes.resize(begin);
+    out->bytes.insert(out->bytes.end(), bytes_kept.begin(), bytes_kept.end());
+    std::copy(words_kept.begin(), words_kept.end(), words.begin());
+  }
+
+  template <bool Referenced>
   void begin_payload() {
-    out->bytes.push_back(static_cast<uint8_t>(frame->reference ? Form::referenced : Form::alone));
-    if (!frame->reference) return;
-    append_u32(out->bytes, frame->reference->frame().value);
-    append_u32(out->bytes, frame->reference->checksum());
+    out->bytes.push_back(static_cast<uint8_t>(Referenced ? Form::referenced : Form::alone));
+    if constexpr (Referenced) {
+      append_u32(out->bytes, frame->reference->frame().value);
+      append_u32(out->bytes, frame->reference->checksum());
+    }
   }
 
   // Encodes as many tiles of one light as fit, from the range's first on, and returns their number.
@@ -134,11 +171,11 @@ struct UnitEncoder::Memory {
     const size_t begin = out->bytes.size();
     const uint32_t end = range.first_tile + range.tile_count;
     for (uint32_t most = kSegment;; most /= 2) {  // tiles of the first segment, which may not fit a payload
-      begin_payload();
+      begin_payload<Referenced>();
       kit.fit(frame->grid);
       BinaryEncoder coder(out->bytes);
       TileWalk walk(coder, kit.model, frame->grid, kit.walk);
-      walk.begin(light(range.first_light), range.first_tile);
+      walk.begin(light<Referenced>(range.first_light), range.first_tile);
       uint32_t next = range.first_tile;
       while (next < end) {
         uint32_t segment = std::min(end, segment_end(next, frame->grid.tiles_x()));
@@ -161,17 +198,30 @@ struct UnitEncoder::Memory {
   }
 
   // Encodes all tiles of several lights as one slice. False if they do not fit; nothing is then appended.
-  template <bool Referenced>
-  bool encode_lights(const SliceRange& range, Kit<Referenced>& kit) {
+  bool encode_lights(const SliceRange& range) {
     const size_t begin = out->bytes.size();
-    begin_payload();
+    const uint32_t tiles = frame->grid.tile_count();  // of each light: a unit of several lights has all
+    const std::span<uint64_t> words = words_of(range.first_light, 0, range.light_count * tiles);
+    const bool with = frame->reference && try_lights(range, referenced);
+    const size_t bytes_with = out->bytes.size() - begin;
+    if (with) keep(begin, words);
+    const bool without = try_lights(range, alone);
+    if (with && (!without || bytes_with <= out->bytes.size() - begin)) bring_back(begin, words);
+    if (with || without) append(range);
+    return with || without;
+  }
+
+  template <bool Referenced>
+  bool try_lights(const SliceRange& range, Kit<Referenced>& kit) {
+    const size_t begin = out->bytes.size();
+    begin_payload<Referenced>();
     kit.fit(frame->grid);
     BinaryEncoder coder(out->bytes);
     TileWalk walk(coder, kit.model, frame->grid, kit.walk);
     const uint32_t end = range.first_tile + range.tile_count;
     for (uint32_t l = 0; l < range.light_count; ++l) {
-      find_motions_of(range, range.first_light + l);
-      walk.begin(light(range.first_light + l), range.first_tile);
+      if constexpr (Referenced) find_motions_of(range, range.first_light + l);
+      walk.begin(light<Referenced>(range.first_light + l), range.first_tile);
       for (uint32_t next = range.first_tile; next < end;) {
         const uint32_t segment = std::min(end, segment_end(next, frame->grid.tiles_x()));
         walk.segment(next, segment);
@@ -182,7 +232,6 @@ struct UnitEncoder::Memory {
       }
     }
     coder.finish();
-    append(range);
     return true;
   }
 

@@ -167,6 +167,23 @@ TEST(Context, AReferenceSavesBytes) {
   EXPECT_LT(referenced, alone / 2);
 }
 
+// Bytes of the frame's payloads and slice headers.
+size_t cost(const EncodedFrame& frame) { return frame.bytes.size() + frame.slices.size() * kSliceHeaderBytes; }
+
+TEST(Context, AReferenceNeverCostsBytes) {
+  const TileGrid grid{640, 360, 4};
+  for (uint32_t seed = 1; seed <= 6; ++seed) {
+    const Mask before = tests::room(grid, seed);
+    const ReferenceShelf shelf = shelf_of(before);
+    for (const Mask& mask : {before, moved(before, 3, -2), moved(before, 60, 45), tests::room(grid, seed + 50),
+                             tests::foliage(grid, seed), tests::noise(grid, seed), tests::all_lit(grid)}) {
+      const EncodedFrame referenced = encoded(all_matters(mask).view(), shelf.find(kBefore));
+      EXPECT_LE(cost(referenced), cost(encoded(all_matters(mask).view(), nullptr))) << "seed " << seed;
+      EXPECT_EQ(decoded(referenced, grid, &shelf), mask.words);
+    }
+  }
+}
+
 // A camera 90 degrees wide that looks along -Z, turned to the left by an angle (radians).
 CameraView turned_left(double angle) {
   return {.orientation = {0, static_cast<float>(std::sin(angle / 2)), 0, static_cast<float>(std::cos(angle / 2))},

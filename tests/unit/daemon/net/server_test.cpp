@@ -99,14 +99,16 @@ TEST_F(Served, SwitchingTheCodecLosesNoFrame) {
   ASSERT_TRUE(client.welcome().features & protocol::kFeatureReferences);
   const TileGrid grid{160, 120, kLights};
   uint32_t frame = 0;
+  // The same picture again and again, so that it is worth referring to.
   const auto expect_frames = [&](CodecId codec, bool referred) {
+    const float x = 0.01f * static_cast<float>(frame + 1);
     for (int i = 0; i < 4; ++i) {
       ++frame;
-      client.send_view(frame, 0.01f * static_cast<float>(frame % 2));
+      client.send_view(frame, x);
       const std::vector<uint64_t> words = client.receive_frame(frame);
       ASSERT_EQ(words.size(), grid.word_count()) << "frame " << frame;
       gpu::CameraView camera;
-      camera.position.x = 0.01f * static_cast<float>(frame % 2);
+      camera.position.x = x;
       for (size_t word = 0; word < words.size(); ++word) ASSERT_EQ(words[word], fake_word(camera, word));
       EXPECT_EQ(client.codec(), codec);
       EXPECT_EQ(client.referred(), referred && i > 0);
