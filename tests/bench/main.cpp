@@ -44,6 +44,9 @@ int main(int argc, char** argv) {
       {"growth", "what a frame takes as triangles and lights grow in number", gnomon::bench::make_growth_suite()});
   commands.push_back({"codec", "bytes and milliseconds of the codecs on masks along camera paths",
                       gnomon::bench::make_codec_suite()});
+  commands.push_back({"loading",
+                      "what scenes cost to read and to build for in a process of their own, beside this one",
+                      gnomon::bench::make_loading_suite()});
   commands.push_back({"pipeline", "the whole daemon over loopback, beside its kernels run back to back",
                       gnomon::bench::make_pipeline_suite()});
   commands.push_back(

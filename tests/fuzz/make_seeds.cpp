@@ -6,10 +6,12 @@
 #include <random>
 
 #include "common/packed_mask.h"
+#include "gpu/builds/packed_builds.h"
 #include "protocol/codec.h"
 #include "protocol/feedback.h"
 #include "protocol/parity.h"
 #include "scenes/packed/packed_scene.h"
+#include "tests/fuzz/small_mesh.h"
 #include "tests/unit/protocol/random_messages.h"
 
 namespace {
@@ -55,14 +57,40 @@ void datagrams(const fs::path& folder, tests::Random& random) {
   write(folder, "sealed", header);
 }
 
-void write_outcome(const fs::path& folder, const std::string& name, const Result<scenes::ScenePtr>& scene) {
+// What `write_to` writes into a file; here into memory.
+template <class Write>
+void write_file(const fs::path& folder, const std::string& name, Write write_to) {
   char* data = nullptr;
   size_t size = 0;
   std::FILE* file = open_memstream(&data, &size);
-  (void)scenes::write_outcome(scene, file);  // into memory
+  write_to(file);
   std::fclose(file);
   write(folder, name, Bytes(data, data + size));
   std::free(data);
+}
+
+void write_outcome(const fs::path& folder, const std::string& name, const Result<scenes::ScenePtr>& scene) {
+  write_file(folder, name, [&](std::FILE* file) { (void)scenes::write_outcome(scene, file); });
+}
+
+void packed_builds(const fs::path& folder) {
+  const scenes::WorldMesh mesh = fuzz::small_mesh();
+  write_file(folder, "hierarchy",
+             [&](std::FILE* file) { (void)gpu::write_outcome(gpu::builds_here()->bvh(mesh), file); });
+  write_file(folder, "light_buffer", [&](std::FILE* file) {
+    gpu::light_buffer::LightBuffer buffer;
+    buffer.grid = {0, 0};
+    buffer.leaves.resize(2);
+    buffer.leaves[1].count = 2;
+    buffer.entries = {{0xff00ff00, 0.5f, 1}, {0xffff0000, 0.25f, 7}};
+    (void)gpu::write_outcome(Result<gpu::light_buffer::LightBuffer>(buffer), file);
+  });
+  write_file(folder, "task", [&](std::FILE* file) {
+    gpu::BuildTask task;
+    task.mesh = &mesh;
+    scenes::PackWriter writer(file);
+    gpu::write(writer, task);
+  });
 }
 
 // A scene with one of everything.
@@ -160,6 +188,7 @@ int main(int argc, char** argv) {
   masks(folder / "codecs", random);
   masks(folder / "parity", random);
   packed_scenes(folder / "packed_scene");
+  packed_builds(folder / "packed_builds");
   links(folder / "link", random);
   return 0;
 }
