@@ -154,6 +154,7 @@ Result<void> Daemon::open_admin() {
                                                            .tls = certificates_.published(),
                                                            .devices = devices_,
                                                            .scenes = *scenes_,
+                                                           .limits = session_limits_,
                                                            .server = *server_,
                                                            .begin_stop = options_.on_stop,
                                                            .ask_for_reload = options_.ask_for_reload});

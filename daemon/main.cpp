@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "common/wall_clock.h"
+#include "common/within_memory.h"
 #include "daemon/config/token_files.h"
 #include "daemon/daemon.h"
 #include "daemon/render/vulkan_renderers.h"
@@ -142,16 +143,18 @@ Result<void> reload(Daemon& daemon, const Arguments& arguments, const char* aske
 void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
   hangup.async_wait([&hangup, &daemon, &arguments](asio::error_code error, int) {
     if (error) return;
-    (void)reload(daemon, arguments, "SIGHUP");  // it logs its errors
-    reload_on_hangup(hangup, daemon, arguments);
+    done_or_dropped("a reload", [&] { (void)reload(daemon, arguments, "SIGHUP"); });  // it logs its errors
+    until_memory_suffices([&] { reload_on_hangup(hangup, daemon, arguments); });
   });
 }
 
 void remind_daily(asio::steady_timer& timer, Daemon& daemon) {
-  daemon.remind(wall_now());
-  timer.expires_after(kBetweenReminders);
-  timer.async_wait([&timer, &daemon](asio::error_code error) {
-    if (!error) remind_daily(timer, daemon);
+  done_or_dropped("a look at certificates", [&] { daemon.remind(wall_now()); });
+  until_memory_suffices([&] {
+    timer.expires_after(kBetweenReminders);
+    timer.async_wait([&timer, &daemon](asio::error_code error) {
+      if (!error) remind_daily(timer, daemon);
+    });
   });
 }
 
@@ -168,7 +171,8 @@ int serve(const Config& config, const Arguments& arguments) {
   const auto stop = [&] { asio::post(events, [&] { events.stop(); }); };
   Daemon* running = nullptr;  // set before the events run
   const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
-    asio::post(events, [&, answer] { answer(reload(*running, arguments, "operator")); });
+    asio::post(events,
+               [&, answer] { answer(within_memory([&] { return reload(*running, arguments, "operator"); })); });
   };
   const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
   auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, stop,
@@ -189,7 +193,9 @@ int serve(const Config& config, const Arguments& arguments) {
   std::optional<Watchdog> watchdog(
       std::in_place, (*daemon)->heartbeats(), [&](TimePoint now) { (*daemon)->alive(now); },
       [&] { return (*daemon)->summary(); });
-  events.run();  // until the first signal or a failure
+  while (
+      !done_or_dropped("an event of the daemon", [&] { events.run(); })) {  // until the first signal or a failure
+  }
   std::signal(SIGTERM, [](int) { std::_Exit(EXIT_FAILURE); });
   std::signal(SIGINT, [](int) { std::_Exit(EXIT_FAILURE); });
   supervisor::stopping();

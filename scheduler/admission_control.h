@@ -1,9 +1,9 @@
-// Admission control: decides whether the device and a tenant's limits leave room for one more session, and what would
-// fit if they do not.
+// Admission control: decides whether the node and a tenant's limits leave room for one more session, and what would fit
+// if they do not.
 //
-// A session books what it asks for: rate x (frames, bits, predicted bytes and device time), and memory. A session that
-// asks for no rate books memory alone and gets what the others leave. Pure bookkeeping: it reads no clock and takes no
-// locks; the caller serialises all calls.
+// A session books what it asks for: rate x (frames, bits, predicted bytes and device time), memory on the device, and
+// the most that it can make the host keep for it. A session that asks for no rate books memory alone and gets what the
+// others leave. Pure bookkeeping: it reads no clock and takes no locks; the caller serialises all calls.
 #pragma once
 
 #include <cstdint>
@@ -17,22 +17,30 @@
 
 namespace gnomon::scheduler {
 
+// What all sessions of the node may book together; 0: no limit.
+struct NodeLimits {
+  double capacity = 0;      // share of the devices' time; 1 for each device
+  uint64_t host_bytes = 0;  // of the host's memory
+};
+
 // What all sessions of one tenant may book together; 0: no limit.
 struct TenantLimits {
-  uint32_t sessions = 0;
   uint32_t width = 0, height = 0;  // pixels; of each session
   double buffers_per_second = 0;
   double bits_per_second = 0;
   double bytes_per_second = 0;
-  double gpu_share = 0;  // of the device, 0 to 1
-  uint64_t memory_bytes = 0;
+  double gpu_share = 0;       // of the device, 0 to 1
+  uint64_t memory_bytes = 0;  // of the devices' memory
+  uint64_t host_bytes = 0;
+  uint64_t reserved_host_bytes = 0;  // of the node's; the other tenants leave it free
 };
 
 // What a client asks for.
 struct Demand {
   uint32_t width = 0, height = 0;  // pixels
   uint32_t lights = 0;
-  double rate_hz = 0;  // 0: no rate
+  double rate_hz = 0;       // 0: no rate
+  bool references = false;  // earlier frames are kept, so that further ones may refer to them
 };
 
 // The resources that one session holds until it is released.
@@ -42,9 +50,11 @@ struct Booking {
   double bytes_per_second = 0;
   double load = 0;  // of the device: 1 is all of it
   uint64_t memory_bytes = 0;
+  uint64_t host_bytes = 0;
 };
 
-enum class Limit { sessions, size, buffers, bits, bytes, gpu_share, memory, capacity };
+// `sessions` is for callers that count sessions: book() never returns it.
+enum class Limit { sessions, size, buffers, bits, bytes, gpu_share, memory, host_memory, capacity };
 std::string_view to_string(Limit limit);
 
 // A refusal: the first limit that the demand exceeds, and smaller demands that would be admitted instead; 0 if none.
@@ -56,9 +66,8 @@ struct AdmissionRejection {
 
 class AdmissionControl {
  public:
-  // `capacity`: the share of the device that all sessions may book together; 1: all of it, 0: no limit. `tenants` is
-  // indexed by TenantId. Existing bookings are kept, even if they exceed the new limits.
-  void set_limits(double capacity, std::vector<TenantLimits> tenants);
+  // `tenants` is indexed by TenantId. Existing bookings are kept, even if they exceed the new limits.
+  void set_limits(const NodeLimits& node, std::vector<TenantLimits> tenants);
 
   // Books the demand if it fits. `model`: the costs of the scene that the client asks for; a model without measurements
   // predicts no load. Precondition: set_limits has named the tenant.
@@ -66,20 +75,19 @@ class AdmissionControl {
   // Precondition: `booking` was returned by book() for this tenant and was not released yet.
   void release(TenantId tenant, const Booking& booking);
 
-  uint32_t sessions(TenantId tenant) const { return booked_[tenant.value].sessions; }
+  uint64_t host_bytes() const { return all_.host_bytes; }  // of all sessions
+  uint64_t host_bytes(TenantId tenant) const {
+    return tenant.value < of_tenant_.size() ? of_tenant_[tenant.value].host_bytes : 0;
+  }
 
  private:
-  struct Booked {
-    uint32_t sessions = 0;
-    Booking sum;
-  };
-
   std::optional<Limit> obstacle(TenantId tenant, const Demand& demand, const CostModel& model) const;
+  uint64_t host_bytes_reserved_for_others(TenantId tenant) const;
 
-  double capacity_ = 0;
-  double load_ = 0;
+  NodeLimits node_;
   std::vector<TenantLimits> limits_;
-  std::vector<Booked> booked_;
+  Booking all_;                     // the sum of all bookings
+  std::vector<Booking> of_tenant_;  // their sums, by TenantId
 };
 
 }  // namespace gnomon::scheduler

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <utility>
 
+#include "common/within_memory.h"
 #include "daemon/admin/http_tls.h"
 
 namespace gnomon::daemon {
@@ -152,11 +153,13 @@ void HttpConnection::answer(net::thread_pool& pool, const HttpServer::Answer& ma
   state_ = State::answering;
   net::post(pool, [self = shared_from_this(), &make_page, asked = std::move(request),
                    work = net::make_work_guard(all_.io)]() mutable {
-    Page page = make_page(asked);
-    HttpConnections& all = self->all_;
-    net::post(all.io, [connection = std::move(self), page = std::move(page)]() mutable {
-      --connection->all_.answering;
-      connection->write(std::move(page));
+    Page page;
+    if (!done_or_dropped("an answer", [&] { page = make_page(asked); })) page.status = 503;
+    until_memory_suffices([&] {
+      net::post(self->all_.io, [connection = self, page]() mutable {
+        --connection->all_.answering;
+        connection->write(std::move(page));
+      });
     });
   });
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <thread>
 
+#include "common/within_memory.h"
 #include "daemon/admin/http_connection.h"
 #include "daemon/admin/http_tls.h"
 
@@ -63,6 +64,7 @@ struct HttpServer::Impl {
   Result<void> open(Listening& listening);
   Result<void> open_tcp(const std::string& address, uint16_t wanted);
   void accept(Door& door);
+  void accept_later(Door& door);
   void take(Door& door, HttpConnection::Socket socket);
   std::optional<Caller> caller_over_tcp(const HttpConnection::Socket& socket) const;
   void make_room();
@@ -104,13 +106,19 @@ Result<void> HttpServer::Impl::open_tcp(const std::string& address, uint16_t wan
 }
 
 void HttpServer::Impl::accept(Door& door) {
-  door.acceptor.async_accept([this, &door](ErrorCode error, HttpConnection::Socket accepted) {
-    if (error == net::error::operation_aborted) return;
-    if (!error) {
-      take(door, std::move(accepted));
-      return accept(door);
-    }
-    // Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
+  until_memory_suffices([&] {
+    door.acceptor.async_accept([this, &door](ErrorCode error, HttpConnection::Socket accepted) {
+      if (error == net::error::operation_aborted) return;
+      if (error) return accept_later(door);
+      done_or_dropped("a connection to the admin server", [&] { take(door, std::move(accepted)); });
+      accept(door);
+    });
+  });
+}
+
+// Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
+void HttpServer::Impl::accept_later(Door& door) {
+  until_memory_suffices([&] {
     door.retry.expires_after(kRetryAccept);
     door.retry.async_wait([this, &door](ErrorCode cancelled) {
       if (!cancelled) accept(door);
@@ -176,7 +184,10 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(Listening listening, Answe
   auto impl = std::make_unique<Impl>(std::move(answers), metrics);
   if (auto opened = impl->open(listening); !opened) return opened.error();
   for (Impl::Door& door : impl->doors) impl->accept(door);
-  impl->thread = std::thread([&io = impl->all.io] { io.run(); });
+  impl->thread = std::thread([&io = impl->all.io] {
+    while (!done_or_dropped("an event of the admin server", [&] { io.run(); })) {
+    }
+  });
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 

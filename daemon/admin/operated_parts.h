@@ -15,6 +15,7 @@
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_catalog.h"
 #include "daemon/scenes/scene_host.h"
+#include "daemon/session/session_limits.h"
 
 namespace gnomon::daemon {
 
@@ -29,6 +30,7 @@ struct OperatedParts {
   const PublishedTls& tls;
   DevicePool& devices;
   SceneHost& scenes;
+  const SessionLimits& limits;
   Server& server;
   std::function<void()> begin_stop;                                       // empty if nobody can be asked to stop
   std::function<void(std::function<void(Result<void>)>)> ask_for_reload;  // empty if there is no file to read again

@@ -201,6 +201,10 @@ Admin::Pages Operations::pages() {
       {"/metrics",
        [this] {
          parts_.metrics.operation().ready(parts_.health.ready());
+         const auto scenes = parts_.scenes.memory();
+         const SessionMemory sessions = parts_.limits.memory();
+         parts_.metrics.operation().memory({scenes.bytes, scenes.limit_bytes},
+                                           {sessions.bytes, sessions.limit_bytes});
          return Page{200, "text/plain; version=0.0.4; charset=utf-8", parts_.metrics.text()};
        }},
       {"/status",

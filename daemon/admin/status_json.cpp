@@ -96,6 +96,7 @@ std::string status_json(const OperatedParts& parts) {
   const std::vector<SessionStatus> sessions = parts.server.sessions();
   const ShareReport shares = parts.devices.shares();
   const auto sharing = parts.sharing.get();
+  const SessionMemory session_memory = parts.limits.memory();
   json status{{"version", parts.version},
               {"ready", parts.health.ready()},
               {"draining", parts.health.draining.load()},
@@ -103,6 +104,7 @@ std::string status_json(const OperatedParts& parts) {
               {"devices", json::array()},
               {"scene_memory",
                {{"bytes", parts.scenes.memory().bytes}, {"limit_bytes", parts.scenes.memory().limit_bytes}}},
+              {"session_memory", {{"bytes", session_memory.bytes}, {"limit_bytes", session_memory.limit_bytes}}},
               {"scenes", json::array()},
               {"scenes_under_way", json::array()},
               {"certificate", to_json(first_expiry(**parts.tls.get()), wall_now())},
@@ -127,7 +129,8 @@ std::string status_json(const OperatedParts& parts) {
     if (!directory->open(TenantId{i}) && open == 0) continue;
     json row{{"name", directory->name(TenantId{i})},
              {"weight", sharing->tenants[i].scheduling.weight},
-             {"sessions", open}};
+             {"sessions", open},
+             {"session_memory_bytes", i < session_memory.of_tenant.size() ? session_memory.of_tenant[i] : 0}};
     row.update(to_json(parts.metrics.totals(TenantId{i})));
     if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
     status["tenants"].push_back(std::move(row));

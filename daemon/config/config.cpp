@@ -183,6 +183,7 @@ bool needs_restart(const Config& next, const Config& running) {
   ServerConfig server = next.server;
   server.max_sessions = running.server.max_sessions;
   server.max_sessions_per_address = running.server.max_sessions_per_address;
+  server.max_session_memory_mb = running.server.max_session_memory_mb;
   server.tls = running.server.tls;
   server.insecure_listen = running.server.insecure_listen;
   AdminConfig admin = next.admin;

@@ -43,6 +43,7 @@ struct ServerConfig {
   uint32_t max_half_open = 1024;                      // connections of clients that have not shown who they are
   uint32_t max_sessions = 2048;
   uint32_t max_sessions_per_address = 1024;
+  uint32_t max_session_memory_mb = 0;       // of the host, that all sessions may need, MiB; 0: a quarter of it
   uint32_t connections_per_s = 100;         // of an address, in the long run; max_sessions_per_address in a burst
   bool require_path_validation = true;      // clients without the feature are refused
   std::chrono::seconds max_session_age{0};  // then the client has to authenticate anew; 0: no limit
@@ -146,6 +147,7 @@ struct TenantConfig {
   uint32_t least_lights_percent = 100;  // then, of the scene's lights
   uint32_t max_memory_mb = 0;           // of its sessions' buffers on the device, MiB
   uint32_t max_scene_memory_mb = 0;     // of the scenes that its clients asked for, MiB; 0: half of all scenes'
+  uint32_t max_session_memory_mb = 0;   // of the host, that its sessions may need, MiB; 0: what others leave
   std::vector<TokenHash> token_sha256 = {};  // of its tokens, each of which is accepted
   bool open = false;                         // clients need no token
   // A file with more hashes of tokens; see token_files.h.

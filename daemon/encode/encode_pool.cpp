@@ -67,8 +67,8 @@ void EncodePool::work(std::optional<uint32_t> home) {
     if (!shared && frame.meta.spec.codec == protocol::CodecId::tiles_context) {
       const auto split = within_memory([&]() -> Result<SharedPtr> { return share(frame); });
       if (!split) {
-        deliver({frame.meta, {}}, split.error());
         frame.mask.drop();
+        deliver({frame.meta, {}}, split.error());
         continue;
       }
       shared = *split;
@@ -150,11 +150,12 @@ void EncodePool::finish(Shared& shared) {
 }
 
 void EncodePool::deliver(EncodedFrame out, const Result<void>& result) {
-  if (!result)
-    return metrics_.dropped(out.meta.route.tenant, out.meta.route.session, Fault::encode_failed,
-                            result.error().message);
   out.meta.times.encoded = Clock::now();
-  sink_.on_encoded(std::move(out));
+  done_or_dropped("an encoded frame", [&] {
+    if (result) return sink_.on_encoded(std::move(out));
+    const FrameRoute& route = out.meta.route;
+    metrics_.dropped(route.tenant, route.session, Fault::encode_failed, result.error().message);
+  });
 }
 
 }  // namespace gnomon::daemon

@@ -10,6 +10,15 @@ prometheus::Family<prometheus::Counter>& reload_family(prometheus::Registry& reg
                         "Configurations read while running, taken or not.");
 }
 
+prometheus::Family<prometheus::Gauge>& account_family(prometheus::Registry& registry) {
+  return gauge_family(registry, "gnomon_account_bytes", "Memory that scenes or sessions are predicted to need.");
+}
+
+prometheus::Family<prometheus::Gauge>& account_limit_family(prometheus::Registry& registry) {
+  return gauge_family(registry, "gnomon_account_limit_bytes",
+                      "Memory that scenes or sessions may come to need; what would need more is refused.");
+}
+
 }  // namespace
 
 OperationMetrics::OperationMetrics(prometheus::Registry& registry)
@@ -19,11 +28,25 @@ OperationMetrics::OperationMetrics(prometheus::Registry& registry)
                        "When the first of the daemon's certificates expires, its clients' authorities included.")
               .Add({})),
       reloads_(reload_family(registry).Add({{"result", "done"}})),
-      failed_reloads_(reload_family(registry).Add({{"result", "failed"}})) {}
+      failed_reloads_(reload_family(registry).Add({{"result", "failed"}})),
+      scenes_{account_family(registry).Add({{"account", "scenes"}}),
+              account_limit_family(registry).Add({{"account", "scenes"}})},
+      sessions_{account_family(registry).Add({{"account", "sessions"}}),
+                account_limit_family(registry).Add({{"account", "sessions"}})} {}
 
 void OperationMetrics::ready(bool ready) { ready_.Set(ready ? 1 : 0); }
 
 void OperationMetrics::reloaded(bool wholly) { (wholly ? reloads_ : failed_reloads_).Increment(); }
+
+void OperationMetrics::AccountGauges::set(const MemoryAccount& account) {
+  bytes.Set(static_cast<double>(account.bytes));
+  limit_bytes.Set(static_cast<double>(account.limit_bytes));
+}
+
+void OperationMetrics::memory(const MemoryAccount& scenes, const MemoryAccount& sessions) {
+  scenes_.set(scenes);
+  sessions_.set(sessions);
+}
 
 void OperationMetrics::certificate_expires(std::chrono::sys_seconds at) {
   certificate_expiry_.Set(static_cast<double>(at.time_since_epoch().count()));

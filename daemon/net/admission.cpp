@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "common/within_memory.h"
 #include "daemon/net/answer.h"
 #include "daemon/net/words_for_clients.h"
 #include "daemon/security/random_bytes.h"
@@ -71,8 +72,21 @@ void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Messa
 asio::awaitable<void> Admission::admit(StreamPtr stream, protocol::Message first) {
   Applicant applicant{.stream = std::move(stream)};
   if (has_departed(applicant)) co_return;  // before this coroutine was started
-  const Verdict refusal = co_await take_steps(applicant, first);
-  if (refusal) refuse(applicant.stream, *refusal, applicant.claim, applicant.grant.tenant);
+  Verdict refusal;
+  bool enough_memory = true;
+  try {
+    refusal = co_await take_steps(applicant, first);
+  } catch (const std::bad_alloc&) {
+    enough_memory = false;
+  }
+  if (enough_memory && !refusal) co_return;
+  const bool refused_politely = done_or_dropped("a refusal", [&] {
+    if (!enough_memory) refusal = refused(RefusalCode::internal, "the server has no memory for it");
+    refuse(applicant.stream, *refusal, applicant.claim, applicant.grant.tenant);
+  });
+  if (refused_politely) co_return;
+  pending_.remove(applicant.stream.get());
+  applicant.stream->close();
 }
 
 asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, const protocol::Message& first) {
@@ -214,8 +228,11 @@ Admission::Verdict Admission::book(Applicant& applicant) const {
   const SessionGrant& grant = applicant.grant;
   const CostModels costs = shared_.devices.costs();
   const auto known = costs.find(grant.scene);
+  const bool references =
+      grant.has(protocol::kFeatureReferences) &&
+      (grant.codec == protocol::CodecId::tiles_context || grant.dense_codec == protocol::CodecId::tiles_context);
   const auto rejection =
-      shared_.limits.book(*applicant.permit, {grant.width, grant.height, grant.lights, grant.rate_hz},
+      shared_.limits.book(*applicant.permit, {grant.width, grant.height, grant.lights, grant.rate_hz, references},
                           known == costs.end() ? scheduler::CostModel() : known->second);
   if (!rejection) return std::nullopt;
   return refused(*rejection);

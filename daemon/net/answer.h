@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/clock.h"
+#include "common/within_memory.h"
 
 namespace gnomon::daemon {
 
@@ -42,11 +43,16 @@ asio::awaitable<std::optional<Answer>> answer_of(asio::io_context& io, const Ask
   const auto awaited =
       std::make_shared<Awaited<Answer>>(Awaited<Answer>{asio::steady_timer(io, TimePoint::max()), std::nullopt});
   ask([&io, weak = std::weak_ptr<Awaited<Answer>>(awaited)](Answer answer) {
-    asio::post(io, [weak, answer = std::move(answer)]() mutable {
-      const auto still_awaited = weak.lock();
-      if (!still_awaited) return;
-      still_awaited->answer.emplace(std::move(answer));
-      still_awaited->timer.cancel();
+    std::shared_ptr<Answer> given;
+    until_memory_suffices(
+        [&] { given = std::make_shared<Answer>(std::move(answer)); });  // moves nothing if it fails
+    until_memory_suffices([&] {
+      asio::post(io, [weak, given] {
+        const auto still_awaited = weak.lock();
+        if (!still_awaited) return;
+        still_awaited->answer.emplace(std::move(*given));
+        still_awaited->timer.cancel();
+      });
     });
   });
   const std::stop_callback give_up(std::move(unwanted), [&timer = awaited->timer] {

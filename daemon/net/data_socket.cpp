@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/within_memory.h"
 #include "daemon/service/supervisor.h"
 
 namespace gnomon::daemon {
@@ -95,11 +96,13 @@ void DataSocket::close() {
 }
 
 void DataSocket::wait() {
-  socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const asio::error_code& error) {
-    if (error == asio::error::operation_aborted) return;
-    for (int i = 0; i < kBatchesInARow && receive_batch() == kBatch; ++i) {
-    }
-    if (socket_.is_open()) wait();
+  until_memory_suffices([this] {
+    socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const asio::error_code& error) {
+      if (error == asio::error::operation_aborted) return;
+      for (int i = 0; i < kBatchesInARow && receive_batch() == kBatch; ++i) {
+      }
+      if (socket_.is_open()) wait();
+    });
   });
 }
 
@@ -118,7 +121,8 @@ size_t DataSocket::receive_batch() {
   if (got <= 0) return 0;  // no datagram waits, or the call has cleared a pending error of the socket
   for (size_t i = 0; i < static_cast<size_t>(got); ++i) {
     from[i].resize(messages[i].msg_hdr.msg_namelen);
-    on_datagram_(std::span(buffers_[i]).first(messages[i].msg_len), from[i]);
+    done_or_dropped("a datagram",
+                    [&] { on_datagram_(std::span(buffers_[i]).first(messages[i].msg_len), from[i]); });
   }
   return static_cast<size_t>(got);
 }

@@ -1,9 +1,9 @@
 #include "daemon/net/net_thread.h"
 
-#include "common/within_memory.h"
-
 #include <asio/post.hpp>
 #include <future>
+
+#include "common/within_memory.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -43,21 +43,18 @@ void NetThread::run() {
 
 // What runs out of memory costs one event, and its connection or session at most.
 void NetThread::serve() {
-  const auto run = [this]() -> Result<void> {
-    io_.run();
-    return {};
-  };
-  for (auto served = within_memory(run); !served; served = within_memory(run)) {
-    log::error("an event of the network was dropped", {{"why", served.error().message}});
+  while (!done_or_dropped("an event of the network", [this] { io_.run(); })) {
   }
 }
 
 void NetThread::stop(bool for_good) {
   if (!thread_.joinable()) return;
-  asio::post(io_, [this, for_good] {
-    control_.end_all(for_good);
-    links_.close();
-    stop_when_all_left(Clock::now() + kFarewellTime);
+  until_memory_suffices([&] {
+    asio::post(io_, [this, for_good] {
+      done_or_dropped("the farewell to clients", [&] { control_.end_all(for_good); });
+      links_.close();
+      stop_when_all_left(Clock::now() + kFarewellTime);
+    });
   });
   thread_.join();
 }
@@ -66,12 +63,23 @@ void NetThread::stop_when_all_left(TimePoint deadline) {
   const TimePoint now = Clock::now();
   pending_.expire(now);
   if (pending_.size() == 0 || now >= deadline) return io_.stop();
-  timer_.expires_after(1ms);  // this replaces the tick
-  timer_.async_wait([this, deadline](asio::error_code) { stop_when_all_left(deadline); });
+  until_memory_suffices([&] {
+    timer_.expires_after(1ms);  // this replaces the tick
+    timer_.async_wait([this, deadline](asio::error_code) { stop_when_all_left(deadline); });
+  });
 }
 
 void NetThread::tick() {
-  const TimePoint now = Clock::now();
+  done_or_dropped("a look at the sessions", [this] { review(Clock::now()); });
+  until_memory_suffices([this] {
+    timer_.expires_after(kTick);
+    timer_.async_wait([this](asio::error_code error) {
+      if (!error) tick();
+    });
+  });
+}
+
+void NetThread::review(TimePoint now) {
   control_.close_silent(now);
   if (now >= next_review_) {
     control_.close_unwelcome();
@@ -80,10 +88,6 @@ void NetThread::tick() {
   if (index_ == 0) shared_.store.expire(now);
   admission_->close_overdue(now);
   statistics_.tick(now);
-  timer_.expires_after(kTick);
-  timer_.async_wait([this](asio::error_code error) {
-    if (!error) tick();
-  });
 }
 
 void NetThread::adopt(asio::ip::tcp::socket socket) {
@@ -96,10 +100,13 @@ void NetThread::deliver(EncodedFrame frame) {
     const FrameRoute& route = frame.meta.route;
     return shared_.metrics.dropped(route.tenant, route.session, Fault::send_queue_full);
   }
-  asio::post(io_, [this, frame = std::move(frame)]() mutable {
-    frames_waiting_.fetch_sub(1);
-    links_.send(frame);
+  const bool posted = done_or_dropped("an encoded frame", [&] {
+    asio::post(io_, [this, frame = std::move(frame)]() mutable {
+      frames_waiting_.fetch_sub(1);
+      links_.send(frame);
+    });
   });
+  if (!posted) frames_waiting_.fetch_sub(1);
 }
 
 void NetThread::notify(const SessionDegraded& session) {

@@ -52,6 +52,7 @@ class NetThread {
   NetThread(const NetShared& shared, uint32_t index);
 
   void tick();
+  void review(TimePoint now);
   void stop_when_all_left(TimePoint deadline);
 
   const NetShared shared_;

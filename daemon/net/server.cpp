@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/within_memory.h"
 #include "daemon/service/supervisor.h"
 
 namespace gnomon::daemon {
@@ -64,20 +65,31 @@ void Server::run() {
 
 void Server::accept() {
   NetThread& owner = *threads_[next_++ % threads_.size()];
-  acceptor_->async_accept(owner.io(), [this, &owner](asio::error_code error, tcp::socket socket) {
-    if (error == asio::error::operation_aborted) return;
-    if (!error) {
-      asio::error_code gone;
-      const auto from = socket.remote_endpoint(gone);
-      if (gone || rate_.admit(network_of(from.address()), Clock::now())) {
-        owner.adopt(std::move(socket));
-      } else {
-        metrics_.report(Fault::connection_rate, {{"address", from.address().to_string()}});
-      }
-      return accept();
-    }
-    // Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
+  until_memory_suffices([&] {
+    acceptor_->async_accept(owner.io(), [this, &owner](asio::error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (error) return accept_later(error);
+      done_or_dropped("a connection", [&] { take(owner, std::move(socket)); });
+      accept();
+    });
+  });
+}
+
+void Server::take(NetThread& owner, tcp::socket socket) {
+  asio::error_code gone;
+  const auto from = socket.remote_endpoint(gone);
+  if (!gone && !rate_.admit(network_of(from.address()), Clock::now())) {
+    return metrics_.report(Fault::connection_rate, {{"address", from.address().to_string()}});
+  }
+  owner.adopt(std::move(socket));
+}
+
+// Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
+void Server::accept_later(asio::error_code error) {
+  done_or_dropped("a line of the log", [&] {
     log::warning("cannot accept a connection", {{"why", error.message()}});
+  });
+  until_memory_suffices([this] {
     retry_->expires_after(kRetryAccept);
     retry_->async_wait([this](asio::error_code cancelled) {
       if (!cancelled) accept();

@@ -41,6 +41,8 @@ class Server {
  private:
   explicit Server(const NetShared& shared);
   void accept();
+  void accept_later(asio::error_code error);
+  void take(NetThread& owner, asio::ip::tcp::socket socket);
   void stop(bool for_good);
 
   Metrics& metrics_;

@@ -1,8 +1,14 @@
 #include "daemon/net/session_links.h"
 
+#include "common/within_memory.h"
 #include "daemon/net/control_sender.h"
 
 namespace gnomon::daemon {
+namespace {
+
+constexpr auto kLaterTurn = std::chrono::milliseconds(10);  // of a session for which there was no memory
+
+}  // namespace
 
 SessionLinks::SessionLinks(const NetShared& shared, OpenSessions& sessions, asio::io_context& io)
     : shared_(shared), sessions_(sessions), io_(io) {}
@@ -108,9 +114,11 @@ void SessionLinks::arm_timer() {
   const TimePoint next = timers_.next();
   if (next >= armed_) return;
   armed_ = next;
-  timer_.expires_at(next);
-  timer_.async_wait([this](const asio::error_code& error) {
-    if (!error) serve_due();
+  until_memory_suffices([&] {
+    timer_.expires_at(next);
+    timer_.async_wait([this](const asio::error_code& error) {
+      if (!error) serve_due();
+    });
   });
 }
 
@@ -118,7 +126,10 @@ void SessionLinks::serve_due() {
   armed_ = TimePoint::max();
   const TimePoint now = Clock::now();
   for (SessionId id; timers_.take(now, id);) {
-    if (Session* session = sessions_.find(id)) serve(*session);
+    Session* const session = sessions_.find(id);
+    if (!session) continue;
+    const bool served = done_or_dropped("a session's turn", [&] { serve(*session); });
+    if (!served) until_memory_suffices([&] { timers_.set(id, now + kLaterTurn); });
   }
   arm_timer();
 }

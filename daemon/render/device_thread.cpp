@@ -53,11 +53,13 @@ void DeviceThread::render() {
       inbox_.take(batch, TimePoint::min());
       handle(batch);
     }
-    loop_->start(Clock::now());
-    if (scenes_may_differ(batch)) scenes_.publish(loop_->motion().report());
+    done_or_dropped("the start of frames", [&] {
+      loop_->start(Clock::now());
+      if (scenes_may_differ(batch)) scenes_.publish(loop_->motion().report());
+    });
     tell_change();
     if (loop_->finished()) break;
-    publish(Clock::now());
+    done_or_dropped("figures of a device", [&] { publish(Clock::now()); });
     inbox_.take(batch, std::min(next_report_, loop_->wake_at()));
     handle(batch);
   }
@@ -78,18 +80,14 @@ void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
 
 void DeviceThread::handle(std::vector<RenderEvent>& batch) {
   for (RenderEvent& event : batch) {
-    const auto handled = within_memory([&]() -> Result<void> {
-      loop_->handle(std::move(event), Clock::now());
-      return {};
-    });
-    if (!handled) log::error("an event of the device was dropped", {{"why", handled.error().message}});
+    done_or_dropped("an event of a device", [&] { loop_->handle(std::move(event), Clock::now()); });
   }
 }
 
 bool DeviceThread::tell_change() {
   const bool up = loop_->device_up() && !loop_->failure();
   if (up_.exchange(up) == up) return false;
-  owner_.device_changed(number_, up);
+  done_or_dropped("a change of a device", [&] { owner_.device_changed(number_, up); });
   return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/within_memory.h"
 #include "gpu/wire/translate.h"
 
 namespace gnomon::daemon {
@@ -138,7 +139,7 @@ std::function<void(gpu::FrameDone)> FrameJobs::completion(const RenderSession& s
     meta.times.rendered = done.completed_at;
     meta.times.gpu = Nanoseconds(done.frame_gpu_ns);
     meta.times.readback = Nanoseconds(done.readback_ns);
-    sink.on_rendered({std::move(meta), std::move(done.mask)});
+    done_or_dropped("a rendered frame", [&] { sink.on_rendered({std::move(meta), std::move(done.mask)}); });
   };
 }
 

@@ -130,7 +130,8 @@ class RenderInbox {
  public:
   explicit RenderInbox(size_t max_views = 16384) : max_views_(max_views) {}
 
-  bool push(RenderEvent event) { return events_.push(std::move(event)); }
+  // Nothing but views may be lost for want of memory, a job's end least of all.
+  bool push(RenderEvent event) { return events_.push_surely(std::move(event)); }
 
   // Returns false, and drops the view, if too many views wait or the inbox is closed.
   bool push_view(const ViewRequest& view) {

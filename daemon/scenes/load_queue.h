@@ -31,9 +31,10 @@ class LoadQueue {
   std::optional<Request> start() {
     const auto turn = next_turn();
     if (turn == queues_.end()) return std::nullopt;
-    last_ = turn->first;
+    uint32_t& at_work = at_work_[turn->first];  // first, as memory may be short
+    ++at_work;
     --free_;
-    ++at_work_[turn->first];
+    last_ = turn->first;
     Request request = std::move(turn->second.front());
     turn->second.pop_front();
     if (turn->second.empty()) queues_.erase(turn);

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "common/within_memory.h"
-#include "daemon/scenes/machine_memory.h"
+#include "daemon/config/machine_memory.h"
 #include "gpu/tracers/light_buffer/builder.h"
 #include "scenes/geometry/geometry.h"
 
@@ -15,6 +15,7 @@ namespace {
 constexpr uint32_t kLoaders = 4;
 
 const Error kNobodyWaits{"nobody waits for it any more"};
+const Error kNoMemory{"no memory"};  // so short that copies allocate nothing
 
 }  // namespace
 
@@ -64,31 +65,43 @@ void SceneHost::stop_reading() {
 
 void SceneHost::serve_requests() {
   while (auto request = next_request()) {
-    std::unique_lock lock(mutex_);
-    const auto [reading, first] = reading_.try_emplace(request->name);
-    reading->second.waiting.push_back(*request);
-    if (first) {
-      const std::stop_token stop = reading->second.stop.get_token();
-      lock.unlock();
-      const auto loaded = read(*request, stop);
-      lock.lock();
-      const std::vector<Request> waiting = std::move(reading->second.waiting);
-      reading_.erase(reading);
-      // Who asked after the reader had been stopped has it read anew.
-      const bool again = !loaded && stop.stop_requested() && !ending_;
-      if (again) {
-        for (const Request& other : waiting) requests_.push(other.asker, other);
-      }
-      lock.unlock();
-      for (const Request& other : waiting) {
-        if (!again) bring(other, loaded);
-      }
-      lock.lock();
+    if (!done_or_dropped("a request for a scene", [&] { serve(*request); })) answer(*request, kNoMemory);
+    {
+      std::lock_guard lock(mutex_);
+      requests_.done(request->asker);
     }
-    requests_.done(request->asker);
-    lock.unlock();
     changed_.notify_all();
   }
+}
+
+// Reads the scene, or waits with the request for whoever reads it already.
+void SceneHost::serve(const Request& request) {
+  Reading own{{request}, {}};
+  const std::stop_token stop = own.stop.get_token();
+  {
+    std::lock_guard lock(mutex_);
+    const auto [reading, first] = reading_.try_emplace(request.name, std::move(own));
+    if (!first) return reading->second.waiting.push_back(request);
+  }
+  const auto loaded = within_memory([&] { return read(request, stop); });
+  std::unique_lock lock(mutex_);
+  const auto reading = reading_.extract(request.name);
+  // Who asked after the reader had been stopped has it read anew.
+  const bool again = !loaded && stop.stop_requested() && !ending_;
+  lock.unlock();
+  for (const Request& waiting : reading.mapped().waiting) {
+    const bool served = done_or_dropped("an answer about a scene", [&] {
+      if (!again) return bring(waiting, loaded);
+      std::lock_guard queue(mutex_);
+      requests_.push(waiting.asker, waiting);
+    });
+    if (!served) answer(waiting, kNoMemory);
+  }
+}
+
+// Calls the request's callback; it may be called twice.
+void SceneHost::answer(const Request& request, const Error& why) {
+  done_or_dropped("a refusal of a scene", [&] { request.ready(why); });
 }
 
 // Waits for a request that may be read now. nullopt when the host ends.
@@ -256,11 +269,16 @@ Result<void> SceneHost::unload(const std::string& name) {
 }
 
 std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
-  const auto answered = std::make_shared<std::promise<Result<void>>>();
-  fetch(name, [answered](Result<SceneForUse> scene) {
-    answered->set_value(scene ? Result<void>() : Result<void>(scene.error()));
+  struct Answer {
+    std::promise<Result<void>> result;
+    std::atomic<bool> given{false};
+  };
+  const auto answer = std::make_shared<Answer>();
+  fetch(name, [answer](const Result<SceneForUse>& scene) {
+    if (answer->given.exchange(true)) return;
+    answer->result.set_value(scene ? Result<void>() : Result<void>(scene.error()));
   });
-  return answered->get_future();
+  return answer->result.get_future();
 }
 
 void SceneHost::keep_lights(const LightsUpdate& update) {

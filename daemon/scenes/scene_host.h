@@ -73,8 +73,8 @@ class SceneHost {
   void stop_reading();
 
   // Any thread. Makes the scene resident if it is not; scenes of tenants that nobody uses leave for it where memory is
-  // short. `ready` is called once, on the caller's, a loader's or a render
-  // thread, or by give_up().
+  // short. `ready` is called on the caller's, a loader's or a render thread, or by give_up(): once, but again with an
+  // error where memory ran out after the first call.
   FetchId fetch(const std::string& name, Ready ready, SceneAsker asker = std::nullopt);
 
   // Any thread. Answers a request that still waits to be read with an error. A scene for which nobody waits any more is
@@ -120,6 +120,8 @@ class SceneHost {
   };
 
   void serve_requests();  // a loader's thread
+  void serve(const Request& request);
+  static void answer(const Request& request, const Error& why);
   std::optional<Request> next_request();
   Result<scenes::LoadedScene> read(const Request& request, std::stop_token stop);
   Result<void> make_room(const Request& request, const scenes::LoadedScene& loaded);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/log.h"
+#include "common/within_memory.h"
 #include "daemon/service/supervisor.h"
 
 namespace gnomon::daemon {
@@ -41,11 +41,11 @@ void Watchdog::watch(std::chrono::microseconds interval) {
     const TimePoint now = Clock::now();
     if (liveness_.check(now)) {
       supervisor::alive();
-      alive_(now);
+      done_or_dropped("a sign of life", [&] { alive_(now); });
     }
     if (now < next_status) continue;
     next_status = now + kStatusInterval;
-    supervisor::status(status_());
+    done_or_dropped("a status line", [&] { supervisor::status(status_()); });
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "daemon/config/machine_memory.h"
+
 #include "daemon/session/handshake.h"
 
 namespace gnomon::daemon {
@@ -12,16 +14,27 @@ protocol::Refused full(const std::string& whose, uint32_t limit) {
                  whose + " has its " + std::to_string(limit) + " sessions already");
 }
 
-// `sessions` is 0, no limit: sessions are counted when a permit is taken, before the scene is brought.
-scheduler::TenantLimits limits_of(const TenantConfig& tenant) {
-  return {.sessions = 0,
-          .width = tenant.max_width,
+// The part of the machine's memory that sessions may need if the operator sets none. Scenes may have half of it.
+constexpr uint64_t kUsualShareOfMemory = 4;
+
+uint64_t session_memory_bytes(const ServerConfig& server) {
+  if (server.max_session_memory_mb > 0) return uint64_t{server.max_session_memory_mb} << 20;
+  static const uint64_t usable = usable_memory_bytes();
+  return usable / kUsualShareOfMemory;
+}
+
+scheduler::TenantLimits limits_of(const TenantConfig& tenant, uint64_t reserved_host_bytes) {
+  const uint64_t most_host_bytes = uint64_t{tenant.max_session_memory_mb} << 20;
+  return {.width = tenant.max_width,
           .height = tenant.max_height,
           .buffers_per_second = double(tenant.max_vbps),
           .bits_per_second = double(tenant.max_bits_per_s),
           .bytes_per_second = double(tenant.max_bytes_per_s),
           .gpu_share = tenant.max_gpu_percent / 100.0,
-          .memory_bytes = uint64_t{tenant.max_memory_mb} << 20};
+          .memory_bytes = uint64_t{tenant.max_memory_mb} << 20,
+          .host_bytes = most_host_bytes,
+          .reserved_host_bytes =
+              most_host_bytes > 0 ? std::min(most_host_bytes, reserved_host_bytes) : reserved_host_bytes};
 }
 
 }  // namespace
@@ -36,11 +49,14 @@ SessionLimits::SessionLimits(const Config& config, size_t devices) : devices_(st
 
 void SessionLimits::set_limits(const Config& config, const TenantDirectory& tenants) {
   const std::vector<TenantConfig> configs = tenants.configs();
-  std::vector<scheduler::TenantLimits> limits;
   uint32_t open = 0;
+  for (uint32_t id = 0; id < configs.size(); ++id) open += tenants.open(TenantId{id});
+  const scheduler::NodeLimits node{.capacity = devices_ * config.scheduler.admit_percent / 100.0,
+                                   .host_bytes = session_memory_bytes(config.server)};
+  const uint64_t reserved_bytes = node.host_bytes / 2 / std::max(1u, open);
+  std::vector<scheduler::TenantLimits> limits;
   for (uint32_t id = 0; id < configs.size(); ++id) {
-    limits.push_back(limits_of(configs[id]));
-    open += tenants.open(TenantId{id});
+    limits.push_back(limits_of(configs[id], tenants.open(TenantId{id}) ? reserved_bytes : 0));
   }
   std::lock_guard lock(mutex_);
   max_all_ = config.server.max_sessions;
@@ -53,7 +69,8 @@ void SessionLimits::set_limits(const Config& config, const TenantDirectory& tena
     const bool limited = places.most.value_or(0) > 0;
     places.reserved = !tenants.open(TenantId{id}) ? 0 : limited ? std::min(reserve, *places.most) : reserve;
   }
-  admission_.set_limits(devices_ * config.scheduler.admit_percent / 100.0, std::move(limits));
+  host_limit_bytes_ = node.host_bytes;
+  admission_.set_limits(node, std::move(limits));
 }
 
 uint32_t SessionLimits::reserved_for_others(TenantId tenant) const {
@@ -104,6 +121,15 @@ void SessionLimits::give_back(const SessionPermit& permit) {
   if (permit.booking_) admission_.release(permit.tenant_, *permit.booking_);
   const auto here = of_network_.find(permit.network_);
   if (--here->second == 0) of_network_.erase(here);
+}
+
+SessionMemory SessionLimits::memory() const {
+  std::lock_guard lock(mutex_);
+  SessionMemory memory{.bytes = admission_.host_bytes(), .limit_bytes = host_limit_bytes_};
+  for (uint32_t id = 0; id < of_tenant_.size(); ++id) {
+    memory.of_tenant.push_back(admission_.host_bytes(TenantId{id}));
+  }
+  return memory;
 }
 
 uint32_t SessionLimits::taken() const {

@@ -3,7 +3,7 @@
 //
 // Half of all places are reserved, equal parts for the tenants. A tenant without a limit of its own may take any place
 // beyond its reserve that is not reserved for another tenant: alone it gets most of the node, and however many sessions
-// the others have, a tenant finds its reserve free.
+// the others have, a tenant finds its reserve free. The memory that sessions can make the host keep is shared alike.
 #pragma once
 
 #include <map>
@@ -48,6 +48,13 @@ class SessionPermit {
   std::optional<scheduler::Booking> booking_;
 };
 
+// The account of the host memory that sessions may come to need; bytes.
+struct SessionMemory {
+  uint64_t bytes = 0;
+  uint64_t limit_bytes = 0;
+  std::vector<uint64_t> of_tenant = {};  // by TenantId
+};
+
 // Any thread.
 class SessionLimits {
  public:
@@ -65,6 +72,7 @@ class SessionLimits {
   void set_limits(const Config& config, const TenantDirectory& tenants);
 
   uint32_t taken() const;  // the number of permits that exist
+  SessionMemory memory() const;
 
  private:
   friend class SessionPermit;
@@ -83,6 +91,7 @@ class SessionLimits {
   };
   std::vector<Places> of_tenant_;  // by id
   scheduler::AdmissionControl admission_;
+  uint64_t host_limit_bytes_ = 0;
   uint32_t all_ = 0;
   std::map<ClientNetwork, uint32_t> of_network_;
 };

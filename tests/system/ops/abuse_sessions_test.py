@@ -4,6 +4,7 @@ strangers who fill the lobby, clients that leave while they wait, tokens that ar
 
     abuse_sessions_test.py BUILD
 """
+import dataclasses
 import datetime
 import pathlib
 import re
@@ -23,6 +24,8 @@ from node import Node, eventually, skip
 try:
     import messages
     from control import Closed, Control
+    from datagrams import Kind, camera_update
+    from mask_codecs import CONTEXT
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes, serialization
     from cryptography.hazmat.primitives.asymmetric import ec
@@ -166,6 +169,72 @@ class Places(unittest.TestCase):
         for session in greedy[LOBBY // 2:]:  # of the address's
             session.close()
         self.sessions.open(tenant="studio").close()
+
+
+class Memory(unittest.TestCase):
+    """What sessions make the host keep is predicted, shared among tenants, and never more than was predicted."""
+
+    LIMIT_MB = 96
+    SIZE = 1280, 720
+
+    def setUp(self):
+        self.node = Node(BUILD, server={"max_session_memory_mb": self.LIMIT_MB}, render={"tracer": "bvh"})
+        self.addCleanup(self.node.__exit__)
+        self.node.start()
+        self.sessions = Sessions(self.node)
+
+    def open(self, tenant):
+        host, port = self.sessions.server
+        session = Session(host, port, self.node.pin, messages.Hello(
+            scene=QUICK, width=self.SIZE[0], height=self.SIZE[1], tenant=tenant, codecs=(CONTEXT,),
+            features=messages.PATHS | messages.REFERENCES))
+        self.addCleanup(session.abandon)
+        return session
+
+    def account(self):
+        return self.node.status()["session_memory"]
+
+    def test_a_tenant_has_its_part_whatever_another_hoards(self):
+        before = self.account()
+        self.assertEqual(before["bytes"], 0)
+        self.assertEqual(before["limit_bytes"], self.LIMIT_MB << 20)
+        greedy = []
+        with self.assertRaises(RefusedBy) as refusal:
+            while len(greedy) < 1000:
+                greedy.append(self.open("arcade"))
+        refused = refusal.exception.refused
+        self.assertEqual(refused.code, messages.Refusal.OVER_CAPACITY)
+        self.assertIn("host memory", refused.text)
+        taken = self.account()["bytes"]
+        self.assertLessEqual(taken, before["limit_bytes"] * 3 / 4, "a quarter of all is reserved for the other tenant")
+        self.assertEqual(self.node.metric("gnomon_account_bytes", account="sessions"), taken)
+        other = [self.open("studio")]
+        self.assertEqual(sum(t["session_memory_bytes"] for t in self.node.status()["tenants"]), self.account()["bytes"])
+        print(f"{len(greedy)} sessions of one tenant in {taken >> 20} of {self.LIMIT_MB} MiB, then those of another")
+        for session in greedy + other:
+            session.close()
+        eventually(lambda: self.account()["bytes"] == 0, "all given back")
+
+    def test_hoarders_take_no_more_than_was_predicted(self):
+        """They keep every reference alive, and say of no slice that it has arrived."""
+        first = self.open("arcade")
+        first.picture(first.welcome.scene.default_camera)  # what the first frame makes for all
+        first.close()
+        eventually(lambda: self.account()["bytes"] == 0, "the first one given back")
+        hoarders = [self.open("arcade") for _ in range(4)]
+        before, predicted = self.node.metric("gnomon_process_resident_memory_bytes"), self.account()["bytes"]
+        until = time.monotonic() + 8
+        while time.monotonic() < until:
+            for session in hoarders:
+                camera = session.welcome.scene.default_camera
+                x, y, z = camera.position
+                session.number += 1
+                moved = dataclasses.replace(camera, position=(x + 0.02 * session.number, y, z))
+                session._send(Kind.CAMERA_UPDATE, camera_update(session.number, moved, 0, 0, [], session.number - 1))
+                session.poll(0.02)  # answers challenges
+        grown = self.node.metric("gnomon_process_resident_memory_bytes") - before
+        print(f"{len(hoarders)} sessions took {grown / 1e6:.1f} MB; {predicted / 1e6:.1f} MB were predicted")
+        self.assertLessEqual(grown, predicted)
 
 
 def certificate(folder, name, days=30.0):

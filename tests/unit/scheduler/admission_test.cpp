@@ -23,7 +23,9 @@ constexpr Demand kDemand{1000, 1000, 8, 30};
 
 class AdmissionTest : public testing::Test {
  protected:
-  void limit(const TenantLimits& one, double capacity = 1) { admission_.set_limits(capacity, {one, {}}); }
+  void limit(const TenantLimits& one, double capacity = 1) {
+    admission_.set_limits({.capacity = capacity}, {one, {}});
+  }
 
   AdmissionRejection refused(const Demand& demand, TenantId tenant = kOne) {
     const auto verdict = admission_.book(tenant, demand, model_);
@@ -58,12 +60,9 @@ TEST_F(AdmissionTest, WhoAsksForNoRateGetsWhatIsLeft) {
 
 TEST_F(AdmissionTest, EveryLimitOfATenantIsKeptAndNamed) {
   const std::vector<std::pair<TenantLimits, Limit>> cases{
-      {{.sessions = 1}, Limit::sessions},
-      {{.buffers_per_second = 45}, Limit::buffers},
-      {{.bits_per_second = 30 * 12e6}, Limit::bits},
-      {{.bytes_per_second = 30 * 120e3}, Limit::bytes},
-      {{.gpu_share = 0.3}, Limit::gpu_share},
-      {{.memory_bytes = 15'000'000}, Limit::memory},
+      {{.buffers_per_second = 45}, Limit::buffers},     {{.bits_per_second = 30 * 12e6}, Limit::bits},
+      {{.bytes_per_second = 30 * 120e3}, Limit::bytes}, {{.gpu_share = 0.3}, Limit::gpu_share},
+      {{.memory_bytes = 15'000'000}, Limit::memory},    {{.host_bytes = 15'000'000}, Limit::host_memory},
   };
   for (const auto& [limits, named] : cases) {
     admission_ = AdmissionControl();
@@ -88,7 +87,8 @@ TEST_F(AdmissionTest, WhatIsReleasedCanBeBookedAgain) {
          .bits_per_second = 30 * 24e6,
          .bytes_per_second = 30 * 240e3,
          .gpu_share = 0.72,
-         .memory_bytes = 40'000'000});
+         .memory_bytes = 40'000'000,
+         .host_bytes = 30'000'000});
   std::mt19937 random(4);
   std::vector<Booking> held;
   for (int i = 0; i < 100'000; ++i) {
@@ -101,7 +101,43 @@ TEST_F(AdmissionTest, WhatIsReleasedCanBeBookedAgain) {
     ASSERT_EQ(std::holds_alternative<Booking>(verdict), held.size() < 3) << i;
     if (const auto* booking = std::get_if<Booking>(&verdict)) held.push_back(*booking);
   }
-  EXPECT_EQ(admission_.sessions(kOne), held.size());
+  uint64_t host_bytes = 0;
+  for (const Booking& booking : held) host_bytes += booking.host_bytes;
+  EXPECT_EQ(admission_.host_bytes(kOne), host_bytes);
+  EXPECT_EQ(admission_.host_bytes(), host_bytes);
+}
+
+// A megabyte of masks: at most two frames being coded, four kept with parity and twelve references.
+TEST_F(AdmissionTest, AHostMayHaveToKeepReferencesAndFramesToSendAgain) {
+  limit({}, 0);
+  Demand demand = kDemand;
+  const auto plain = std::get<Booking>(admission_.book(kOne, demand, model_)).host_bytes;
+  demand.references = true;
+  const auto referring = std::get<Booking>(admission_.book(kOne, demand, model_)).host_bytes;
+  EXPECT_GE(plain, 6'000'000u);
+  EXPECT_GE(referring - plain, 12'000'000u);
+}
+
+TEST_F(AdmissionTest, MemoryThatIsReservedForATenantIsLeftToIt) {
+  constexpr uint64_t kReserve = 20'000'000;
+  admission_.set_limits({.host_bytes = 100'000'000},
+                        {{.reserved_host_bytes = kReserve}, {.reserved_host_bytes = kReserve}});
+  while (admitted(kDemand)) {
+  }
+  EXPECT_LE(admission_.host_bytes(kOne), 80'000'000u);
+  EXPECT_GE(admission_.host_bytes(kOne), 70'000'000u);
+  EXPECT_EQ(refused(kDemand).limit, Limit::host_memory);
+  while (admitted(kDemand, kTwo)) {
+  }
+  EXPECT_GE(admission_.host_bytes(kTwo), 16'000'000u) << "within its reserve";
+  EXPECT_LE(admission_.host_bytes(), 100'000'000u);
+  const AdmissionRejection rejection = refused(kDemand, kTwo);
+  EXPECT_EQ(rejection.limit, Limit::host_memory);
+  EXPECT_GT(rejection.fit_width, 0u) << "a smaller size fits";
+  Demand smaller = kDemand;
+  smaller.width = rejection.fit_width;
+  smaller.height = rejection.fit_height;
+  EXPECT_TRUE(admitted(smaller, kTwo));
 }
 
 TEST_F(AdmissionTest, WithoutMeasurementsTheDeviceIsNotThoughtFull) {

@@ -1,4 +1,4 @@
-#include "daemon/scenes/machine_memory.h"
+#include "daemon/config/machine_memory.h"
 
 #include <algorithm>
 #include <fstream>
