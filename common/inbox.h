@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/clock.h"
+#include "common/within_memory.h"
 
 namespace gnomon {
 
@@ -22,6 +23,17 @@ class Inbox {
       std::lock_guard lock(mutex_);
       if (closed_) return false;
       queue_.push_back(std::move(value));
+    }
+    ready_.notify_one();
+    return true;
+  }
+
+  // As push(), but waits until there is memory for the value: for what must not be lost.
+  bool push_surely(T value) {
+    {
+      std::lock_guard lock(mutex_);
+      if (closed_) return false;
+      until_memory_suffices([&] { queue_.push_back(std::move(value)); });  // moves nothing if it fails
     }
     ready_.notify_one();
     return true;

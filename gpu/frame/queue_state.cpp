@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/within_memory.h"
+
 namespace gnomon::gpu {
 namespace {
 
@@ -40,7 +42,7 @@ std::vector<JobId> QueueState::start() {
   const auto first = queue_.submit(commands_, &pool_->device()->queue());
   for (size_t i = 0; i < pending_.size(); ++i) {
     if (!first) refused.push_back(pending_[i].id);
-    started_.push({std::move(pending_[i]), first ? *first + i : kNeverStarted, !first && !queue_.lost()});
+    started_.push_surely({std::move(pending_[i]), first ? *first + i : kNeverStarted, !first && !queue_.lost()});
   }
   pending_.clear();
   commands_.clear();
@@ -50,7 +52,7 @@ std::vector<JobId> QueueState::start() {
 void QueueState::give_back_later(size_t slot) {
   InFlight nothing;
   nothing.slot = slot;
-  started_.push({std::move(nothing), 0, false});
+  started_.push_surely({std::move(nothing), 0, false});
 }
 
 void QueueState::complete() {
@@ -77,7 +79,9 @@ FrameDone QueueState::finish(const Started& started) {
   done.complete = submit.last;
   const auto passed = started.timeline == kNeverStarted ? Result<void>(Error{"the device took no work"})
                                                         : queue_.wait(started.timeline);
-  auto timing = passed ? slot.timing(plan, submit.band.timestamps) : Result<FrameTiming>(passed.error());
+  Result<FrameTiming> timing = Error{};
+  until_memory_suffices(
+      [&] { timing = passed ? slot.timing(plan, submit.band.timestamps) : Result<FrameTiming>(passed.error()); });
   done.completed_at = Clock::now();
   if (timing) {
     done.gpu_ns = timing->total_ns;
@@ -89,7 +93,7 @@ FrameDone QueueState::finish(const Started& started) {
   }
   if (submit.last) {
     const PackedMaskView mask = timing ? slot.packed(plan, submit.grid) : PackedMaskView{};
-    done.mask = SlotPool::lease(pool_, submit.slot, mask);
+    until_memory_suffices([&] { done.mask = SlotPool::lease(pool_, submit.slot, mask); });
   }
   return done;
 }

@@ -16,7 +16,7 @@ Background::~Background() {
 }
 
 void Background::run(std::function<Finish()> work, std::function<void()> wake) {
-  jobs_.push({std::move(work), std::move(wake)});
+  jobs_.push_surely({std::move(work), std::move(wake)});
   if (!thread_.joinable()) thread_ = std::thread([this] { serve(); });
 }
 
@@ -27,7 +27,7 @@ void Background::serve() {
   for (jobs_.take(batch); !batch.empty(); jobs_.take(batch)) {
     for (Job& job : batch) {
       if (jobs_.closed()) return;
-      finished_.push(job.work());
+      finished_.push_surely(job.work());
       job.wake();
       give_back_freed_memory();
     }

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <thread>
 #include <utility>
+
+#include "common/clock.h"
 
 namespace gnomon::gpu {
 
@@ -154,18 +157,19 @@ Result<Buffer> upload(const DevicePtr& device, std::span<const std::byte> conten
     std::memcpy(buffer->mapped(), content.data(), content.size());
     return buffer;
   }
-  constexpr size_t kStagingBytes = size_t{64} << 20;
-  const auto staging = Buffer::create(device, std::min(content.size(), kStagingBytes),
+  const auto staging = Buffer::create(device, std::min(content.size(), kUploadPieceBytes),
                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::upload);
   if (!staging) return staging.error();
-  for (size_t at = 0; at < content.size(); at += kStagingBytes) {
-    const size_t bytes = std::min(kStagingBytes, content.size() - at);
+  for (size_t at = 0; at < content.size(); at += kUploadPieceBytes) {
+    const size_t bytes = std::min(kUploadPieceBytes, content.size() - at);
     std::memcpy(staging->mapped(), content.data() + at, bytes);
+    const TimePoint began = Clock::now();
     const VkBufferCopy region{0, at, bytes};
     const auto copied = run_now(device, [&](VkCommandBuffer commands) {
       vkCmdCopyBuffer(commands, staging->handle(), buffer->handle(), 1, &region);
     });
     if (!copied) return copied.error();
+    if (at + bytes < content.size()) std::this_thread::sleep_for(Clock::now() - began);
   }
   return buffer;
 }

@@ -193,6 +193,31 @@ class Faults(unittest.TestCase):
         node.start()
         eventually(lambda: list(node.cache.glob("*.lightbuffer")), "the cache, written with room again")
 
+    def test_no_memory_now_and_then(self):
+        """Allocations of the daemon fail: large ones often, smaller ones now and then. It costs events, never the
+        daemon, and all is as before when there is memory again. The smallest are spared: nlohmann's json allocates
+        where it may not fail, in its destructor."""
+        node = self.serve(render={"tracer": "bvh"})
+        node.start(preload=node.build / "faults/libgnomon_fault_memory.so")
+        self.load({"studio": 2}, rate=20)
+        self.flying(2)
+        for one_in, least_bytes in ((20, 65536), (200, 4096), (500, 512)):
+            node.order("no_memory", f"{one_in} {least_bytes}")
+            until = time.monotonic() + 3
+            while time.monotonic() < until:
+                self.load({"arcade": 1}, rate=20, seconds=0.5)
+                for command in (["status"], ["reload"], ["scene", "unload", "living_room"]):
+                    node.ctl(*command)  # may be told that there is no memory
+            self.assertIsNone(node.process.poll(), f"it died with one in {one_in} refused from {least_bytes} bytes:\n"
+                              + node.log_text()[-3000:])
+            since = time.monotonic()
+            node.withdraw("no_memory")
+            self.first_frame_after(f"one in {one_in} allocations refused from {least_bytes} bytes", since)
+            self.assertEqual(node.ctl("reload")[0], 0)
+            rows = node.load({"arcade": 1}, seconds=0.5).rows()
+            self.assertGreater(rows[-1]["frames"], 0)
+        self.assertIn("dropped for want of memory", node.log_text())
+
     def test_out_of_descriptors(self):
         """Connections that say nothing take all of them; who is there goes on, and who comes later is served."""
         node = self.serve(render={"tracer": "bvh"}, server={"handshake_timeout_ms": 60000})
