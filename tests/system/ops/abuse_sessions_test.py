@@ -222,7 +222,7 @@ class Memory(unittest.TestCase):
         first.close()
         eventually(lambda: self.account()["bytes"] == 0, "the first one given back")
         hoarders = [self.open("arcade") for _ in range(4)]
-        before, predicted = self.node.metric("gnomon_process_resident_memory_bytes"), self.account()["bytes"]
+        before, predicted = self.node.metric("process_resident_memory_bytes"), self.account()["bytes"]
         until = time.monotonic() + 8
         while time.monotonic() < until:
             for session in hoarders:
@@ -232,7 +232,7 @@ class Memory(unittest.TestCase):
                 moved = dataclasses.replace(camera, position=(x + 0.02 * session.number, y, z))
                 session._send(Kind.CAMERA_UPDATE, camera_update(session.number, moved, 0, 0, [], session.number - 1))
                 session.poll(0.02)  # answers challenges
-        grown = self.node.metric("gnomon_process_resident_memory_bytes") - before
+        grown = self.node.metric("process_resident_memory_bytes") - before
         print(f"{len(hoarders)} sessions took {grown / 1e6:.1f} MB; {predicted / 1e6:.1f} MB were predicted")
         self.assertLessEqual(grown, predicted)
 
