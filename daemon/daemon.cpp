@@ -173,7 +173,8 @@ Result<void> Daemon::open_devices() {
   };
   auto started = devices_.start(options_.make_renderers, sharing_policy_of(options_.config), motion, *this, failed);
   if (!started) return started;
-  tracer_ = devices_.report().front().tracer;
+  const PooledDevice first = devices_.report().front();
+  tracer_ = first.tracer + " on " + first.name;
   // After the devices are open, as the pool needs their PCI addresses, and before the first session.
   encode_pool_ =
       open_encoders(options_.config.encode.threads, devices_.report(), metrics_, static_cast<FrameSink&>(*this));

@@ -16,6 +16,7 @@ namespace gnomon::client {
 template <class Arguments, class Run>
 int run_program(CLI::App& app, int argc, char** argv, void (*declare)(CLI::App&, Arguments&), Run run) {
   Arguments arguments;
+  app.option_defaults()->always_capture_default();  // --help shows them
   declare(app, arguments);
   try {
     app.parse(argc, argv);

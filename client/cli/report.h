@@ -16,6 +16,9 @@ struct Report {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
 };
 
+// The rows alone, as CSV: a line of the keys of all, then a line for each.
+Result<void> write_csv(const std::filesystem::path& file, const Report& report);
+
 Result<void> write_report(const std::filesystem::path& file, const Report& report);
 
 }  // namespace gnomon::client

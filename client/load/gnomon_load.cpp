@@ -19,16 +19,33 @@ constexpr size_t kClientsInTable = 32;
 volatile std::sig_atomic_t interrupted = 0;
 
 struct Arguments {
-  std::string server, scene, size, scene_folder, json, codec;
+  std::string server, scene, size, scene_folder, json, csv, codec, clients;
   Trust trust;
   std::string transport = "auto";
-  size_t clients = 0;
   double rate_hz = 0;
   double seconds = 10;
+  double warm_up = 0;
   double deadline_ms = 0;
+  double may_miss_percent = 0;
   bool still = false;
   std::vector<std::string> tenants;
 };
+
+void declare_cameras(CLI::App& app, Arguments& a) {
+  declare_rate(app, a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered");
+  app.add_flag("--still", a.still, "each client asks for one frame and then stands still")->excludes("--rate");
+  app.add_option("--seconds", a.seconds, "how long is measured")->check(CLI::Range(0.1, 1e6))->type_name("S");
+  app.add_option("--warm-up", a.warm_up, "how long is flown before that")
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("S");
+  app.add_option("--deadline-ms", a.deadline_ms, "how long after its camera an answer is of use; 0: not said")
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("MS");
+  app.add_option("--may-miss", a.may_miss_percent,
+                 "cameras that may stay without an answer before the exit status is 3")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("PERCENT");
+}
 
 void declare(CLI::App& app, Arguments& a) {
   declare_server(app, a.server);
@@ -37,18 +54,17 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--scene", a.scene, "scene that the server knows")->required()->type_name("NAME");
   app.add_option("--scene-dir", a.scene_folder, "folder of scene files, for their camera paths")->type_name("DIR");
   app.add_option("--size", a.size, "of the traced buffer")->required()->type_name("WxH");
-  app.add_option("--clients", a.clients, "how many clients, if no --tenant says it")->type_name("N");
-  declare_rate(app, a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered");
-  app.add_flag("--still", a.still, "each client asks for one frame and then stands still")->excludes("--rate");
-  app.add_option("--seconds", a.seconds, "how long")->check(CLI::Range(0.1, 1e6))->type_name("S");
+  app.add_option(
+         "--clients", a.clients,
+         "how many clients, if no --tenant says it; FIRST..LAST: one run after the other, with twice as many")
+      ->type_name("N|FIRST..LAST");
+  declare_cameras(app, a);
   declare_codec(app, a.codec);
-  app.add_option("--deadline-ms", a.deadline_ms, "how long after its camera an answer is of use; 0: not said")
-      ->check(CLI::Range(0.0, 1e6))
-      ->type_name("MS");
   app.add_option("--tenant", a.tenants, "clients of a tenant; may be given several times, TOKENFILE may be empty")
       ->allow_extra_args(false)
       ->type_name("NAME:TOKENFILE:CLIENTS");
   declare_json(app, a.json);
+  app.add_option("--csv", a.csv, "where to write the rows of the figures as CSV")->type_name("FILE");
 }
 
 // Raises the limit of open files to its maximum, as each client has two sockets.
@@ -59,60 +75,115 @@ void allow_many_files() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-Result<void> run(const Arguments& a) {
-  allow_many_files();
-  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupted = 1; });
+Nanoseconds seconds_of(double seconds) {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
+}
+
+Result<LoadOptions> load_options(const Arguments& a) {
   const auto server = parse_address(a.server);
   if (!server) return server.error();
   const auto size = parse_size(a.size);
   if (!size) return size.error();
   const auto transport = parse_transport(a.transport);
   if (!transport) return transport.error();
-  const auto plan = plan_load(a.tenants, a.clients);
-  if (!plan) return plan.error();
-
   std::vector<protocol::CodecId> codecs;
   if (!a.codec.empty()) {
     const auto codec = protocol::parse_codec(a.codec);
     if (!codec) return codec.error();
     codecs = {*codec};
   }
+  return LoadOptions{.server = *server,
+                     .trust = a.trust,
+                     .transport = *transport,
+                     .scene = a.scene,
+                     .scene_folder = a.scene_folder,
+                     .size = *size,
+                     .codecs = codecs,
+                     .rate_hz = a.rate_hz,
+                     .still = a.still,
+                     .deadline = seconds_of(a.deadline_ms / 1000),
+                     .warm_up = seconds_of(a.warm_up),
+                     .duration = seconds_of(a.seconds),
+                     .interrupted = [] { return interrupted != 0; }};
+}
 
-  const LoadOptions options{
-      .server = *server,
-      .trust = a.trust,
-      .transport = *transport,
-      .scene = a.scene,
-      .scene_folder = a.scene_folder,
-      .size = *size,
-      .codecs = codecs,
-      .rate_hz = a.rate_hz,
-      .still = a.still,
-      .deadline = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double, std::milli>(a.deadline_ms)),
-      .duration = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(a.seconds)),
-      .interrupted = [] { return interrupted != 0; }};
-  LoadRun load(options, *plan);
-  Progress progress;
-  if (const auto done = load.run(progress); !done) return done;
-  progress.clear();
-
-  const auto rows = load_rows(load);
-  print_table(stdout, rows, kClientsInTable);
-  if (!a.json.empty()) {
-    if (const auto written = write_report(a.json, load_report(options, load, rows)); !written) return written;
+// The clients of each run.
+Result<std::vector<std::vector<LoadGroup>>> plan_runs(const Arguments& a) {
+  std::vector<size_t> counts{0};
+  if (!a.clients.empty()) {
+    const auto parsed = parse_clients(a.clients);
+    if (!parsed) return parsed.error();
+    counts = *parsed;
   }
-  if (const uint64_t wrong = rows.back().counters.wrong_frames) {
+  std::vector<std::vector<LoadGroup>> runs;
+  for (const size_t clients : counts) {
+    const auto plan = plan_load(a.tenants, clients);
+    if (!plan) return plan.error();
+    runs.push_back(*plan);
+  }
+  return runs;
+}
+
+// What is wrong with a run, though it came to its end.
+Result<void> check(const std::vector<LoadRow>& rows, double may_miss, Exit& after_error) {
+  if (const uint64_t wrong = rows.back().figures.counters.wrong_frames) {
     return Error{std::to_string(wrong) + " slices answered no camera that was asked for, or did not decode"};
   }
   for (const LoadRow& row : rows) {
     if (!row.error.empty()) return Error{"client " + std::to_string(row.client) + ": " + row.error};
   }
-  return {};
+  const std::string missing = without_answer(rows.back(), may_miss);
+  if (missing.empty()) return {};
+  after_error = Exit::unanswered;
+  return Error{missing};
+}
+
+void print_lines(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::printf("%s\n", line.c_str());
+}
+
+Result<void> write_files(const Arguments& a, const Report& report) {
+  if (!a.json.empty()) {
+    if (auto written = write_report(a.json, report); !written) return written;
+  }
+  return a.csv.empty() ? Result<void>() : write_csv(a.csv, report);
+}
+
+Result<void> run(const Arguments& a, Exit& after_error) {
+  allow_many_files();
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupted = 1; });
+  const auto options = load_options(a);
+  if (!options) return options.error();
+  const auto runs = plan_runs(a);
+  if (!runs) return runs.error();
+  const bool sweep = runs->size() > 1;
+  Report report{.suite = "load", .device = to_string(options->server), .driver = ""};
+  Result<void> verdict;
+  for (const auto& plan : *runs) {
+    if (interrupted != 0 && !report.rows.empty()) break;
+    LoadRun load(*options, plan);
+    Progress progress;
+    if (const auto done = load.run(progress); !done) return done;
+    progress.clear();
+    const auto rows = load_rows(load);
+    if (report.rows.empty()) {
+      print_lines(load_settings(*options, load));
+      print_heading(stdout);
+    }
+    print_table(stdout, sweep ? std::vector{rows.back()} : rows, kClientsInTable);
+    if (!sweep) print_lines(load_remarks(rows.back()));
+    std::fflush(stdout);
+    add_rows(report, *options, load, rows);
+    if (verdict) verdict = check(rows, a.may_miss_percent / 100, after_error);
+  }
+  if (auto written = write_files(a, report); !written) return written;
+  return verdict;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Many Gnomon clients in one process: checks every answer and measures.", "gnomon-load");
+  app.set_version_flag("--version", "gnomon-load " GNOMON_VERSION);
   return run_program(app, argc, argv, declare, run);
 }

@@ -1,5 +1,7 @@
 #include "client/load/load_client.h"
 
+#include <algorithm>
+
 #include "client/cli/waiting_line.h"
 
 namespace gnomon::client {
@@ -13,6 +15,12 @@ LoadClient::LoadClient(Loop& loop, const Options& options)
 
 void LoadClient::on_message(const protocol::Message& message) {
   if (const auto* waiting = std::get_if<protocol::Waiting>(&message)) waits_for_ = describe(*waiting);
+  const auto* stats = std::get_if<protocol::Stats>(&message);
+  if (!stats || !path_) return;
+  const uint64_t frames = stats->frames - std::min(stats->frames, frames_of_stats_);
+  frames_of_stats_ = stats->frames;
+  figures_.times.queued += frames;
+  figures_.times.queue += std::chrono::microseconds(stats->queue_us) * static_cast<int64_t>(frames);
 }
 
 void LoadClient::fly(const CameraPath& path, TimePoint now) {
@@ -42,13 +50,42 @@ void LoadClient::send_when_due() {
   send_timer_.arm(pacer_->next_send(stream_.in_flight()));
 }
 
+// Cameras whose answer may still come. Of those in flight, some may have been given up; these are the oldest.
+uint64_t LoadClient::pending() const {
+  const StreamCounters& c = stream_.counters();
+  return std::min<uint64_t>(stream_.in_flight(), c.asked - c.complete - c.incomplete - c.superseded - c.unanswered);
+}
+
+void LoadClient::end_warm_up() {
+  figures_ = {};
+  server_times_ = {};
+  before_ = stream_.counters();
+  before_.asked -= pending();
+  bytes_before_ = stream_.connection().data_counters().received_bytes;
+}
+
+LoadFigures LoadClient::figures() const {
+  LoadFigures figures = figures_;
+  figures.counters = stream_.counters();
+  figures.counters -= before_;
+  figures.pending = pending();
+  figures.bytes = stream_.connection().data_counters().received_bytes - bytes_before_;
+  return figures;
+}
+
 void LoadClient::on_answer(const Answer& answer) {
   if (!path_) return;
   pacer_->answered(answer.response);
+  const std::chrono::microseconds server(answer.mask.server_us);
+  StageTimes& times = figures_.times;
+  ++times.answers;
+  times.response += answer.response;
+  times.server += std::min<Nanoseconds>(server, answer.response);
+  times.device += std::chrono::microseconds(answer.mask.gpu_us);
   if (answer.mask.complete()) {
-    ++frames_in_time_;
-    latencies_.add(answer.response);
-    server_times_.add(std::chrono::microseconds(answer.mask.server_us));
+    ++figures_.frames_in_time;
+    figures_.latencies.add(answer.response);
+    server_times_.add(server);
   }
   send_when_due();
 }

@@ -6,6 +6,7 @@
 
 #include "client/cli/camera_pacer.h"
 #include "client/cli/latency.h"
+#include "client/load/load_figures.h"
 #include "client/media/camera_path.h"
 #include "client/stream/visibility_stream.h"
 
@@ -35,15 +36,18 @@ class LoadClient {
   void stop();
   void close() { stream_.close("load run over"); }
 
-  // Complete frames, and their response times, between fly() and stop().
-  uint64_t frames_in_time() const { return frames_in_time_; }
-  const Latencies& latencies() const { return latencies_; }
+  // Forgets the figures so far: what was asked before it and is answered after it counts.
+  void end_warm_up();
+
+  // Since the warm-up, else since fly(). Times and frames in time are those up to stop().
+  LoadFigures figures() const;
   // Of the same frames: from the camera's arrival at the server to the frame's sending, as the server reports it.
   const Latencies& server_times() const { return server_times_; }
 
  private:
   void on_answer(const Answer& answer);
   void on_message(const protocol::Message& message);
+  uint64_t pending() const;
   void send_when_due();
 
   Options options_;
@@ -51,8 +55,10 @@ class LoadClient {
   TimePoint started_{};
   std::optional<CameraPacer> pacer_;
   std::string waits_for_;
-  uint64_t frames_in_time_ = 0;
-  Latencies latencies_;
+  LoadFigures figures_;    // but for what the stream counts
+  StreamCounters before_;  // what the stream had counted when the warm-up ended
+  uint64_t bytes_before_ = 0;
+  uint64_t frames_of_stats_ = 0;  // as the last Stats said
   Latencies server_times_;
   Timer send_timer_;
   VisibilityStream stream_;

@@ -6,6 +6,12 @@
 
 namespace gnomon::client {
 
+namespace {
+
+constexpr size_t kMostClients = 100'000;
+
+}  // namespace
+
 Result<LoadGroup> parse_group(std::string_view text) {
   const Error malformed{std::string("'").append(text) + "' is no NAME:TOKENFILE:CLIENTS, such as arcade::4"};
   const size_t first = text.find(':');
@@ -24,6 +30,25 @@ Result<LoadGroup> parse_group(std::string_view text) {
   if (!token) return token.error();
   group.token = std::move(*token);
   return group;
+}
+
+Result<std::vector<size_t>> parse_clients(std::string_view text) {
+  constexpr std::string_view kTo = "..";
+  const Error malformed{std::string("--clients: '").append(text) +
+                        "' is neither a number of clients, such as 8, nor a sweep, such as 1..64"};
+  const size_t split = text.find(kTo);
+  const auto number = [](std::string_view part) {
+    size_t value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc{} && end == part.data() + part.size() ? value : 0;
+  };
+  const size_t first = number(text.substr(0, split));
+  const size_t last = split == std::string_view::npos ? first : number(text.substr(split + kTo.size()));
+  if (first == 0 || last < first || last > kMostClients) return malformed;
+  std::vector<size_t> runs;
+  for (size_t clients = first; clients < last; clients *= 2) runs.push_back(clients);
+  runs.push_back(last);
+  return runs;
 }
 
 Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients) {

@@ -19,6 +19,9 @@ struct LoadGroup {
 // NAME:TOKENFILE:CLIENTS, where TOKENFILE may be empty.
 Result<LoadGroup> parse_group(std::string_view text);
 
+// How many clients in how many runs: "8", or "1..64", which doubles from run to run and ends with the last.
+Result<std::vector<size_t>> parse_clients(std::string_view text);
+
 // Without groups: `clients` clients of the default tenant. With groups: these, whose sum must be `clients` (0: any sum
 // is accepted).
 Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients);

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <map>
 
+#include "common/printable.h"
+
 namespace gnomon::client {
 namespace {
 
@@ -13,22 +15,16 @@ LoadRow client_row(size_t number, const LoadParticipant& participant, double sec
   row.client = number;
   row.clients = 1;
   row.tenant = participant.tenant;
-  row.counters = client.stream().counters();
-  row.frames = row.counters.complete;
-  row.vbps = seconds > 0 ? static_cast<double>(client.frames_in_time()) / seconds : 0;
-  row.latencies = client.latencies();
-  row.bytes = client.stream().connection().data_counters().received_bytes;
+  row.figures = client.figures();
+  row.vbps = seconds > 0 ? static_cast<double>(row.figures.frames_in_time) / seconds : 0;
   if (const auto& failure = client.stream().connection().failure()) row.error = failure->message;
   return row;
 }
 
 void add(LoadRow& sum, const LoadRow& row) {
   sum.clients += row.clients;
-  sum.counters += row.counters;
-  sum.frames += row.frames;
+  sum.figures += row.figures;
   sum.vbps += row.vbps;
-  sum.latencies.add(row.latencies);
-  sum.bytes += row.bytes;
 }
 
 const char* to_string(LoadRow::Scope scope) {
@@ -40,27 +36,47 @@ const char* to_string(LoadRow::Scope scope) {
   return "";
 }
 
-double ms(const LoadRow& row, double share) { return to_milliseconds(row.latencies.percentile(share)); }
+double ms(const LoadRow& row, double share) { return to_milliseconds(row.figures.latencies.percentile(share)); }
+
+unsigned long long whole(uint64_t count) { return count; }
+
+std::string text_of(const char* format, auto... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
 
 nlohmann::ordered_json to_json(const LoadRow& row) {
   nlohmann::ordered_json json = {{"scope", to_string(row.scope)}};
+  const LoadFigures& f = row.figures;
   if (row.scope == LoadRow::Scope::client) json["client"] = row.client;
   if (row.scope != LoadRow::Scope::total) json["tenant"] = row.tenant;
   json["clients"] = row.clients;
-  json["frames"] = row.frames;
+  json["frames"] = f.counters.complete;
   json["vbps"] = row.vbps;
+  json["offered"] = f.offered();
+  json["answered"] = f.answered();
+  json["coalesced"] = f.coalesced();
+  json["dropped"] = f.dropped();
   json["p50_ms"] = ms(row, 0.5);
+  json["p90_ms"] = ms(row, 0.9);
   json["p99_ms"] = ms(row, 0.99);
-  json["bytes_per_frame"] = row.bytes_per_frame();
-  json["lost_slices"] = row.counters.lost_slices;
-  json["resumed"] = row.counters.resumed;
-  json["wrong_frames"] = row.counters.wrong_frames;
-  json["incomplete_frames"] = row.counters.incomplete;
-  json["cameras"] = row.counters.asked;
-  json["superseded_cameras"] = row.counters.superseded;
-  json["unanswered_cameras"] = row.counters.unanswered;
-  json["duplicate_slices"] = row.counters.duplicate_slices;
-  json["late_slices"] = row.counters.late_slices;
+  json["p999_ms"] = ms(row, 0.999);
+  json["mean_ms"] = f.times.response_ms();
+  json["mean_queue_ms"] = f.times.queue_ms();
+  json["mean_device_ms"] = f.times.device_ms();
+  json["mean_encode_ms"] = f.times.encode_ms();
+  json["mean_network_ms"] = f.times.network_ms();
+  json["bytes_per_frame"] = f.bytes_per_frame();
+  json["lost_slices"] = f.counters.lost_slices;
+  json["resumed"] = f.counters.resumed;
+  json["wrong_frames"] = f.counters.wrong_frames;
+  json["incomplete_frames"] = f.counters.incomplete;
+  json["cameras"] = f.counters.asked;
+  json["superseded_cameras"] = f.counters.superseded;
+  json["unanswered_cameras"] = f.counters.unanswered;
+  json["duplicate_slices"] = f.counters.duplicate_slices;
+  json["late_slices"] = f.counters.late_slices;
   if (!row.error.empty()) json["error"] = row.error;
   return json;
 }
@@ -76,11 +92,6 @@ std::string name_of(const LoadRow& row) {
 }
 
 }  // namespace
-
-double LoadRow::bytes_per_frame() const {
-  const uint64_t came = counters.complete + counters.incomplete;
-  return came ? static_cast<double>(bytes) / static_cast<double>(came) : 0;
-}
 
 std::vector<LoadRow> load_rows(const LoadRun& run) {
   std::vector<LoadRow> rows;
@@ -100,8 +111,24 @@ std::vector<LoadRow> load_rows(const LoadRun& run) {
   return rows;
 }
 
-Report load_report(const LoadOptions& options, const LoadRun& run, const std::vector<LoadRow>& rows) {
-  Report report{.suite = "load", .device = to_string(options.server), .driver = ""};
+std::vector<std::string> load_settings(const LoadOptions& options, const LoadRun& run) {
+  std::string tracer, codec;
+  for (const auto& participant : run.participants()) {
+    const auto& welcome = participant.client->stream().connection().welcome();
+    if (welcome.session == SessionId{} || !tracer.empty()) continue;
+    tracer = without_controls(welcome.tracer);
+    codec = protocol::to_string(welcome.codec);
+  }
+  const std::string size = std::to_string(options.size.width) + "x" + std::to_string(options.size.height);
+  const std::string pace = options.still         ? "one camera each"
+                           : options.rate_hz > 0 ? text_of("%g cameras a second each", options.rate_hz)
+                                                 : "a new camera as soon as one is answered";
+  return {"server " + to_string(options.server) + ", tracer " + tracer + ", codec " + codec,
+          "scene " + options.scene + ", " + size + ", " + pace + ", " +
+              text_of("%.1f s after %.1f s of warm-up", run.flight_seconds(), to_seconds(options.warm_up))};
+}
+
+void add_rows(Report& report, const LoadOptions& options, const LoadRun& run, const std::vector<LoadRow>& rows) {
   for (const auto& participant : run.participants()) {
     const auto& tracer = participant.client->stream().connection().welcome().tracer;
     if (report.driver.empty()) report.driver = tracer;
@@ -112,23 +139,60 @@ Report load_report(const LoadOptions& options, const LoadRun& run, const std::ve
     json["size"] = std::to_string(options.size.width) + "x" + std::to_string(options.size.height);
     json["rate_hz"] = options.rate_hz;
     json["seconds"] = run.flight_seconds();
+    json["warm_up_seconds"] = to_seconds(options.warm_up);
     report.rows.push_back(std::move(json));
   }
+}
+
+Report load_report(const LoadOptions& options, const LoadRun& run, const std::vector<LoadRow>& rows) {
+  Report report{.suite = "load", .device = to_string(options.server), .driver = ""};
+  add_rows(report, options, run, rows);
   return report;
+}
+
+void print_heading(std::FILE* out) {
+  std::fprintf(out, "%-24s %8s %8s %9s %7s %8s %8s %8s %8s %8s %9s %5s %5s\n", "", "offered", "answered",
+               "coalesced", "dropped", "vbps", "p50 ms", "p90 ms", "p99 ms", "p99.9 ms", "B/frame", "lost",
+               "wrong");
 }
 
 void print_table(std::FILE* out, const std::vector<LoadRow>& rows, size_t max_clients) {
   const bool with_clients = rows.back().clients <= max_clients;
-  std::fprintf(out, "%-28s %8s %8s %9s %9s %12s %6s %6s\n", "", "frames", "vbps", "p50 ms", "p99 ms", "bytes/frame",
-               "lost", "wrong");
   for (const LoadRow& row : rows) {
     if (row.scope == LoadRow::Scope::client && !with_clients && row.error.empty()) continue;
-    std::fprintf(out, "%-28s %8llu %8.2f %9.1f %9.1f %12.0f %6llu %6llu%s%s\n", name_of(row).c_str(),
-                 static_cast<unsigned long long>(row.frames), row.vbps, ms(row, 0.5), ms(row, 0.99),
-                 row.bytes_per_frame(), static_cast<unsigned long long>(row.counters.lost_slices),
-                 static_cast<unsigned long long>(row.counters.wrong_frames), row.error.empty() ? "" : "  ",
-                 row.error.c_str());
+    const LoadFigures& f = row.figures;
+    std::fprintf(out, "%-24s %8llu %8llu %9llu %7llu %8.2f %8.1f %8.1f %8.1f %8.1f %9.0f %5llu %5llu%s%s\n",
+                 name_of(row).c_str(), whole(f.offered()), whole(f.answered()), whole(f.coalesced()),
+                 whole(f.dropped()), row.vbps, ms(row, 0.5), ms(row, 0.9), ms(row, 0.99), ms(row, 0.999),
+                 f.bytes_per_frame(), whole(f.counters.lost_slices), whole(f.counters.wrong_frames),
+                 row.error.empty() ? "" : "  ", row.error.c_str());
   }
+}
+
+std::vector<std::string> load_remarks(const LoadRow& total) {
+  const StageTimes& times = total.figures.times;
+  std::vector<std::string> remarks;
+  if (times.answers > 0 && times.knows_queue()) {
+    remarks.push_back(text_of(
+        "the mean answer took %.1f ms: queue %.1f, device %.1f, encoding and sending %.1f, network and client %.1f",
+        times.response_ms(), times.queue_ms(), times.device_ms(), times.encode_ms(), times.network_ms()));
+  } else if (times.answers > 0) {
+    remarks.push_back(text_of(
+        "the mean answer took %.1f ms: queue, encoding and sending %.1f, device %.1f, network and client %.1f",
+        times.response_ms(), times.encode_ms(), times.device_ms(), times.network_ms()));
+  }
+  if (total.figures.without_answer() > 0) remarks.push_back("times are those of the cameras that were answered");
+  return remarks;
+}
+
+std::string without_answer(const LoadRow& total, double tolerated) {
+  const LoadFigures& f = total.figures;
+  if (static_cast<double>(f.without_answer()) <= tolerated * static_cast<double>(f.offered())) return "";
+  return text_of("%llu of %llu cameras stayed without an answer (%.1f%%): ", whole(f.without_answer()),
+                 whole(f.offered()),
+                 100 * static_cast<double>(f.without_answer()) / static_cast<double>(f.offered())) +
+         text_of("%llu were coalesced, a newer one was answered in their place, and %llu dropped",
+                 whole(f.coalesced()), whole(f.dropped()));
 }
 
 }  // namespace gnomon::client

@@ -11,8 +11,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Answers that are pending when the flight ends are waited for this long.
-constexpr auto kLandingTime = 1s;
+// Answers that are pending when the flight ends are waited for this long, or twice as long as the slowest took.
+constexpr Nanoseconds kLandingTime = 1s;
+constexpr Nanoseconds kLongestLanding = 15s;
 constexpr auto kProgressInterval = 100ms;
 
 LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& group, double phase) {
@@ -93,19 +94,32 @@ void LoadRun::fly(Progress& progress) {
   }
 
   started_ = Clock::now();
-  const TimePoint end = started_ + options_.duration;
   for (auto& p : participants_) p.client->fly(path, started_);
+  if (options_.warm_up > Nanoseconds::zero()) {
+    fly_until(started_ + options_.warm_up, progress);
+    for (auto& p : participants_) p.client->end_warm_up();
+    started_ = Clock::now();
+  }
+  fly_until(started_ + options_.duration, progress);
+  for (auto& p : participants_) p.client->stop();
+  flight_seconds_ = to_seconds(Clock::now() - started_);
+}
+
+void LoadRun::fly_until(TimePoint end, Progress& progress) {
   while (Clock::now() < end && open_clients() > 0 && !options_.interrupted()) {
     loop_.run_until(std::min(end, Clock::now() + kProgressInterval), [] { return false; });
     const TimePoint now = Clock::now();
     if (progress.due(now)) progress.show(progress_line(now), now);
   }
-  for (auto& p : participants_) p.client->stop();
-  flight_seconds_ = to_seconds(Clock::now() - started_);
 }
 
 void LoadRun::land() {
-  loop_.run_until(Clock::now() + kLandingTime, [this] {
+  Nanoseconds slowest = kLandingTime;
+  for (const auto& p : participants_) {
+    const Latencies known = p.client->figures().latencies;
+    slowest = std::max(slowest, known.count() > 0 ? 2 * known.percentile(1) : kLongestLanding);
+  }
+  loop_.run_until(Clock::now() + std::min(slowest, kLongestLanding), [this] {
     return std::all_of(participants_.begin(), participants_.end(),
                        [](const auto& p) { return !p.client->open() || p.client->stream().in_flight() == 0; });
   });
@@ -115,7 +129,7 @@ void LoadRun::land() {
 std::string LoadRun::progress_line(TimePoint now) const {
   uint64_t frames = 0, lost = 0, wrong = 0;
   for (const auto& p : participants_) {
-    const auto& counters = p.client->stream().counters();
+    const StreamCounters counters = p.client->figures().counters;
     frames += counters.complete;
     lost += counters.lost_slices;
     wrong += counters.wrong_frames;

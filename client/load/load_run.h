@@ -24,6 +24,7 @@ struct LoadOptions {
   bool still = false;                          // each client asks for one frame, then stands still
   uint32_t in_flight = 1;                      // cameras that a client without a rate may have unanswered
   Nanoseconds deadline{};                      // how long after its camera an answer is useful; 0: not said
+  Nanoseconds warm_up{};                       // flown before the duration, and not measured
   Nanoseconds duration = std::chrono::seconds(10);
   std::function<bool()> interrupted = [] { return false; };  // asked a few times a second; true ends the flight
 };
@@ -42,12 +43,13 @@ class LoadRun {
   Result<void> run(Progress& progress);
 
   const std::vector<LoadParticipant>& participants() const { return participants_; }
-  double flight_seconds() const { return flight_seconds_; }
+  double flight_seconds() const { return flight_seconds_; }  // measured
   size_t open_clients() const;
 
  private:
   Result<void> connect(Progress& progress);
   void fly(Progress& progress);
+  void fly_until(TimePoint end, Progress& progress);
   void land();
   std::string progress_line(TimePoint now) const;
 

@@ -5,7 +5,7 @@
 namespace gnomon::client {
 
 Result<Address> parse_address(std::string_view text) {
-  const Error malformed{std::string("'").append(text) + "' is no HOST:PORT, such as localhost:7311 or [::1]:7311"};
+  const Error malformed{std::string("'").append(text) + "' is no HOST:PORT, such as localhost:7600 or [::1]:7600"};
   const size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return malformed;
   std::string_view host = text.substr(0, colon);

@@ -14,7 +14,7 @@ struct Address {
   uint16_t port = 0;
 };
 
-// Accepts "host:7311", "127.0.0.1:7311" or "[::1]:7311".
+// Accepts "host:7600", "127.0.0.1:7600" or "[::1]:7600".
 Result<Address> parse_address(std::string_view text);
 
 std::string to_string(const Address& address);

@@ -1,5 +1,6 @@
 #include "client/net/control_channel.h"
 
+#include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509_vfy.h>
 
@@ -21,11 +22,37 @@ namespace {
 
 using asio::ip::tcp;
 
-// OpenSSL's objection to the server's certificate, in words for a person; nullptr if it accepts it.
-const char* complaint(SSL* tls) {
+// OpenSSL's objection to the server's certificate, in words for a person, and what can be done about it; empty if it
+// accepts it.
+std::string complaint(SSL* tls) {
   const long found = SSL_get_verify_result(tls);
-  if (found == X509_V_OK) return nullptr;
-  return found == X509_V_ERR_CERT_UNTRUSTED ? "it is not the one expected" : X509_verify_cert_error_string(found);
+  const std::string shown = shown_pin(tls);
+  switch (found) {
+    case X509_V_OK: return "";
+    case X509_V_ERR_CERT_UNTRUSTED: return "it is not the one expected; the server shows " + shown;
+    case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
+    case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
+    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
+    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
+    case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
+      return std::string(X509_verify_cert_error_string(found)) +
+             "; name who has signed it (--ca), or, if the server's operator confirms that it is this one, the "
+             "certificate itself (--pin " +
+             shown + ")";
+    default: return X509_verify_cert_error_string(found);
+  }
+}
+
+// What is likely where TLS begins with something else, as at the admin server's port.
+std::string advice(const asio::error_code& error) {
+  if (error.category() != asio::error::get_ssl_category()) return "";
+  switch (ERR_GET_REASON(static_cast<unsigned long>(error.value()))) {
+    case SSL_R_WRONG_VERSION_NUMBER:
+    case SSL_R_TLSV1_ALERT_NO_APPLICATION_PROTOCOL:
+      return "; this is not the port for clients, which is server.control_port (7600, if nobody has changed it; "
+             "admin.port is another one)";
+    default: return "";
+  }
 }
 
 }  // namespace
@@ -59,13 +86,15 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
   }
 
   void connect(const tcp::resolver::results_type& found) {
-    asio::async_connect(stream.next_layer(), found,
-                        [self = shared_from_this()](const asio::error_code& error, const auto&) {
-                          if (self->closed) return;
-                          if (error)
-                            return self->fail(std::string("cannot reach ") + to_string(self->server), error);
-                          self->shake_hands();
-                        });
+    asio::async_connect(
+        stream.next_layer(), found, [self = shared_from_this()](const asio::error_code& error, const auto&) {
+          if (self->closed) return;
+          if (error) {
+            return self->fail(std::string("cannot reach ") + to_string(self->server), error,
+                              error == asio::error::connection_refused ? "; no gnomond listens there" : "");
+          }
+          self->shake_hands();
+        });
   }
 
   void shake_hands() {
@@ -77,11 +106,11 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
     stream.async_handshake(
         asio::ssl::stream_base::client, [self = shared_from_this()](const asio::error_code& error) {
           if (self->closed) return;
-          const char* const distrust = complaint(self->stream.native_handle());
-          if (error && distrust) {
+          const std::string distrust = complaint(self->stream.native_handle());
+          if (error && !distrust.empty()) {
             return self->fail("the certificate of " + to_string(self->server) + " is refused: " + distrust, {});
           }
-          if (error) return self->fail("no TLS with " + to_string(self->server), error);
+          if (error) return self->fail("no TLS with " + to_string(self->server), error, advice(error));
           self->read();
           self->events.connected();
         });
@@ -121,10 +150,10 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
                       });
   }
 
-  void fail(const std::string& what, const asio::error_code& error) {
+  void fail(const std::string& what, const asio::error_code& error, const std::string& hint = {}) {
     shut();
     const bool plain_end = !error || error == asio::error::eof || error == asio::ssl::error::stream_truncated;
-    events.failed(Error{plain_end ? what : what + ": " + error.message()});
+    events.failed(Error{(plain_end ? what : what + ": " + error.message()) + hint});
   }
 
   void shut() {

@@ -29,8 +29,32 @@ Result<Pin> read_pin(const std::string& pin_or_file) {
   return protocol::parse_pin(line);
 }
 
+// For OpenSSL, which frees it with the context or the connection that it belongs to.
+void free_pin(void*, void* pin, CRYPTO_EX_DATA*, int, long, void*) { delete static_cast<Pin*>(pin); }
+
+int index_of_shown_pin() {
+  static const int index = SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, free_pin);
+  return index;
+}
+
+// OpenSSL itself keeps a certificate only once it is accepted.
+void remember_shown(X509_STORE_CTX* store) {
+  auto* const tls = static_cast<SSL*>(X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
+  X509* const certificate = X509_STORE_CTX_get0_cert(store);
+  if (!tls || !certificate || SSL_get_ex_data(tls, index_of_shown_pin())) return;
+  auto* const pin = new Pin(protocol::pin_of(certificate));
+  if (SSL_set_ex_data(tls, index_of_shown_pin(), pin) != 1) delete pin;
+}
+
+// Called for each certificate of the chain, with OpenSSL's own verdict.
+int note_shown(int accepted, X509_STORE_CTX* store) {
+  remember_shown(store);
+  return accepted;
+}
+
 // Replaces OpenSSL's verification: accepts the pinned certificate within its validity period, whoever has signed it.
 int verify_pinned(X509_STORE_CTX* store, void* pin) {
+  remember_shown(store);
   X509* const certificate = X509_STORE_CTX_get0_cert(store);
   int error = X509_V_OK;
   if (!certificate || protocol::pin_of(certificate) != *static_cast<const Pin*>(pin)) {
@@ -44,9 +68,7 @@ int verify_pinned(X509_STORE_CTX* store, void* pin) {
   return error == X509_V_OK;
 }
 
-// The context owns the pin: OpenSSL calls this when the context is freed.
-void free_pin(void*, void* pin, CRYPTO_EX_DATA*, int, long, void*) { delete static_cast<Pin*>(pin); }
-
+// The context owns the pin.
 void accept_pinned(SSL_CTX* context, const Pin& pin) {
   static const int index = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, free_pin);
   auto* const kept = new Pin(pin);
@@ -82,12 +104,17 @@ Result<void> show_own(SSL_CTX* context, const Trust& trust) {
 
 }  // namespace
 
+std::string shown_pin(const SSL* tls) {
+  const auto* const pin = static_cast<const Pin*>(SSL_get_ex_data(tls, index_of_shown_pin()));
+  return pin ? protocol::to_string(*pin) : std::string();
+}
+
 Result<std::unique_ptr<asio::ssl::context>> open_trust(const Trust& trust, const std::string& host) {
   auto made = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_client);
   SSL_CTX* const context = made->native_handle();
   SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION);
   SSL_CTX_set_alpn_protos(context, protocol::kAlpn.data(), protocol::kAlpn.size());
-  SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
+  SSL_CTX_set_verify(context, SSL_VERIFY_PEER, note_shown);
   if (!trust.pin.empty()) {
     const auto pin = read_pin(trust.pin);
     if (!pin) return pin.error();

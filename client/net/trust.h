@@ -7,6 +7,8 @@
 
 #include "common/result.h"
 
+struct ssl_st;
+
 namespace asio::ssl {
 class context;
 }
@@ -22,6 +24,10 @@ struct Trust {
   std::filesystem::path certificate = {};
   std::filesystem::path key = {};
 };
+
+// The fingerprint of the certificate that the server has shown in this handshake, whether it was accepted or not; empty
+// if it has shown none. Of handshakes in a context of open_trust().
+std::string shown_pin(const ssl_st* tls);
 
 // The TLS context of one connection to `host`, a name or an address. Error: the file and why it cannot be used.
 Result<std::unique_ptr<asio::ssl::context>> open_trust(const Trust& trust, const std::string& host);

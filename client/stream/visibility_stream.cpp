@@ -41,6 +41,22 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
   return *this;
 }
 
+StreamCounters& StreamCounters::operator-=(const StreamCounters& other) {
+  asked -= other.asked;
+  complete -= other.complete;
+  incomplete -= other.incomplete;
+  superseded -= other.superseded;
+  unanswered -= other.unanswered;
+  lost_slices -= other.lost_slices;
+  duplicate_slices -= other.duplicate_slices;
+  late_slices -= other.late_slices;
+  rebuilt_slices -= other.rebuilt_slices;
+  unreadable_slices -= other.unreadable_slices;
+  resumed -= other.resumed;
+  wrong_frames -= other.wrong_frames;
+  return *this;
+}
+
 VisibilityStream::VisibilityStream(Loop& loop, StreamOptions options, Events events)
     : options_(with_features(std::move(options))),
       events_(std::move(events)),

@@ -56,6 +56,7 @@ struct StreamCounters {
   uint64_t wrong_frames = 0;       // slices of frames never requested, that contradict their frame or do not decode
 
   StreamCounters& operator+=(const StreamCounters& other);
+  StreamCounters& operator-=(const StreamCounters& other);  // what was counted since `other`
 };
 
 class VisibilityStream {

@@ -365,5 +365,6 @@ Result<void> run(const Arguments& a, Exit& after_error) {
 int main(int argc, char** argv) {
   CLI::App app("A thin client: rasterises and shades with visibility that a Gnomon daemon traced.",
                "gnomon-client");
+  app.set_version_flag("--version", "gnomon-client " GNOMON_VERSION);
   return run_program(app, argc, argv, declare, run);
 }

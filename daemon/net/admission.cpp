@@ -5,8 +5,6 @@
 #include <asio/steady_timer.hpp>
 #include <asio/use_awaitable.hpp>
 
-#include <algorithm>
-
 #include "common/within_memory.h"
 #include "daemon/net/answer.h"
 #include "daemon/net/words_for_clients.h"
@@ -129,7 +127,9 @@ Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hel
     return refused(*message);
   auto granted = check_hello(hello, identified.tenant, shared_.config,
                              [&](const auto& asked) { return shared_.catalog.find(asked); });
-  if (const auto* message = std::get_if<protocol::Refused>(&granted)) return refused(*message);
+  if (const auto* message = std::get_if<protocol::Refused>(&granted)) {
+    return refused(with_scenes(*message, shared_.catalog));
+  }
   applicant.grant = std::get<SessionGrant>(std::move(granted));
   applicant.grant.credential = identified.credential;
   applicant.grant.credential.shown = wall_now();

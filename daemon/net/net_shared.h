@@ -25,7 +25,7 @@ namespace gnomon::daemon {
 struct NetShared {
   const Config& config;
   const Published<TenantDirectory>& tenants;
-  const std::string& tracer;  // its name, for clients
+  const std::string& tracer;  // its name and the device's, for clients
   const SceneCatalog& catalog;
   const Health& health;
   const PublishedTls& tls;

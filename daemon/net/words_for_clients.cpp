@@ -3,6 +3,20 @@
 #include <algorithm>
 
 namespace gnomon::daemon {
+namespace {
+
+constexpr size_t kMostScenesNamed = 16;
+
+}  // namespace
+
+protocol::Refused with_scenes(protocol::Refused refused, const SceneCatalog& catalog) {
+  if (refused.code != protocol::RefusalCode::unknown_scene) return refused;
+  const auto& sources = catalog.sources();
+  const size_t named = std::min(sources.size(), kMostScenesNamed);
+  for (size_t i = 0; i < named; ++i) refused.text += (i == 0 ? "; there are: " : ", ") + sources[i].name;
+  if (named < sources.size()) refused.text += " and " + std::to_string(sources.size() - named) + " more";
+  return refused;
+}
 
 // In words that name neither the scene's file nor other clients.
 std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {

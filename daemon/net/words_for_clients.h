@@ -7,8 +7,12 @@
 #include "daemon/metrics/health.h"
 #include "daemon/scenes/scene_catalog.h"
 #include "daemon/scenes/scene_host.h"
+#include "protocol/messages.h"
 
 namespace gnomon::daemon {
+
+// Who asks for a scene that is not here is told of those that are; other refusals stay as they are.
+protocol::Refused with_scenes(protocol::Refused refused, const SceneCatalog& catalog);
 
 // Why a scene is not served, without the scene's folder, whose name is no client's business.
 std::string without_folder(std::string why, const std::string& scene, const SceneCatalog& catalog);

@@ -78,9 +78,9 @@ Result<Flight> fly(const client::LoadOptions& options, size_t clients, size_t th
     if (!done[t]) return done[t].error();
     const client::LoadRow total = client::load_rows(*runs[t]).back();
     flight.vbps += total.vbps;
-    flight.frames += total.frames;
-    flight.bytes += total.bytes;
-    flight.response.add(total.latencies);
+    flight.frames += total.figures.counters.complete;
+    flight.bytes += total.figures.bytes;
+    flight.response.add(total.figures.latencies);
     flight.seconds = std::max(flight.seconds, runs[t]->flight_seconds());
     flight.clients_cpu_seconds += cpu[t];
     for (const auto& participant : runs[t]->participants()) flight.server.add(participant.client->server_times());

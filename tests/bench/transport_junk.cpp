@@ -31,7 +31,7 @@ Result<Fare> fare(const client::LoadOptions& load) {
   if (auto done = flight.run(progress); !done) return done.error();
   progress.clear();
   const client::LoadRow total = client::load_rows(flight).back();
-  return Fare{total.vbps, to_milliseconds(total.latencies.percentile(0.99))};
+  return Fare{total.vbps, to_milliseconds(total.figures.latencies.percentile(0.99))};
 }
 
 Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {

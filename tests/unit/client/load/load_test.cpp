@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "client/cli/options.h"
 #include "client/load/load_plan.h"
@@ -37,6 +38,59 @@ TEST(LoadPlan, RefusesWhatDoesNotAddUp) {
   EXPECT_EQ(plan_load({"a::3"}, 4).error().message, "--clients 4 but the tenants have 3");
   EXPECT_FALSE(plan_load({"a:/no/such/file:3"}, 0));
   for (const char* text : {"", "a", "a:3", "::3", "a::0", "a::x", "a::3x"}) EXPECT_FALSE(parse_group(text)) << text;
+}
+
+TEST(LoadPlan, ASweepDoublesAndEndsWithTheLast) {
+  EXPECT_EQ(*parse_clients("8"), (std::vector<size_t>{8}));
+  EXPECT_EQ(*parse_clients("1..64"), (std::vector<size_t>{1, 2, 4, 8, 16, 32, 64}));
+  EXPECT_EQ(*parse_clients("3..7"), (std::vector<size_t>{3, 6, 7}));
+  for (const char* text : {"", "0", "x", "8x", "1..", "..8", "8..1", "0..4", "1..2..4", "-1", "1..999999"}) {
+    EXPECT_FALSE(parse_clients(text)) << text;
+  }
+}
+
+// 10 cameras: 6 answered, 3 replaced by newer ones, 1 without any answer.
+LoadRow some_row() {
+  LoadRow row;
+  row.figures.counters.asked = 10;
+  row.figures.counters.complete = 5;
+  row.figures.counters.incomplete = 1;
+  row.figures.pending = 1;
+  row.figures.times = {
+      .answers = 6, .response = 600ms, .server = 300ms, .device = 120ms, .queued = 3, .queue = 30ms};
+  return row;
+}
+
+TEST(LoadFigures, EveryCameraIsAnsweredCoalescedOrDropped) {
+  const LoadRow row = some_row();
+  EXPECT_EQ(row.figures.coalesced(), 3u);
+  EXPECT_EQ(row.figures.dropped(), 1u);
+  EXPECT_EQ(without_answer(row, 0),
+            "4 of 10 cameras stayed without an answer (40.0%): 3 were coalesced, a newer one was answered in their "
+            "place, and 1 dropped");
+  EXPECT_NE(without_answer(row, 0.39), "");
+  EXPECT_EQ(without_answer(row, 0.4), "");
+}
+
+TEST(LoadFigures, TheMeanAnswersTimeIsTheSumOfItsStages) {
+  const StageTimes times = some_row().figures.times;
+  EXPECT_DOUBLE_EQ(times.response_ms(), 100);
+  EXPECT_DOUBLE_EQ(times.queue_ms() + times.device_ms() + times.encode_ms() + times.network_ms(), 100);
+  EXPECT_EQ(
+      load_remarks(some_row()).front(),
+      "the mean answer took 100.0 ms: queue 10.0, device 20.0, encoding and sending 20.0, network and client 50.0");
+}
+
+TEST(LoadFigures, CsvHasALineForEachRowAndQuotesWhatNeedsIt) {
+  const fs::path file = fs::temp_directory_path() / ("gnomon-csv-" + std::to_string(getpid()));
+  Report report;
+  report.rows.push_back({{"scope", "client"}, {"tenant", "a,\"b\""}, {"vbps", 1.5}});
+  report.rows.push_back({{"scope", "total"}, {"vbps", 2}});
+  ASSERT_TRUE(write_csv(file, report));
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  fs::remove(file);
+  EXPECT_EQ(text.str(), "scope,tenant,vbps\nclient,\"a,\"\"b\"\"\",1.5\ntotal,,2\n");
 }
 
 TEST(Options, SizesAreCheckedAgainstWhatTheWireCarries) {
@@ -75,11 +129,15 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
   const auto rows = load_rows(run);
   ASSERT_EQ(rows.size(), 3u);
   for (const auto& row : rows) {
-    EXPECT_EQ(row.frames, 20u);
-    EXPECT_EQ(row.counters.wrong_frames, 0u);
-    EXPECT_EQ(row.latencies.count(), 20u);
+    EXPECT_EQ(row.figures.counters.complete, 20u);
+    EXPECT_EQ(row.figures.counters.wrong_frames, 0u);
+    EXPECT_EQ(row.figures.latencies.count(), 20u);
+    EXPECT_EQ(row.figures.offered(), 21u);
+    EXPECT_EQ(row.figures.answered(), 20u);
+    EXPECT_EQ(row.figures.coalesced(), 0u);
+    EXPECT_EQ(row.figures.dropped(), 1u) << "the server left before it answered the last";
     EXPECT_GT(row.vbps, 0);
-    EXPECT_GT(row.bytes_per_frame(), 64 * 48 * 2 / 8) << "noise does not compress";
+    EXPECT_GT(row.figures.bytes_per_frame(), 64 * 48 * 2 / 8) << "noise does not compress";
   }
   EXPECT_NE(rows[0].error, "") << "the server ended the session early";
 
@@ -90,7 +148,9 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
   EXPECT_EQ(report.rows[0]["scope"], "client");
   EXPECT_EQ(report.rows[1]["scope"], "tenant");
   EXPECT_EQ(report.rows[2]["scope"], "total");
-  for (const char* key : {"vbps", "p50_ms", "p99_ms", "bytes_per_frame", "lost_slices", "frames", "wrong_frames"}) {
+  for (const char* key :
+       {"vbps", "p50_ms", "p90_ms", "p99_ms", "p999_ms", "bytes_per_frame", "lost_slices", "frames", "wrong_frames",
+        "offered", "answered", "coalesced", "dropped", "mean_network_ms"}) {
     for (const auto& row : report.rows) EXPECT_TRUE(row.contains(key) && row[key].is_number()) << key;
   }
 }

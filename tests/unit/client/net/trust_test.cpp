@@ -46,7 +46,8 @@ TEST(Trust, APinIsForOneCertificate) {
   const Identity one = made({.name = "one", .hosts = {}, .lasts = 1h});
   const Identity another = made({.name = "one", .hosts = {}, .lasts = 1h});
   EXPECT_EQ(verdict(one, FakeServer::trust(one)), "opened");
-  EXPECT_EQ(refused_for(verdict(another, FakeServer::trust(one))), "it is not the one expected");
+  EXPECT_EQ(refused_for(verdict(another, FakeServer::trust(one))),
+            "it is not the one expected; the server shows " + FakeServer::trust(another).pin);
 }
 
 TEST(Trust, APinnedCertificateHasItsTimeToo) {
@@ -87,8 +88,10 @@ TEST_F(Signed, AndNotExpiredNorByStrangers) {
       made({.name = "authority", .hosts = {}, .use = CertificateOptions::Use::authority, .lasts = 1h});
   const auto foreign = made({.name = "server", .hosts = {kHere}, .lasts = 1h}, &stranger);
   EXPECT_NE(refused_for(verdict(foreign, trust())).find("certificate"), std::string::npos);
-  EXPECT_EQ(refused_for(verdict(made({.name = "server", .hosts = {kHere}, .lasts = 1h}), trust())),
-            "self-signed certificate");
+  const auto own = made({.name = "server", .hosts = {kHere}, .lasts = 1h});
+  const std::string self_signed = refused_for(verdict(own, trust()));
+  EXPECT_TRUE(self_signed.starts_with("self-signed certificate; ")) << self_signed;
+  EXPECT_NE(self_signed.find("(--pin " + FakeServer::trust(own).pin + ")"), std::string::npos) << self_signed;
 }
 
 }  // namespace
