@@ -26,6 +26,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr int kWrongUsage = 2;             // exit status after a command line that cannot be understood
 constexpr auto kBetweenReminders = 10min;  // looks at the dates of certificates
 constexpr auto kStopTime = 1500ms;  // beyond server.drain_timeout_ms, for frames in flight and the last messages
 
@@ -231,21 +232,29 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   gnomon::daemon::Arguments arguments;
   CLI::App app{"Traces light visibility for many thin clients on one GPU."};
-  auto* config = app.add_option("--config", arguments.config, "The configuration, see config/gnomond.yaml");
+  app.option_defaults()->always_capture_default();
+  auto* config =
+      app.add_option("--config", arguments.config, "The configuration, see gnomond.yaml(5)")->type_name("FILE");
   app.add_option("--set", arguments.overrides, "key.path=value: overrides the file; may be repeated")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->needs(config);
   auto* check =
       app.add_flag("--check-config", arguments.check_config, "Check the configuration and leave")->needs(config);
   app.add_flag("--for-reload", arguments.for_reload, "With --check-config: files that are missing are no mistake")
       ->needs(check);
-  auto* scene =
-      app.add_option("--check-scene", arguments.check_scene, "Check a glTF file and leave")->excludes(config);
+  auto* scene = app.add_option("--check-scene", arguments.check_scene, "Check a glTF file and leave")
+                    ->type_name("FILE")
+                    ->excludes(config);
   app.set_version_flag("--version", "gnomond " GNOMON_VERSION);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& ended) {
+    return app.exit(ended) == 0 ? EXIT_SUCCESS : gnomon::daemon::kWrongUsage;
+  }
   if (config->count() + scene->count() == 0) {
-    std::fprintf(stderr, "gnomond: --config FILE is needed; config/gnomond.yaml shows every key\n");
-    return EXIT_FAILURE;
+    std::fprintf(stderr, "gnomond: --config FILE is needed; gnomond.yaml(5) explains every key\n");
+    return gnomon::daemon::kWrongUsage;
   }
   return gnomon::daemon::run(arguments);
 }

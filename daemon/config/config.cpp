@@ -1,6 +1,7 @@
 #include "daemon/config/config.h"
 
 #include <asio/ip/address.hpp>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -77,7 +78,18 @@ Result<std::string> read_file(const std::filesystem::path& file) {
 // `address`: one that parsing has accepted.
 bool is_loopback(const std::string& address) { return asio::ip::make_address(address).is_loopback(); }
 
-std::filesystem::path absolute_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
+// A path that begins with ${CREDENTIALS_DIRECTORY} lies where systemd puts what a unit's LoadCredential= names. Where it
+// puts nothing, the path stays as it is, and is found missing under this name.
+std::filesystem::path with_credentials(const std::filesystem::path& path) {
+  constexpr std::string_view kVariable = "${CREDENTIALS_DIRECTORY}";
+  const std::string text = path.string();
+  const char* const folder = std::getenv("CREDENTIALS_DIRECTORY");
+  if (!folder || !text.starts_with(kVariable)) return path;
+  return folder + text.substr(kVariable.size());
+}
+
+std::filesystem::path absolute_below(const std::filesystem::path& folder, const std::filesystem::path& written) {
+  const std::filesystem::path path = with_credentials(written);
   return std::filesystem::absolute(path.is_absolute() ? path : folder / path).lexically_normal();
 }
 

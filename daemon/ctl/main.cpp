@@ -1,10 +1,14 @@
 // gnomonctl: the operators' command line tool for a running gnomond.
+#include <unistd.h>
+
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <optional>
 
 #include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/init.h"
 #include "daemon/ctl/scene_load.h"
 #include "daemon/ctl/secrets.h"
 #include "daemon/ctl/top.h"
@@ -26,6 +30,7 @@ struct Arguments {
   double interval_s = 1;
   uint32_t count = 0;
   CertsRequest certs;
+  InitRequest init;
 };
 
 using Command = std::function<Result<void>(const Arguments&)>;
@@ -111,7 +116,8 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
       add(*scene, chosen, "load", "Bring a scene of the configuration to the device; shows how far it is", load),
       add(*scene, chosen, "unload",
           "Take a scene that nobody uses off the device; its file is read anew when asked for", unload)};
-  for (CLI::App* each : both) each->add_option("NAME", arguments.scene, "As clients ask for it")->required();
+  for (CLI::App* each : both)
+    each->add_option("NAME", arguments.scene, "As clients ask for it")->required()->type_name("SCENE");
 }
 
 void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
@@ -132,8 +138,10 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   add(app, chosen, "sessions", "Open sessions with their latencies", show(sessions_text, "sessions"));
   CLI::App* top_command = add(app, chosen, "top", "A live table of tenants and sessions", live);
   top_command->add_option("--interval", arguments.interval_s, "Seconds between two tables")
-      ->check(CLI::Range(0.1, 3600.0));
-  top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is interrupted");
+      ->check(CLI::Range(0.1, 3600.0))
+      ->type_name("SECONDS");
+  top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is left or interrupted")
+      ->type_name("N");
   add(app, chosen, "reload", "Read the configuration again; no session is dropped",
       [](const Arguments& a) { return post(a, "/reload"); });
   add(app, chosen, "drain", "Admit nobody, and serve those who are here on",
@@ -154,6 +162,41 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   add_device_commands(app, chosen, arguments);
 }
 
+// What is not said is asked for, where there is somebody to ask.
+Result<void> make_production(const Arguments& arguments) {
+  InitRequest request = arguments.init;
+  if (isatty(STDIN_FILENO) == 1) ask_for_missing(request, std::cin, std::cout);
+  const auto made = init(request);
+  if (!made) return made.error();
+  print(*made);
+  return {};
+}
+
+void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
+  CLI::App* command =
+      add(app, chosen, "init",
+          "Write what production needs: configuration, certificates, tokens, ports; asks for the rest",
+          make_production);
+  command
+      ->add_option("--host", request.hosts, "Name or address by which clients reach this machine; several in turn")
+      ->type_name("HOST");
+  command->add_option("--tenant", request.tenants, "Who is served; several in turn; else default")
+      ->type_name("NAME");
+  command
+      ->add_option("--scene", request.scenes, "living_room, temple, NAME=FILE or FILE; several in turn; else both")
+      ->type_name("SCENE");
+  command->add_option("--out", request.out, "Folder of the configuration")->type_name("DIR");
+  command->add_option("--listen", request.listen, "Address of the clients' ports")->type_name("ADDRESS");
+  command->add_option("--port", request.port, "Clients' port, TCP and UDP")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("N");
+  command->add_option("--days", request.days, "How long the server's certificate lasts")
+      ->check(CLI::Range(1u, 3650u))
+      ->type_name("DAYS");
+  command->add_option("--systemd", request.systemd, "Folder of units, for the socket's drop-in; else the system's")
+      ->type_name("DIR");
+}
+
 void add_secret_commands(CLI::App& app, Command& chosen, CertsRequest& request) {
   CLI::App* certs = add(app, chosen, "make-certs", "Make the certificates that gnomond and its clients need",
                         [](const Arguments& a) -> Result<void> {
@@ -162,10 +205,13 @@ void add_secret_commands(CLI::App& app, Command& chosen, CertsRequest& request) 
                           print(*made);
                           return {};
                         });
-  certs->add_option("--out", request.out, "Folder for them")->required();
-  certs->add_option("--host", request.hosts, "Name or address by which clients reach the server")->required();
-  certs->add_option("--client", request.tenants, "Tenant whose clients get a certificate, in the place of a token");
-  certs->add_option("--days", request.days, "How long they last")->check(CLI::Range(1u, 3650u));
+  certs->add_option("--out", request.out, "Folder for them")->required()->type_name("DIR");
+  certs->add_option("--host", request.hosts, "Name or address by which clients reach the server")
+      ->required()
+      ->type_name("HOST");
+  certs->add_option("--client", request.tenants, "Tenant whose clients get a certificate, in the place of a token")
+      ->type_name("NAME");
+  certs->add_option("--days", request.days, "How long they last")->check(CLI::Range(1u, 3650u))->type_name("DAYS");
   certs->add_flag("--renew", request.renew, "Replace those that are there");
   add(app, chosen, "make-token", "Make a tenant's token, and the hash of it for gnomond's configuration",
       [](const Arguments&) -> Result<void> {
@@ -178,18 +224,23 @@ int run(int argc, char** argv) {
   Arguments arguments;
   Command chosen;
   CLI::App app{"Asks a running gnomond, or tells it what to do."};
+  app.option_defaults()->always_capture_default();
   app.add_option("--admin", arguments.admin.address,
                  "gnomond's admin server: unix:PATH, http://HOST:PORT or https://HOST:PORT; else its usual socket")
+      ->type_name("ADDRESS")
       ->envname("GNOMON_ADMIN");
   app.add_option("--token-file", arguments.token_file, "Its token, for what changes something over TCP")
+      ->type_name("FILE")
       ->envname("GNOMON_TOKEN_FILE");
   app.add_option("--ca", arguments.admin.authority,
                  "Who signed its certificate, for https; else whom the system trusts")
+      ->type_name("FILE")
       ->envname("GNOMON_ADMIN_CA");
   app.add_flag("--json", arguments.json, "For programs");
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);
   add_commands(app, chosen, arguments);
+  add_init_command(app, chosen, arguments.init);
   add_secret_commands(app, chosen, arguments.certs);
   try {
     app.parse(argc, argv);

@@ -1,13 +1,8 @@
 #include "daemon/ctl/secrets.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <sstream>
 
+#include "daemon/ctl/new_file.h"
 #include "daemon/security/certificates.h"
 #include "daemon/security/tokens.h"
 
@@ -21,25 +16,6 @@ using Use = CertificateOptions::Use;
 
 constexpr std::chrono::hours kDay{24};
 constexpr auto kAuthorityLasts = 10 * 365 * kDay;
-
-std::string read(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-// The file appears under its name only when it is complete.
-Result<void> write(const fs::path& file, const std::string& text, mode_t mode) {
-  const fs::path unfinished = file.string() + ".new";
-  unlink(unfinished.c_str());
-  const int out = open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL, mode);
-  const bool written = out >= 0 && ::write(out, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  if (out >= 0) close(out);
-  if (!written || rename(unfinished.c_str(), file.c_str()) != 0) {
-    return Error{file.string() + ": cannot be written: " + std::strerror(errno)};
-  }
-  return {};
-}
 
 class Folder {
  public:
@@ -78,7 +54,7 @@ class Folder {
 
   Result<void> open_authority() {
     if (fs::exists(certificate("ca"))) {
-      authority_ = {read(certificate("ca")), read(key("ca"))};
+      authority_ = {read_file(certificate("ca")), read_file(key("ca"))};
       return {};
     }
     CertificateOptions options{.name = "Gnomon authority", .hosts = {}, .use = Use::authority};
@@ -97,8 +73,8 @@ class Folder {
   }
 
   Result<void> save(const std::string& name, const Identity& identity) {
-    if (auto done = write(key(name), identity.key, 0600); !done) return done;
-    return write(certificate(name), identity.certificate, 0644);
+    if (auto done = write_file(key(name), identity.key, 0600); !done) return done;
+    return write_file(certificate(name), identity.certificate, 0644);
   }
 
   const CertsRequest& request_;

@@ -1,39 +1,17 @@
 #include "daemon/ctl/top.h"
 
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <cstdio>
-#include <sstream>
 #include <thread>
 
 #include "common/clock.h"
-#include "daemon/ctl/views.h"
+#include "daemon/ctl/top_screen.h"
 
 namespace gnomon::ctl {
 namespace {
 
-constexpr const char* kHome = "\x1b[H";
-constexpr const char* kClearLine = "\x1b[K\n";
-constexpr const char* kClearBelow = "\x1b[J";
+using std::chrono::milliseconds;
 
-// As many lines as the terminal has; each line is cleared behind its text, so that the screen does not flicker.
-std::string on_screen(const std::string& text) {
-  winsize size{};
-  const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1 && size.ws_col > 0;
-  std::istringstream lines(text);
-  std::string screen = kHome;
-  int row = 1;
-  for (std::string line; std::getline(lines, line) && (!known || row < size.ws_row); ++row) {
-    screen += (known ? line.substr(0, size.ws_col) : line) + kClearLine;
-  }
-  return screen + kClearBelow;
-}
-
-}  // namespace
-
-Result<void> top(AdminClient& admin, const TopOptions& options) {
-  const bool terminal = isatty(STDOUT_FILENO) == 1;
+Result<void> print_tables(AdminClient& admin, const TopOptions& options) {
   auto before = admin.status();
   TimePoint then = Clock::now();
   if (!before) return before.error();
@@ -44,12 +22,54 @@ Result<void> top(AdminClient& admin, const TopOptions& options) {
     const TimePoint at = Clock::now();
     const std::string text =
         options.json ? now->dump(-1, ' ', true) + "\n" : top_text(*before, *now, to_seconds(at - then)) + "\n";
-    std::fputs(terminal && !options.json ? on_screen(text).c_str() : text.c_str(), stdout);
+    std::fputs(text.c_str(), stdout);
     std::fflush(stdout);
     before = std::move(now);
     then = at;
   }
   return {};
+}
+
+// Shows the tables until the next ones are due. Returns false if the user wants to leave.
+bool serve_keys(TopScreen& screen, TopView& view, const TopSample& sample, const std::string& trouble,
+                TimePoint until) {
+  while (true) {
+    screen.draw(view.screen(top_tables(sample, view.order()), screen.rows(), screen.columns(), trouble));
+    const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
+    if (left <= milliseconds(0)) return true;
+    const auto pressed = screen.wait_for_key(left);
+    if (pressed && !view.press(pressed->key, pressed->character)) return false;
+  }
+}
+
+Result<void> show_tables(AdminClient& admin, const TopOptions& options, TopScreen& screen, nlohmann::json before) {
+  TopView view;
+  nlohmann::json now = before;
+  TimePoint then = Clock::now(), at = then;
+  std::string trouble;
+  for (uint32_t shown = 0; options.count == 0 || shown <= options.count; ++shown) {
+    const TopSample sample{before, now, to_seconds(at - then)};
+    if (!serve_keys(screen, view, sample, trouble, Clock::now() + options.interval)) return {};
+    auto next = admin.status();
+    trouble = next ? "" : next.error().message;
+    if (!next) continue;
+    before = std::move(now);
+    now = std::move(*next);
+    then = at;
+    at = Clock::now();
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> top(AdminClient& admin, const TopOptions& options) {
+  if (options.json) return print_tables(admin, options);
+  auto first = admin.status();  // before the screen is taken over, so that an error is seen
+  if (!first) return first.error();
+  const auto screen = TopScreen::open();
+  if (!screen) return print_tables(admin, options);
+  return show_tables(admin, options, *screen, std::move(*first));
 }
 
 }  // namespace gnomon::ctl

@@ -1,72 +1,14 @@
 #include "daemon/ctl/views.h"
 
 #include <algorithm>
-#include <map>
 
-#include "common/printable.h"
+#include "daemon/ctl/status_members.h"
 #include "daemon/ctl/table.h"
 
 namespace gnomon::ctl {
 namespace {
 
 using nlohmann::json;
-
-// Members that a daemon of another version lacks are read as empty or 0.
-std::string text(const json& from, const char* key) { return without_controls(from.value(key, std::string())); }
-double number(const json& from, const char* key) { return from.value(key, 0.0); }
-std::string whole(const json& from, const char* key) { return fixed(number(from, key), 0); }
-
-std::string size_of(const json& session) { return whole(session, "width") + "x" + whole(session, "height"); }
-
-const json& list(const json& from, const char* key) {
-  static const json none = json::array();
-  const auto found = from.find(key);
-  return found != from.end() && found->is_array() ? *found : none;
-}
-
-std::string state_of(const json& status) {
-  if (status.value("stopping", false)) return "stopping";
-  if (status.value("draining", false)) return "draining: admits nobody";
-  return status.value("ready", false) ? "ready" : "not ready";
-}
-
-// Frames by session id.
-std::map<std::string, double> frames_of(const json& status) {
-  std::map<std::string, double> frames;
-  for (const json& session : list(status, "sessions")) frames[text(session, "id")] = number(session, "frames");
-  return frames;
-}
-
-struct Rated {
-  const json* session;
-  double vbps;
-};
-
-std::vector<Rated> rated(const json& before, const json& now, double seconds) {
-  const auto earlier = frames_of(before);
-  std::vector<Rated> all;
-  for (const json& session : list(now, "sessions")) {
-    const auto found = earlier.find(text(session, "id"));
-    const double since = number(session, "frames") - (found == earlier.end() ? 0 : found->second);
-    all.push_back({&session, seconds > 0 ? since / seconds : 0});
-  }
-  std::stable_sort(all.begin(), all.end(), [](const Rated& a, const Rated& b) { return a.vbps > b.vbps; });
-  return all;
-}
-
-std::string tenants_table(const json& status, const std::vector<Rated>& sessions) {
-  Table table({"TENANT", ">WEIGHT", ">SESSIONS", ">VBPS", ">SHARE", ">BY WEIGHT", ">LAG ms"});
-  for (const json& tenant : list(status, "tenants")) {
-    double vbps = 0;
-    for (const Rated& each : sessions) {
-      if (text(*each.session, "tenant") == text(tenant, "name")) vbps += each.vbps;
-    }
-    table.add({text(tenant, "name"), whole(tenant, "weight"), whole(tenant, "sessions"), fixed(vbps, 1),
-               percent(number(tenant, "share")), percent(number(tenant, "expected_share")),
-               fixed(number(tenant, "lag_ms"), 1)});
-  }
-  return table.text();
-}
 
 // The certificate that expires first; empty if the daemon does not say.
 std::string certificate_line(const json& status) {
@@ -134,24 +76,6 @@ std::string sessions_text(const json& status) {
                fixed(number(s, "gpu_us") / 1000, 1), fixed(number(s, "total_us") / 1000, 1)});
   }
   return table.text();
-}
-
-std::string top_text(const json& before, const json& now, double seconds) {
-  const auto sessions = rated(before, now, seconds);
-  double vbps = 0;
-  for (const Rated& each : sessions) vbps += each.vbps;
-  std::string out = "gnomond " + text(now, "version") + "  " + state_of(now) + "  policy " + text(now, "policy") +
-                    "  sessions " + std::to_string(sessions.size()) + "  vbps " + fixed(vbps, 1) + "  Jain " +
-                    fixed(number(now, "jain"), 3) + "  worst lag " + fixed(number(now, "worst_lag_ms"), 1) +
-                    " ms\n\n" + tenants_table(now, sessions) + "\n";
-  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", ">VBPS", ">QUEUE ms", ">GPU ms", ">TOTAL ms"});
-  for (const Rated& each : sessions) {
-    const json& s = *each.session;
-    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), fixed(each.vbps, 1),
-               fixed(number(s, "queue_us") / 1000, 1), fixed(number(s, "gpu_us") / 1000, 1),
-               fixed(number(s, "total_us") / 1000, 1)});
-  }
-  return out + table.text();
 }
 
 }  // namespace gnomon::ctl

@@ -10,7 +10,4 @@ std::string status_text(const nlohmann::json& status);
 std::string sessions_text(const nlohmann::json& status);
 std::string scenes_text(const nlohmann::json& status);
 
-// The live table. Rates are computed between `before` and `now`, which are `seconds` apart.
-std::string top_text(const nlohmann::json& before, const nlohmann::json& now, double seconds);
-
 }  // namespace gnomon::ctl

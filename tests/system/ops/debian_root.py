@@ -98,10 +98,10 @@ def build_package(build):
     return build_packages(build)["gnomon"]
 
 
-def root_with_dependencies(build, package):
-    """The tar of a minimal bookworm with apt and what the package depends on, and nothing else."""
+def root_with_dependencies(build, package, *more):
+    """The tar of a minimal bookworm with apt, what the package depends on and `more`, and nothing else."""
     depends = run("dpkg-deb", "-f", package, "Depends").stdout
-    names = sorted({re.match(r"[^ (]+", part.split("|")[0].strip()).group(0) for part in depends.split(",")})
+    names = sorted(set(more) | {re.match(r"[^ (]+", part.split("|")[0].strip()).group(0) for part in depends.split(",")})
     return kept_root(build, ",".join(names))
 
 

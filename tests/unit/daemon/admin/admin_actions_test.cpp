@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/top_tables.h"
 #include "daemon/ctl/views.h"
 #include "daemon/security/certificates.h"
 #include "tests/unit/daemon/net/served.h"

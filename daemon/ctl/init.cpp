@@ -1,0 +1,266 @@
+#include "daemon/ctl/init.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <istream>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <sstream>
+
+#include "daemon/ctl/new_file.h"
+#include "daemon/ctl/secrets.h"
+#include "daemon/security/tokens.h"
+
+namespace gnomon::ctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kPackaged = "/etc/gnomon";
+const fs::path kUnits = "/etc/systemd/system";
+constexpr std::array<const char*, 2> kBuiltIn = {"living_room", "temple"};
+// The packaged unit does not let the daemon see them (ProtectHome, PrivateTmp).
+constexpr std::array<const char*, 5> kHidden = {"/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/"};
+
+struct SceneEntry {
+  std::string name;
+  std::string file;
+};
+
+// A text in quotes, as JSON and YAML both read it.
+std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+
+bool is_plain_name(const std::string& name) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; };
+  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), plain);
+}
+
+Result<SceneEntry> scene_entry(const std::string& text) {
+  if (std::find(kBuiltIn.begin(), kBuiltIn.end(), text) != kBuiltIn.end()) return SceneEntry{text, text + ".glb"};
+  const size_t equals = text.find('=');
+  const fs::path given = equals == std::string::npos ? text : text.substr(equals + 1);
+  std::error_code error;
+  const fs::path file = fs::absolute(given, error).lexically_normal();
+  if (given.empty() || !fs::is_regular_file(file, error)) {
+    return Error{"--scene " + text + ": " + (given.empty() ? "no file" : file.string() + " is no file") +
+                 "; allowed: living_room, temple, NAME=FILE or FILE"};
+  }
+  const std::string name = equals == std::string::npos ? file.stem().string() : text.substr(0, equals);
+  if (!is_plain_name(name)) return Error{"--scene " + text + ": '" + name + "' is no name for a scene"};
+  return SceneEntry{name, file.string()};
+}
+
+class Installation {
+ public:
+  explicit Installation(const InitRequest& request) : request_(request) {}
+
+  Result<void> check() {
+    if (request_.hosts.empty())
+      return Error{"--host is missing: the names and addresses by which clients reach it"};
+    for (const std::string& tenant : request_.tenants) {
+      if (!is_plain_name(tenant))
+        return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};
+    }
+    for (const std::string& text : request_.scenes) {
+      const auto entry = scene_entry(text);
+      if (!entry) return entry.error();
+      scenes_.push_back(*entry);
+    }
+    if (fs::exists(private_folder() / "ca.pem") && !fs::exists(private_folder() / "ca-key.pem")) {
+      return Error{(private_folder() / "ca.pem").string() +
+                   " is there and ca-key.pem beside it is not: put it back, or "
+                   "move ca.pem away, so that a new authority is made, which all clients then need"};
+    }
+    return {};
+  }
+
+  Result<void> write() {
+    for (const fs::path& folder : {credentials(), private_folder(), private_folder() / "clients"}) {
+      std::error_code error;
+      if (fs::create_directories(folder, error)) fs::permissions(folder, fs::perms::owner_all, error);
+      if (error) return Error{folder.string() + ": " + error.message()};
+    }
+    if (auto done = write_certificates(); !done) return done;
+    for (const std::string& tenant : request_.tenants) {
+      if (auto done = write_tenant(tenant); !done) return done;
+    }
+    if (auto done = write_config(); !done) return done;
+    return write_drop_in();
+  }
+
+  std::string next_steps() const;
+
+ private:
+  fs::path credentials() const { return request_.out / "credentials"; }
+  fs::path private_folder() const { return request_.out / "private"; }
+  fs::path config() const { return request_.out / "gnomond.yaml"; }
+  fs::path client_folder(const std::string& tenant) const { return private_folder() / "clients" / tenant; }
+  bool packaged() const { return request_.out.lexically_normal() == kPackaged; }
+  fs::path drop_in() const {
+    const fs::path units = !request_.systemd.empty() ? request_.systemd
+                           : packaged()              ? kUnits
+                                                     : request_.out / "systemd";
+    return units / "gnomond.socket.d" / "gnomon.conf";
+  }
+  std::string reached_at() const {
+    const std::string& host = request_.hosts.front();
+    const bool v6 = host.find(':') != std::string::npos;
+    return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(request_.port);
+  }
+  // What the daemon reads is root's, and where the folder has a group of its own, that group's too.
+  mode_t credential_mode() const { return geteuid() == 0 ? 0640 : 0600; }
+
+  Result<void> write_certificates();
+  Result<void> write_tenant(const std::string& tenant);
+  Result<void> write_config();
+  Result<void> write_drop_in();
+
+  const InitRequest& request_;
+  std::vector<SceneEntry> scenes_;
+};
+
+Result<void> Installation::write_certificates() {
+  const fs::path made = private_folder();
+  CertsRequest certs{.out = made, .hosts = request_.hosts, .tenants = {}, .days = request_.days, .renew = true};
+  if (const auto done = make_certs(certs); !done) return done.error();
+  for (const char* name : {"server.pem", "server-key.pem"}) {
+    const std::string pem = read_file(made / name);
+    std::error_code ignored;
+    fs::remove(made / name, ignored);
+    if (auto done = write_file(credentials() / name, pem, credential_mode()); !done) return done;
+  }
+  return {};
+}
+
+Result<void> Installation::write_tenant(const std::string& tenant) {
+  const fs::path folder = client_folder(tenant);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  fs::permissions(folder, fs::perms::owner_all, error);
+  if (error) return Error{folder.string() + ": " + error.message()};
+  std::string token = read_file(folder / "token");
+  token.resize(std::min(token.find('\n'), token.size()));
+  if (token.empty()) token = daemon::make_token();
+  if (auto done = write_file(folder / "token", token + "\n", 0600); !done) return done;
+  if (auto done = write_file(folder / "ca.pem", read_file(private_folder() / "ca.pem"), 0644); !done) return done;
+  const std::string hash = daemon::to_hex(daemon::hash_of(token)) + "\n";
+  return write_file(credentials() / (tenant + ".sha256"), hash, credential_mode());
+}
+
+Result<void> Installation::write_config() {
+  std::ostringstream text;
+  text << "# Written by `gnomonctl init`. gnomond.yaml(5) explains every key, those that are not here too.\n"
+       << "server:\n  mode: production\n  listen: " << quoted(request_.listen)
+       << "\n  control_port: " << request_.port << "\n  data_port: " << request_.port
+       << "\n  tls:\n    certificate: credentials/server.pem\n    key: credentials/server-key.pem\n"
+       << "render:\n  cache_folder: " << (packaged() ? "/var/cache/gnomon" : "cache") << "\nscenes:\n  list:\n";
+  for (const SceneEntry& scene : scenes_) {
+    text << "    - name: " << quoted(scene.name) << "\n      file: " << quoted(scene.file) << "\n";
+  }
+  text << "tenants:\n";
+  for (const std::string& tenant : request_.tenants) {
+    text << "  - name: " << quoted(tenant)
+         << "\n    token_sha256_file: " << quoted("credentials/" + tenant + ".sha256") << "\n";
+  }
+  const std::string before = read_file(config());
+  if (!before.empty() && before != text.str()) {
+    if (auto kept = write_file(config().string() + ".before", before, 0644); !kept) return kept;
+  }
+  return write_file(config(), text.str(), 0644);
+}
+
+Result<void> Installation::write_drop_in() {
+  std::error_code error;
+  fs::create_directories(drop_in().parent_path(), error);
+  if (error) return Error{drop_in().parent_path().string() + ": " + error.message()};
+  const bool v6 = request_.listen.find(':') != std::string::npos;
+  const std::string address =
+      (v6 ? "[" + request_.listen + "]" : request_.listen) + ":" + std::to_string(request_.port);
+  return write_file(drop_in(),
+                    "# Written by `gnomonctl init`: as server.listen and the ports in gnomond.yaml.\n[Socket]\n"
+                    "ListenStream=\nListenDatagram=\nListenStream=" +
+                        address + "\nListenDatagram=" + address + "\n",
+                    0644);
+}
+
+std::string Installation::next_steps() const {
+  const std::string port = std::to_string(request_.port);
+  const std::string checks = "gnomond --config " + config().string() + " --check-config";
+  std::ostringstream text;
+  text << "Written: " << config().string() << ", " << credentials().string() << ", " << private_folder().string()
+       << ", " << drop_in().string() << "\n\nNext:\n\n1. Start it with what was written:\n";
+  if (packaged()) {
+    text << "     systemctl daemon-reload && systemctl restart gnomond.socket gnomond.service\n";
+  } else {
+    text << "     gnomond --config " << config().string() << "\n";
+  }
+  text << "   `" << checks << "` says what is wrong, if something is.\n"
+       << "2. Let TCP and UDP port " << port << " through the firewall.\n"
+       << "3. Hand each tenant its folder, over a way that nobody else reads, and the files of the scenes:\n";
+  for (const std::string& tenant : request_.tenants) {
+    text << "     " << client_folder(tenant).string() << "\n";
+  }
+  text << "   Within it, a client is started with\n     gnomon-client --server " << reached_at()
+       << " --ca ca.pem --tenant " << request_.tenants.front() << " --token-file token --scene "
+       << scenes_.front().name << " --size 960x540\n"
+       << "4. Move " << (private_folder() / "ca-key.pem").string()
+       << " off this machine: it makes certificates for anybody. `gnomonctl init` needs it there to make another "
+          "one "
+          "before "
+       << request_.days << " days are over.\n";
+  for (const SceneEntry& scene : scenes_) {
+    for (const char* hidden : kHidden) {
+      if (packaged() && scene.file.starts_with(hidden)) {
+        text << "\nNote: the packaged unit hides " << hidden << " from the daemon; move " << scene.file
+             << " elsewhere, for example to /srv, and say so in " << config().string() << ".\n";
+      }
+    }
+  }
+  return text.str();
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream words(line);
+  std::vector<std::string> all;
+  for (std::string word; words >> word;) all.push_back(word);
+  return all;
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+}
+
+void ask(std::vector<std::string>& answer, const std::string& question, const std::string& proposed,
+         std::istream& in, std::ostream& out) {
+  if (!answer.empty()) return;
+  out << question << " [" << proposed << "]: " << std::flush;
+  std::string line;
+  std::getline(in, line);
+  answer = words_of(line);
+  if (answer.empty()) answer = words_of(proposed);
+}
+
+}  // namespace
+
+void ask_for_missing(InitRequest& request, std::istream& in, std::ostream& out) {
+  ask(request.hosts, "Names and addresses by which clients reach this machine", host_name(), in, out);
+  ask(request.tenants, "Tenants, whose clients are served", "default", in, out);
+  ask(request.scenes, "Scenes: living_room, temple, NAME=FILE or FILE", "living_room temple", in, out);
+}
+
+Result<std::string> init(const InitRequest& asked) {
+  InitRequest request = asked;
+  std::error_code error;
+  request.out = fs::absolute(request.out, error).lexically_normal();
+  if (request.tenants.empty()) request.tenants = {"default"};
+  if (request.scenes.empty()) request.scenes.assign(kBuiltIn.begin(), kBuiltIn.end());
+  Installation installation(request);
+  if (auto possible = installation.check(); !possible) return possible.error();
+  if (auto written = installation.write(); !written) return written.error();
+  return installation.next_steps();
+}
+
+}  // namespace gnomon::ctl
