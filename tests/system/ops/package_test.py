@@ -186,6 +186,11 @@ class Package(unittest.TestCase):
     def test_from_nothing_to_nothing(self):
         before = self.files()
         self.install(self.package)
+        alerts = (self.root / "usr/share/gnomon/prometheus/gnomon.alerts.yml").read_text()
+        runbooks = re.findall(r'runbook_url: "file://(/[^#]+)#', alerts)
+        self.assertGreater(len(runbooks), 10)
+        for file in runbooks:
+            self.assertTrue((self.root / file[1:]).is_file(), f"{file}, to which an alert points")
         self.assertIn("ok", self.chroot("gnomond", "--config", "/" + CONFIG, "--check-config").stdout)
         self.first_start()
         self.self_test()
