@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace gnomon::test {
 namespace {
 
@@ -34,6 +37,15 @@ TEST(Texels, LevelsGoDownToOneTexelOfTheMeanLight) {
   EXPECT_NEAR(linear(last, 0), 0.5, 0.005);
   EXPECT_NEAR(linear(last, 2), 1.0, 0.005);
   EXPECT_EQ(last >> 24, 200u);
+}
+
+TEST(Texels, LevelZeroIsTheSameWithAndWithoutLevels) {
+  scenes::Texture texture = checks(16, 16);
+  for (size_t i = 0; i < texture.rgba.size(); ++i) texture.rgba[i] = static_cast<uint8_t>(i * 31 % 256);
+  const Texels flat = gpu::flat_texels(texture), levels = gpu::mipmapped_texels(texture);
+  ASSERT_EQ(flat.rgba.size(), 256u);
+  EXPECT_TRUE(std::equal(flat.rgba.begin(), flat.rgba.end(), levels.rgba.begin()));
+  EXPECT_NEAR(linear(flat.rgba[0], 1), std::pow((31 / 255.0 + 0.055) / 1.055, 2.4), 0.0005);
 }
 
 TEST(Texels, OddSizesAreRoundedDown) {
