@@ -20,13 +20,13 @@ std::vector<std::string> names_of(const std::vector<T>& items) {
   return names;
 }
 
-SceneHost::Fetches fetch_scenes(const std::vector<SceneFile>& scenes, SceneHost& host) {
-  SceneHost::Fetches fetches;
-  for (const SceneFile& scene : scenes) fetches.push_back(host.fetch_later(scene.name));
+SceneFetches fetch_scenes(const std::vector<SceneFile>& scenes, SceneHost& host) {
+  SceneFetches fetches;
+  for (const SceneFile& scene : scenes) fetches.push_back(fetch_later(host, scene.name));
   return fetches;
 }
 
-Result<void> wait_for_scenes(const std::vector<SceneFile>& scenes, SceneHost::Fetches& fetches) {
+Result<void> wait_for_scenes(const std::vector<SceneFile>& scenes, SceneFetches& fetches) {
   for (size_t i = 0; i < fetches.size(); ++i) {
     if (auto fetched = fetches[i].get(); !fetched) {
       return Error{scenes[i].place + ": scene " + scenes[i].name + ": " + fetched.error().message};
@@ -137,7 +137,7 @@ Result<void> Daemon::bring_up() {
   server_->run();
   if (auto opened = open_devices(); !opened) return opened;
   const std::vector<SceneFile>& list = options_.config.scenes.list;
-  SceneHost::Fetches fetches = fetch_scenes(list, *scenes_);  // before those that clients ask for
+  SceneFetches fetches = fetch_scenes(list, *scenes_);  // before those that clients ask for
   health_.serving = true;
   if (auto loaded = wait_for_scenes(list, fetches); !loaded) return loaded;
   health_.scenes_loaded = true;

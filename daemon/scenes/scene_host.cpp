@@ -65,7 +65,7 @@ void SceneHost::stop_reading() {
 
 void SceneHost::serve_requests() {
   while (auto request = next_request()) {
-    if (!done_or_dropped("a request for a scene", [&] { serve(*request); })) answer(*request, kNoMemory);
+    if (!done_or_dropped("a request for a scene", [&] { serve(*request); })) request->refuse(kNoMemory);
     {
       std::lock_guard lock(mutex_);
       requests_.done(request->asker);
@@ -95,13 +95,13 @@ void SceneHost::serve(const Request& request) {
       std::lock_guard queue(mutex_);
       requests_.push(waiting.asker, waiting);
     });
-    if (!served) answer(waiting, kNoMemory);
+    if (!served) waiting.refuse(kNoMemory);
   }
 }
 
-// Calls the request's callback; it may be called twice.
-void SceneHost::answer(const Request& request, const Error& why) {
-  done_or_dropped("a refusal of a scene", [&] { request.ready(why); });
+// After another answer too, which the callback allows.
+void SceneHost::Request::refuse(const Error& why) const {
+  done_or_dropped("a refusal of a scene", [&] { ready(why); });
 }
 
 // Waits for a request that may be read now. nullopt when the host ends.
@@ -268,13 +268,13 @@ Result<void> SceneHost::unload(const std::string& name) {
   return {};
 }
 
-std::future<Result<void>> SceneHost::fetch_later(const std::string& name) {
+std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name) {
   struct Answer {
     std::promise<Result<void>> result;
     std::atomic<bool> given{false};
   };
   const auto answer = std::make_shared<Answer>();
-  fetch(name, [answer](const Result<SceneForUse>& scene) {
+  host.fetch(name, [answer](const Result<SceneForUse>& scene) {
     if (answer->given.exchange(true)) return;
     answer->result.set_value(scene ? Result<void>() : Result<void>(scene.error()));
   });

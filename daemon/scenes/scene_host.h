@@ -81,11 +81,6 @@ class SceneHost {
   // not read, and its reader is stopped. Other requests are left alone.
   void give_up(FetchId fetch);
 
-  // As fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
-  // Precondition: the render threads run.
-  using Fetches = std::vector<std::future<Result<void>>>;
-  std::future<Result<void>> fetch_later(const std::string& name);
-
   // Any thread. Takes a scene that nobody uses off the devices and out of memory; the next fetch() reads its file
   // again. Error if it is not resident, is in use or is being loaded.
   Result<void> unload(const std::string& name);
@@ -112,6 +107,8 @@ class SceneHost {
     std::string name;
     Ready ready;
     SceneAsker asker;
+
+    void refuse(const Error& why) const;
   };
   // A scene that a reader is at work on, and those that wait for it.
   struct Reading {
@@ -121,7 +118,6 @@ class SceneHost {
 
   void serve_requests();  // a loader's thread
   void serve(const Request& request);
-  static void answer(const Request& request, const Error& why);
   std::optional<Request> next_request();
   Result<scenes::LoadedScene> read(const Request& request, std::stop_token stop);
   Result<void> make_room(const Request& request, const scenes::LoadedScene& loaded);
@@ -157,5 +153,10 @@ class SceneHost {
   bool ending_ = false;                        // guarded by mutex_
   std::vector<std::thread> loaders_;
 };
+
+// As SceneHost::fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
+// Precondition: the render threads run.
+using SceneFetches = std::vector<std::future<Result<void>>>;
+std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name);
 
 }  // namespace gnomon::daemon
