@@ -192,7 +192,9 @@ std::string Installation::next_steps() const {
   text << "Written: " << config().string() << ", " << credentials().string() << ", " << private_folder().string()
        << ", " << drop_in().string() << "\n\nNext:\n\n1. Start it with what was written:\n";
   if (packaged()) {
-    text << "     systemctl daemon-reload && systemctl restart gnomond.socket gnomond.service\n";
+    // Not `restart`: systemd starts no socket whose service is still active.
+    text << "     systemctl daemon-reload && systemctl stop gnomond.service gnomond.socket && systemctl start "
+            "gnomond.socket gnomond.service\n";
   } else {
     text << "     gnomond --config " << config().string() << "\n";
   }

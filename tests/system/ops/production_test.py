@@ -45,6 +45,9 @@ class Production(unittest.TestCase):
     def setUpClass(cls):
         cls.system = cls.enterClassContext(PackagedRoot(BUILD))
         cls.system.run("dpkg", "--install", "/gnomon.deb")
+        # Frames of lavapipe beside the build of light buffers, on busy cores, are no sign of a device that hangs.
+        cls.system.write("/etc/systemd/system/gnomond.service.d/patience.conf", "[Service]\nWatchdogSec=5min\n")
+        cls.system.systemctl("daemon-reload")
         cls.system.start("gnomond.socket", "gnomond.service")  # policy-rc.d of such a root starts nothing
 
     def load(self, folder, tenant, server=f"{HOST}:7600", clients=2):
@@ -52,13 +55,18 @@ class Production(unittest.TestCase):
                                f"{tenant}:{folder}/token:{clients}", "--scene", "living_room", "--size", "160x90",
                                "--rate", 0, "--seconds", 0.5, check=False)
 
-    def restart(self):
-        self.system.systemctl("daemon-reload")
-        self.system.systemctl("restart", "gnomond.socket", check=False)
-        self.system.start("gnomond.socket", "gnomond.service")
+    def restart(self, init):
+        """As the output of `gnomonctl init` says."""
+        done = self.system.run("sh", "-c", re.search(r"systemctl daemon-reload .*", init).group(0), check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + self.system.journal())
+        for unit in ("gnomond.socket", "gnomond.service"):
+            self.assertEqual(self.system.property("ActiveState", unit), "active", unit)
 
     def served(self, folder, tenant):
-        done = self.load(folder, tenant)
+        for _ in range(5):  # the first frames of lavapipe beside the build of light buffers may take a quarter of a minute
+            done = self.load(folder, tenant)
+            if done.returncode != 3:
+                break
         self.assertEqual(done.returncode, 0, done.stdout + self.system.journal())
 
     def test_1_as_installed_it_serves_this_machine_alone(self):
@@ -68,6 +76,7 @@ class Production(unittest.TestCase):
     def test_2_init_writes_all_of_it(self):
         done = self.system.run("gnomonctl", "init", "--host", HOST, "--host", "edge.example", "--tenant", "lab",
                                "--tenant", "arcade", "--scene", "living_room")
+        type(self).printed = done.stdout
         for part in ("systemctl daemon-reload", "firewall", f"{CLIENTS}/lab", "ca-key.pem"):
             self.assertIn(part, done.stdout)
         checked = self.system.run("gnomond", "--config", CONFIG, "--check-config", check=False)
@@ -79,9 +88,7 @@ class Production(unittest.TestCase):
         self.assertNotEqual((self.system.root / "etc/gnomon/gnomond.yaml.before").read_text(), "")
 
     def test_3_and_4_it_serves_who_has_a_tenants_folder(self):
-        # As the steps that it printed say.
-        self.system.run("sh", "-c", "systemctl daemon-reload && systemctl restart gnomond.socket gnomond.service")
-        eventually(lambda: self.system.property("ActiveState") == "active", "active")
+        self.restart(self.printed)
         self.assertIn("0.0.0.0:7600", self.system.property("Listen", "gnomond.socket"))
         for tenant in ("lab", "arcade"):
             self.served(f"{CLIENTS}/{tenant}", tenant)
@@ -91,9 +98,9 @@ class Production(unittest.TestCase):
 
     def test_5_init_again_keeps_clients_served(self):
         self.system.run("cp", "-r", f"{CLIENTS}/lab", "/root/lab")  # as it was handed over
-        self.system.run("gnomonctl", "init", "--host", HOST, "--tenant", "lab", "--tenant", "museum", "--scene",
-                        "living_room")
-        self.restart()
+        done = self.system.run("gnomonctl", "init", "--host", HOST, "--tenant", "lab", "--tenant", "museum", "--scene",
+                               "living_room")
+        self.restart(done.stdout)
         self.served("/root/lab", "lab")
         self.served(f"{CLIENTS}/museum", "museum")
 
@@ -106,7 +113,8 @@ class Production(unittest.TestCase):
         eventually(lambda: "CREDENTIALS_DIRECTORY" in self.system.journal(), "why it does not start")
         self.system.systemctl("stop", "gnomond.service", check=False)
         self.system.write("/etc/systemd/system/gnomond.service.d/credentials.conf", HANDED_OVER)
-        self.restart()
+        self.system.systemctl("daemon-reload")
+        self.system.start("gnomond.service")
         self.served("/root/lab", "lab")
 
 
