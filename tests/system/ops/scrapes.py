@@ -49,6 +49,10 @@ class Scrape:
             self.samples[series] -= shift
         Scrape.everything.append(self)
 
+    def value(self, name, **labels):
+        """Sum of the series that have these labels."""
+        return sum(value for (own, of), value in self.samples.items() if own == name and labels.items() <= dict(of).items())
+
     def counts(self, name):
         """Whether it only ever goes up."""
         return self.types.get(name, self.types.get(family_of(name))) in ("counter", "histogram")
