@@ -180,6 +180,13 @@ void audit_refusal(std::string_view event, Fields fields) {
   if (left_out) write(**audit_logger().get(), spdlog::level::info, event, fields, *left_out);
 }
 
+Result<void> check_audit_file(const std::string& file) {
+  const int made = open(file.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (made < 0) return Error{file + ": cannot be written: " + std::strerror(errno)};
+  close(made);
+  return {};
+}
+
 Result<void> set_audit_file(const std::string& file) {
   if (file.empty()) {
     audit_logger().publish(audit_logger_to_stderr());

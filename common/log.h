@@ -56,5 +56,7 @@ void audit_refusal(std::string_view event, Fields fields = {});  // of strangers
 // Appends the audit log to `file`, which is made with mode 0640 where it is not there; '': standard error. Called again,
 // it opens the file anew, as one that was rotated needs. On an error the log stays where it was.
 Result<void> set_audit_file(const std::string& file);
+// Error if a file that is there could not be appended to.
+Result<void> check_audit_file(const std::string& file);
 
 }  // namespace gnomon::log

@@ -69,6 +69,43 @@ std::vector<TenantConfig> closed_to_strangers(const ServerConfig& server, std::v
   return tenants;
 }
 
+// Each with its place in the configuration, and once.
+void keep_once(std::vector<Error>& errors, const Config& config) {
+  std::vector<Error> once;
+  for (const Error& error : errors) {
+    const Error full = placed(config, error);
+    const auto same = [&](const Error& other) { return other.message == full.message; };
+    if (std::none_of(once.begin(), once.end(), same)) once.push_back(full);
+  }
+  errors = std::move(once);
+}
+
+// Scenes that are new or changed are brought at once, as at the start.
+void change_scenes(const Config& next, Published<SceneCatalog>& catalog, SceneHost& scenes, Metrics& metrics,
+                   std::vector<Error>& kept) {
+  auto read = SceneCatalog::read(next.scenes);
+  if (!read) return kept.push_back(read.error());
+  const auto before = catalog.get();
+  for (const std::string& name : scenes.change_sources(*read, *before)) {
+    kept.push_back(Error{"scenes.list." + name + ": scene " + name +
+                         " is in use and stays as it was; gnomonctl scene unload " + name + ", then reload"});
+  }
+  metrics.scenes().add(names_of(next.scenes.list));
+  std::vector<std::string> wanted;
+  for (const SceneFile& scene : next.scenes.list) {
+    const scenes::SceneSource* const old = before->source(scene.name);
+    if (!old || *old != *read->source(scene.name)) wanted.push_back(scene.name);
+  }
+  catalog.publish(std::move(*read));
+  for (const std::string& name : wanted) {
+    scenes.fetch(name, [name](const Result<SceneForUse>& scene) {
+      if (!scene)
+        log::error("a scene of the new configuration did not load",
+                   {{"scene", name}, {"why", scene.error().message}});
+    });
+  }
+}
+
 TenantDirectory next_tenants(const TenantDirectory& now, std::vector<TenantConfig> tenants,
                              std::vector<Error>& kept) {
   TenantDirectory next = now.with(tenants);
@@ -85,13 +122,14 @@ TenantDirectory next_tenants(const TenantDirectory& now, std::vector<TenantConfi
 
 Daemon::Daemon(Options options, SceneCatalog catalog)
     : options_(std::move(options)),
-      catalog_(std::move(catalog)),
       metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version,
                options_.make_renderers.size()),
       session_limits_(options_.config, options_.make_renderers.size()),
       devices_(options_.make_renderers.size(), metrics_, health_),
       certificates_(metrics_),
-      reload_audit_(options_.config) {}
+      reload_audit_(options_.config) {
+  catalog_.publish(std::move(catalog));
+}
 
 Daemon::~Daemon() { stop(); }
 
@@ -114,7 +152,7 @@ Result<void> Daemon::bring_up() {
   if (auto opened = certificates_.open(options_.config.server); !opened) return opened;
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   scenes_ = std::make_unique<SceneHost>(
-      catalog_, devices_, metrics_, options_.read_scene,
+      *catalog_.get(), devices_, metrics_, options_.read_scene,
       SceneMemory{scene_memory_limits(options_.config), uint64_t{options_.config.render.light_buffer_mb} << 20});
   auto store = open_store(options_.config.server);
   if (!store) return store.error();
@@ -206,6 +244,7 @@ Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by, st
   }
   const protocol::Pin old_pin = pin();
   apply(*next, missing);
+  keep_once(missing, *next);
   metrics_.operation().reloaded(missing.empty());
   std::string why;
   for (const Error& each : missing) why += (why.empty() ? "" : "; ") + each.message;
@@ -216,6 +255,9 @@ Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by, st
 }
 
 void Daemon::apply(const Config& next, std::vector<Error>& kept) {
+  for (const std::string& key : restart_keys(next, options_.config)) {
+    kept.push_back(Error{key + ": changed, which takes a restart; as it was until then"});
+  }
   if (auto reachable = check_tenants(next); !reachable) kept.push_back(reachable.error());
   // As it runs: another address or mode needs a restart, so that what `next` says of them does not hold yet.
   ServerConfig server = options_.config.server;
@@ -235,7 +277,6 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   }
   const TenantDirectory directory =
       next_tenants(*tenant_directory_.get(), closed_to_strangers(server, next.tenants, kept), kept);
-  if (needs_restart(next, options_.config)) log::warning("some of the new configuration needs a restart");
   Config by_id = next;
   by_id.tenants = directory.configs();
   const SharingPolicy sharing = sharing_policy_of(by_id);
@@ -244,6 +285,7 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   scenes_->set_memory_limits(scene_memory_limits(by_id));
   metrics_.add_tenants(names_of(by_id.tenants));
   log::set_level(next.log.level);
+  change_scenes(next, catalog_, *scenes_, metrics_, kept);
   devices_.set_sharing(sharing);
   tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms
   server_->close_unwelcome();

@@ -47,12 +47,12 @@ class Daemon final : private FrameSink {
   // to the next process, which gets the same memory from the service manager.
   void give_up();
 
-  // Applies the sharing terms, tenants, limits and log level of `next`, its certificates (for new connections) and the
+  // Applies the scenes, sharing terms, tenants, limits and log level of `next`, its certificates (for new connections) and the
   // operators' token, whose files are read again. Each of these is applied on its own: one that cannot be stays as it
   // was, and the error says why, while the others hold; so does what `missing` names, which was found out before. Sessions
   // are closed whose tenant is no longer named or whose credential is no longer accepted. Other differences need a
-  // restart; the log says so. An error in place of a configuration changes nothing. Counted and logged; the audit log's
-  // file is opened anew either way, and gets a line with the difference and with `asked_by`. The main thread.
+  // restart, and the error names their keys. An error in place of a configuration changes nothing. Counted and logged; the
+  // audit log's file is opened anew either way, and gets a line with the difference and with `asked_by`. The main thread.
   Result<void> reload(const Result<Config>& next, const char* asked_by = "operator",
                       std::vector<Error> missing = {});
 
@@ -87,7 +87,7 @@ class Daemon final : private FrameSink {
 
   // Each member may use those above it and is destroyed before them; stop() has ended all threads before.
   const Options options_;
-  const SceneCatalog catalog_;
+  Published<SceneCatalog> catalog_;
   Health health_;
   Metrics metrics_;
   SessionLimits session_limits_;

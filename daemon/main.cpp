@@ -12,12 +12,12 @@
 
 #include "common/wall_clock.h"
 #include "common/within_memory.h"
-#include "daemon/config/token_files.h"
 #include "daemon/daemon.h"
 #include "daemon/render/vulkan_renderers.h"
 #include "daemon/scenes/scene_worker.h"
 #include "daemon/service/supervisor.h"
 #include "daemon/service/watchdog.h"
+#include "daemon/start_check.h"
 #include "gpu/vulkan_renderer.h"
 #include "scenes/loader.h"
 
@@ -38,10 +38,12 @@ struct Arguments {
   bool for_reload = false;
 };
 
-int fail(const Error& error) {
-  std::fprintf(stderr, "gnomond: %s\n", error.message.c_str());
+int fail(const std::vector<Error>& errors) {
+  for (const Error& error : errors) std::fprintf(stderr, "gnomond: %s\n", error.message.c_str());
   return EXIT_FAILURE;
 }
+
+int fail(const Error& error) { return fail(std::vector{error}); }
 
 // Build trees and installed trees have the same layout: bin/gnomond, libexec/gnomon and share/gnomon/scenes.
 std::filesystem::path installed(const char* below) {
@@ -68,38 +70,41 @@ int check_scene(const std::filesystem::path& file) {
   return EXIT_SUCCESS;
 }
 
-// `missing`: for each scene whose file does not exist.
-struct LoadedConfig {
+enum class Purpose { check, start, reload };
+
+// The configuration with what stands in other files.
+struct CheckedConfig {
   Config config;
-  std::vector<Error> missing;
+  std::vector<Error> mistakes;  // in the configuration itself and in token files: it cannot be used
+  StartFindings found;          // what it names and what is not as it should be
 };
 
-Result<LoadedConfig> load_config(const Arguments& arguments) {
-  auto config = read_config(arguments.config, arguments.overrides);
-  if (!config) return config.error();
-  const auto folder = std::filesystem::absolute(arguments.config).parent_path();
-  LoadedConfig loaded{std::move(*config), {}};
-  loaded.missing = find_files(loaded.config, folder, installed("share/gnomon/scenes"));
+CheckedConfig check_config(const Arguments& arguments, Purpose purpose) {
+  ConfigReading reading = examine_config(arguments.config, arguments.overrides);
   const gpu::RendererOptions usual;
-  if (loaded.config.render.passes.empty()) loaded.config.render.passes = usual.passes;
-  return loaded;
+  if (reading.config.render.passes.empty()) reading.config.render.passes = usual.passes;
+  StartCheckOptions options{.config_folder = std::filesystem::absolute(arguments.config).parent_path(),
+                            .share_folder = installed("share/gnomon/scenes"),
+                            .for_reload = purpose == Purpose::reload};
+  const SceneWorkerOptions worker = worker_options(reading.config, installed("libexec/gnomon/gnomon-scene-worker"));
+  if (purpose == Purpose::check) options.read_scene = reader_in_worker(worker);  // a start reads them anyway
+  options.check_renderers = check_vulkan_renderers;
+  StartFindings found = check_start(reading, options);
+  return {std::move(reading.config), std::move(reading.errors), std::move(found)};
 }
 
-// A reload goes on without files that are missing; a start does not.
-int check_config(const Arguments& arguments, const LoadedConfig& loaded) {
-  for (const Error& missing : loaded.missing) std::fprintf(stderr, "gnomond: %s\n", missing.message.c_str());
-  if (!loaded.missing.empty() && !arguments.for_reload) return EXIT_FAILURE;
+int print_check(const Arguments& arguments) {
+  const auto checked = check_config(arguments, arguments.for_reload ? Purpose::reload : Purpose::check);
+  for (const std::string& warning : checked.found.warnings) {
+    std::fprintf(stderr, "gnomond: warning: %s\n", warning.c_str());
+  }
+  fail(checked.mistakes);
+  fail(checked.found.errors);
+  // A reload applies each part that it can, and says what it cannot.
+  const bool good = checked.mistakes.empty() && (checked.found.errors.empty() || arguments.for_reload);
+  if (!good) return EXIT_FAILURE;
   std::printf("%s: ok\n", arguments.config.c_str());
   return EXIT_SUCCESS;
-}
-
-// With what the daemon needs of other files. Without one of them a reload changes nothing: tokens that cannot be read
-// would look like tokens that were revoked.
-Result<LoadedConfig> load_whole_config(const Arguments& arguments) {
-  auto loaded = load_config(arguments);
-  if (!loaded) return loaded;
-  if (auto read = read_token_files(loaded->config); !read) return read.error();
-  return loaded;
 }
 
 // The address as it is written before a colon and a port: IPv6 in brackets.
@@ -129,13 +134,20 @@ void leave_at(TimePoint deadline) {
   }).detach();
 }
 
+Error all_of(const std::vector<Error>& errors) {
+  std::string all;
+  for (const Error& error : errors) all += (all.empty() ? "" : "\n") + error.message;
+  return Error{all};
+}
+
 // Reads the file and the command line's overrides again.
 Result<void> reload(Daemon& daemon, const Arguments& arguments, const char* asked_by) {
   supervisor::reloading();
-  auto loaded = load_whole_config(arguments);
-  auto done =
-      loaded ? daemon.reload(loaded->config, asked_by, loaded->missing) : daemon.reload(loaded.error(), asked_by);
-  const std::string how = loaded ? "configuration " : "configuration not reloaded: ";
+  CheckedConfig checked = check_config(arguments, Purpose::reload);
+  const bool usable = checked.mistakes.empty();
+  auto done = usable ? daemon.reload(checked.config, asked_by, checked.found.errors)
+                     : daemon.reload(all_of(checked.mistakes), asked_by);
+  const std::string how = usable ? "configuration " : "configuration not reloaded: ";
   supervisor::ready(done ? daemon.summary() : how + done.error().message);
   return done;
 }
@@ -178,7 +190,7 @@ int serve(const Config& config, const Arguments& arguments) {
   const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
   auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, stop,
                                failed, ask_for_reload, reader_in_worker(worker)});
-  if (!daemon) return fail(daemon.error());
+  if (!daemon) return fail(placed(config, daemon.error()));
   running = daemon->get();
   asio::signal_set signals(events, SIGTERM, SIGINT);  // a signal before this, while scenes load, ends the process
   signals.async_wait([&](asio::error_code, int) { events.stop(); });
@@ -214,16 +226,17 @@ int serve(const Config& config, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   if (!arguments.check_scene.empty()) return check_scene(arguments.check_scene);
-  // Whoever checks may not be who runs the daemon, and need not read what only that one may.
-  const auto loaded = arguments.check_config ? load_config(arguments) : load_whole_config(arguments);
-  if (!loaded) return fail(loaded.error());
-  if (arguments.check_config) return check_config(arguments, *loaded);
-  if (!loaded->missing.empty()) return fail(loaded->missing.front());
-  log::configure(loaded->config.log.level, loaded->config.log.format);
-  if (auto opened = log::set_audit_file(loaded->config.log.audit_file); !opened) {
-    return fail(Error{"log.audit_file: " + opened.error().message});
+  if (arguments.check_config) return print_check(arguments);
+  const CheckedConfig checked = check_config(arguments, Purpose::start);
+  if (!checked.mistakes.empty() || !checked.found.errors.empty()) {
+    fail(checked.mistakes);
+    return fail(checked.found.errors);
   }
-  return serve(loaded->config, arguments);
+  log::configure(checked.config.log.level, checked.config.log.format);
+  if (auto opened = log::set_audit_file(checked.config.log.audit_file); !opened) {
+    return fail(placed(checked.config, Error{"log.audit_file: " + opened.error().message}));
+  }
+  return serve(checked.config, arguments);
 }
 
 }  // namespace

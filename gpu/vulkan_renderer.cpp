@@ -5,6 +5,7 @@
 
 #include "gpu/frame/queue_state.h"
 #include "gpu/frame/resident_scenes.h"
+#include "gpu/passes/mask_passes.h"
 #include "gpu/raster_choice.h"
 
 namespace gnomon::gpu {
@@ -178,6 +179,28 @@ class VulkanRenderer : public Renderer {
 };
 
 }  // namespace
+
+namespace {
+
+Result<void> check_device(const RendererOptions& options) {
+  const auto instance = Instance::create(options.validation);
+  if (!instance) return instance.error();
+  const auto device = choose_device(**instance, options.device);
+  return device ? Result<void>() : device.error();
+}
+
+}  // namespace
+
+std::vector<Error> check_options(const RendererOptions& options) {
+  std::vector<Error> errors;
+  const auto check = [&](const char* option, const Result<void>& checked) {
+    if (!checked) errors.push_back(Error{std::string(option) + ": " + checked.error().message});
+  };
+  check("device", check_device(options));
+  check("tracer", check_tracer_name(options.tracer));
+  check("passes", check_mask_passes(options.passes));
+  return errors;
+}
 
 Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) {
   if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};

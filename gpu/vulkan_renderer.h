@@ -24,6 +24,10 @@ struct RendererOptions {
   ValidationOptions validation;
 };
 
+// What of the options is wrong as far as it can be told without opening a device: errors that begin with "device: ",
+// "tracer: " or "passes: ".
+std::vector<Error> check_options(const RendererOptions& options);
+
 // Error: there is no such device, tracer or pass; or out of memory. Leases may outlive the renderer: the device is
 // closed when the last lease is dropped. Destroying the renderer waits for the frames in flight and delivers them.
 Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options);

@@ -21,18 +21,31 @@ Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, 
 
 Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read)
     : limits_(limits), read_(std::move(read)) {
-  uint32_t index = 0;
+  set_sources(std::move(sources));
+}
+
+void Registry::set_sources(std::vector<SceneSource> sources) {
+  std::lock_guard lock(mutex_);
+  std::map<std::string, EntryPtr> next;
   for (SceneSource& source : sources) {
-    Entry& entry = entries_[source.name];
-    entry.id = SceneId{index++};
-    entry.source = std::move(source);
+    const auto before = entries_.find(source.name);
+    const bool same = before != entries_.end() && before->second->source == source;
+    const std::string name = source.name;
+    next[name] = same ? before->second : std::make_shared<Entry>(std::move(source), SceneId{next_id_++});
   }
+  entries_ = std::move(next);
+}
+
+Registry::EntryPtr Registry::find(const std::string& name) const {
+  std::lock_guard lock(mutex_);
+  const auto found = entries_.find(name);
+  return found == entries_.end() ? nullptr : found->second;
 }
 
 Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop, uint64_t max_bytes) {
-  const auto found = entries_.find(name);
-  if (found == entries_.end()) return Error{"there is no scene named '" + name + "'"};
-  Entry& entry = found->second;
+  const EntryPtr shared = find(name);
+  if (!shared) return Error{"there is no scene named '" + name + "'"};
+  Entry& entry = *shared;
   std::lock_guard loading(entry.loading);
   const auto changed = changed_at(entry.source.file);
   {
@@ -51,7 +64,7 @@ Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop,
   return loaded;
 }
 
-Result<LoadedScene> Registry::load(Entry& entry, std::stop_token stop, uint64_t max_bytes) {
+Result<LoadedScene> Registry::load(const Entry& entry, std::stop_token stop, uint64_t max_bytes) {
   const TimePoint start = Clock::now();
   LoadLimits limits = limits_;
   limits.max_scene_bytes = max_bytes;
@@ -70,18 +83,19 @@ void Registry::forget(const std::string& name) {
   std::lock_guard lock(mutex_);
   const auto found = entries_.find(name);
   if (found == entries_.end()) return;
-  found->second.loaded.reset();
-  found->second.refusal.reset();
+  found->second->loaded.reset();
+  found->second->refusal.reset();
 }
 
 void Registry::retry(const std::string& name) {
   std::lock_guard lock(mutex_);
-  if (const auto found = entries_.find(name); found != entries_.end()) found->second.refusal.reset();
+  if (const auto found = entries_.find(name); found != entries_.end()) found->second->refusal.reset();
 }
 
-bool Registry::knows(const std::string& name) const { return entries_.count(name) != 0; }
+bool Registry::knows(const std::string& name) const { return find(name) != nullptr; }
 
 std::vector<std::string> Registry::names() const {
+  std::lock_guard lock(mutex_);
   std::vector<std::string> names;
   for (const auto& [name, entry] : entries_) names.push_back(name);
   return names;
@@ -91,7 +105,7 @@ std::vector<LoadedScene> Registry::loaded() const {
   std::lock_guard lock(mutex_);
   std::vector<LoadedScene> loaded;
   for (const auto& [name, entry] : entries_) {
-    if (entry.loaded) loaded.push_back(*entry.loaded);
+    if (entry->loaded) loaded.push_back(*entry->loaded);
   }
   return loaded;
 }

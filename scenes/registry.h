@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -23,6 +24,7 @@ struct SceneSource {
   std::string name;  // what clients ask for
   std::filesystem::path file;
   std::vector<NodeMotion> motions = {};
+  friend bool operator==(const SceneSource&, const SceneSource&) = default;
 };
 
 struct LoadedScene {
@@ -48,6 +50,9 @@ class Registry {
 
   Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read = read_here);
 
+  // Replaces the sources. Those that are as before keep their scenes; the others are forgotten.
+  void set_sources(std::vector<SceneSource> sources);
+
   // Error: there is no such scene, it could not be loaded, or reading it was stopped, which is no refusal.
   // `max_bytes`: LoadLimits::max_scene_bytes of this reading.
   Result<LoadedScene> get(const std::string& name, std::stop_token stop = {}, uint64_t max_bytes = 0);
@@ -69,19 +74,23 @@ class Registry {
     std::filesystem::file_time_type changed;  // the file's, when it was read
   };
   struct Entry {
-    SceneSource source;
-    SceneId id;
+    Entry(SceneSource made_of, SceneId number) : source(std::move(made_of)), id(number) {}
+    const SceneSource source;
+    const SceneId id;
     std::mutex loading;
     std::optional<LoadedScene> loaded;
     std::optional<Refusal> refusal;
   };
 
-  Result<LoadedScene> load(Entry& entry, std::stop_token stop, uint64_t max_bytes);
+  using EntryPtr = std::shared_ptr<Entry>;  // shared with those who load it
+  EntryPtr find(const std::string& name) const;
+  Result<LoadedScene> load(const Entry& entry, std::stop_token stop, uint64_t max_bytes);
 
   const LoadLimits limits_;
   const SceneReader read_;
-  mutable std::mutex mutex_;  // guards every Entry::loaded and Entry::refusal
-  std::map<std::string, Entry> entries_;
+  mutable std::mutex mutex_;  // guards what follows, and every Entry::loaded and Entry::refusal
+  std::map<std::string, EntryPtr> entries_;
+  uint32_t next_id_ = 0;
 };
 
 }  // namespace gnomon::scenes

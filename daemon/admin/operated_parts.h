@@ -22,7 +22,7 @@ namespace gnomon::daemon {
 // Everything referred to outlives the holder and may be used on any thread.
 struct OperatedParts {
   std::string version;
-  const SceneCatalog& catalog;
+  const Published<SceneCatalog>& catalog;
   Health& health;
   Metrics& metrics;
   const Published<TenantDirectory>& tenants;

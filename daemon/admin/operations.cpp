@@ -112,8 +112,9 @@ Page Operations::readiness() const {
   if (!health.device_up) add(health.scenes_loaded ? "no device is up" : "devices are being opened");
   if (!health.scenes_loaded) {
     const auto resident = parts_.scenes.resident();
+    const auto catalog = parts_.catalog.get();
     std::string missing;
-    for (const auto& source : parts_.catalog.sources()) {
+    for (const auto& source : catalog->sources()) {
       if (!resident.contains(source.name)) missing += (missing.empty() ? "" : ", ") + source.name;
     }
     add("scenes are being loaded: " + missing);
@@ -132,7 +133,7 @@ Page Operations::await(std::future<Result<void>> done, const char* what) {
 
 // One scene at a time, as each request occupies one of the server's few threads until the scene is resident.
 Page Operations::load_scene(const std::string& asked) {
-  const std::string name = parts_.catalog.find(asked);
+  const std::string name = parts_.catalog.get()->find(asked);
   if (name.empty()) return {404, kText, "the configuration has no such scene\n"};
   if (loading_.exchange(true)) return {409, kText, "another scene is being loaded\n"};
   auto done = std::make_shared<std::promise<Result<void>>>();
@@ -145,7 +146,8 @@ Page Operations::load_scene(const std::string& asked) {
 }
 
 Page Operations::unload_scene(const std::string& asked) {
-  const auto gone = parts_.scenes.unload(parts_.catalog.find(asked));
+  const std::string known = parts_.catalog.get()->find(asked);
+  const auto gone = parts_.scenes.unload(known.empty() ? asked : known);  // a reload may have taken its name
   return gone ? Page{200, kText, "unloaded\n"} : Page{409, kText, gone.error().message + "\n"};
 }
 

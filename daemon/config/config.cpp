@@ -1,11 +1,12 @@
 #include "daemon/config/config.h"
 
+#include <algorithm>
 #include <asio/ip/address.hpp>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 
 #include "daemon/config/config_keys.h"
+#include "daemon/security/readable_file.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -13,24 +14,39 @@ namespace {
 using schema::Source;
 using schema::Value;
 
-Result<void> read_into(Config& config, const YAML::Node& root, const Source& source) {
-  return schema::read_map(Value{source, "", root, root.Mark()}, config_keys(), config);
+void read_into(Config& config, const YAML::Node& root, const Source& source) {
+  schema::read_map(Value{source, "", root, root.Mark()}, config_keys(), config);
+  add_values(config.values, root);
+  add_places(config.places, root, [&](const YAML::Node& node) { return source.at(node.Mark()); });
 }
 
-// yaml-cpp throws on text that is not YAML.
-Result<YAML::Node> load_yaml(const std::string& text, const Source& source) {
+// A tab where a line begins is the most frequent reason, which yaml-cpp does not name.
+std::string tab_hint(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string indent;
+  for (int i = 0; i <= line; ++i) std::getline(lines, indent);
+  indent.resize(std::min(indent.find_first_not_of(" \t"), indent.size()));
+  return indent.find('\t') == std::string::npos ? "" : "; the line begins with a tab: YAML is indented with spaces";
+}
+
+// yaml-cpp throws on text that is not YAML. nullopt: the mistake is noted.
+std::optional<YAML::Node> load_yaml(const std::string& text, const Source& source) {
   try {
     return YAML::Load(text);
   } catch (const YAML::Exception& e) {
-    const std::string line = source.has_lines ? ":" + std::to_string(e.mark.line + 1) : "";
-    return Error{source.name + line + ": not YAML: " + e.msg};
+    const std::string hint = e.mark.is_null() ? "" : tab_hint(text, e.mark.line);
+    source.mistakes.errors.push_back({source.at(e.mark) + ": not YAML: " + e.msg + hint});
+    return std::nullopt;
   }
 }
 
 // "server.listen=::1" as the map {server: {listen: "::1"}}.
-Result<YAML::Node> override_tree(const std::string& text, const Source& source) {
+std::optional<YAML::Node> override_tree(const std::string& text, const Source& source) {
   const size_t equals = text.find('=');
-  if (equals == 0 || equals == std::string::npos) return Error{source.name + ": allowed: key.path=value"};
+  if (equals == 0 || equals == std::string::npos) {
+    source.mistakes.errors.push_back({source.name + ": allowed: key.path=value"});
+    return std::nullopt;
+  }
   auto value = load_yaml(text.substr(equals + 1), source);
   if (!value) return value;
   YAML::Node tree = *value;
@@ -51,32 +67,68 @@ void use_server_tls(Config& config) {
   if (tls.certificate.empty() && tls.key.empty()) tls = {config.server.tls.certificate, config.server.tls.key};
 }
 
-// Checks that involve several keys.
-Result<void> check_together(const Config& config) {
-  const ServerConfig& server = config.server;
-  if (config.tenants.empty()) return Error{"tenants: an empty list; allowed: at least one tenant"};
-  if (server.data_port != 0 && server.data_port + server.net_threads - 1 > 65535) {
-    return Error{"server.data_port: " + std::to_string(server.data_port) + " leaves no ports for " +
-                 std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
-                 std::to_string(65536 - server.net_threads)};
-  }
-  if (!server.tls.client_crl.empty() && server.tls.client_ca.empty()) {
-    return Error{
-        "server.tls.client_crl: without server.tls.client_ca there is no authority that could revoke anything"};
-  }
-  if (auto safe = check_access(server, config.tenants); !safe) return safe;
-  return check_admin(config.admin);
-}
-
-Result<std::string> read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) return Error{file.string() + ": cannot be read"};
-  return std::move(text).str();
-}
-
 // `address`: one that parsing has accepted.
 bool is_loopback(const std::string& address) { return asio::ip::make_address(address).is_loopback(); }
+bool is_any(const std::string& address) { return asio::ip::make_address(address).is_unspecified(); }
+
+// Keys whose change a running daemon takes over: those of them, and those below sections.
+constexpr std::string_view kReloaded[] = {"server.max_sessions",
+                                          "server.max_sessions_per_address",
+                                          "server.max_session_memory_mb",
+                                          "server.tls",
+                                          "server.insecure_listen",
+                                          "admin.token_file",
+                                          "admin.tls",
+                                          "scenes.list",
+                                          "scenes.allow_files",
+                                          "scenes.max_memory_mb",
+                                          "scheduler",
+                                          "tenants",
+                                          "log.level",
+                                          "log.audit_file"};
+
+bool is_at_or_below(std::string_view key, std::string_view section) {
+  return key.starts_with(section) && (key.size() == section.size() || key[section.size()] == '.');
+}
+
+template <class T>
+Result<T> only_right(T value, const std::vector<Error>& errors) {
+  if (errors.empty()) return value;
+  std::string all;
+  for (const Error& error : errors) all += (all.empty() ? "" : "\n") + error.message;
+  return Error{all};
+}
+
+// Checks that involve several keys. Each is left out where one of these has a mistake of its own.
+void check_together(ConfigReading& reading) {
+  const Config& config = reading.config;
+  const ServerConfig& server = config.server;
+  const auto check = [&](const std::vector<const char*>& keys, bool wrong, const std::string& why) {
+    const bool known =
+        std::none_of(keys.begin(), keys.end(), [&](const char* key) { return reading.is_mistaken(key); });
+    if (wrong && known) reading.errors.push_back(placed(config, Error{why}));
+  };
+  check({"tenants"}, config.tenants.empty(), "tenants: an empty list; allowed: at least one tenant");
+  check({"server.data_port", "server.net_threads"},
+        server.data_port != 0 && server.data_port + server.net_threads - 1 > 65535,
+        "server.data_port: " + std::to_string(server.data_port) + " leaves no ports for " +
+            std::to_string(server.net_threads) + " net threads; allowed: 0, or at most " +
+            std::to_string(65536 - server.net_threads));
+  check({"server.tls.client_crl", "server.tls.client_ca"},
+        !server.tls.client_crl.empty() && server.tls.client_ca.empty(),
+        "server.tls.client_crl: without server.tls.client_ca there is no authority that could revoke anything");
+  const auto safe = check_access(server, config.tenants);
+  check({"server.listen", "server.mode", "server.insecure_listen", "tenants"}, !safe,
+        safe ? "" : safe.error().message);
+  const auto admin = check_admin(config.admin);
+  check({"admin", "server.tls"}, !admin, admin ? "" : admin.error().message);
+  const bool same_address =
+      server.listen == config.admin.listen || is_any(server.listen) || is_any(config.admin.listen);
+  check({"server.listen", "server.control_port", "admin.listen", "admin.port"},
+        same_address && server.control_port != 0 && server.control_port == config.admin.port,
+        "admin.port: " + std::to_string(config.admin.port) +
+            " is server.control_port too; allowed: another port, or 0 for a free one");
+}
 
 // A path that begins with ${CREDENTIALS_DIRECTORY} lies where systemd puts what a unit's LoadCredential= names. Where it
 // puts nothing, the path stays as it is, and is found missing under this name.
@@ -95,30 +147,62 @@ std::filesystem::path absolute_below(const std::filesystem::path& folder, const 
 
 }  // namespace
 
+bool ConfigReading::is_mistaken(const std::string& key) const {
+  return std::any_of(mistaken.begin(), mistaken.end(), [&](const std::string& other) {
+    return other.empty() || is_at_or_below(key, other) || is_at_or_below(other, key);
+  });
+}
+
+Error placed(const Config& config, const Error& error) {
+  std::string key = error.message.substr(0, error.message.find(':'));
+  const bool is_key = key.find_first_of(" /") == std::string::npos && key.find('.') != 0;
+  const bool has_place = !config.source.empty() && error.message.starts_with(config.source + ":");
+  if (has_place || error.message.starts_with("--set ") || !is_key) return error;
+  while (!key.empty()) {
+    if (const auto found = config.places.find(key); found != config.places.end()) {
+      return Error{found->second + ": " + error.message};
+    }
+    const size_t dot = key.rfind('.');
+    key.resize(dot == std::string::npos ? 0 : dot);
+  }
+  return config.source.empty() ? error : Error{config.source + ": " + error.message};
+}
+
+ConfigReading examine_text(const std::string& text, const std::string& name,
+                           const std::vector<std::string>& overrides) {
+  ConfigReading reading;
+  reading.config.source = name;
+  schema::Mistakes mistakes;
+  const Source file{name, true, mistakes};
+  if (const auto root = load_yaml(text, file)) read_into(reading.config, *root, file);
+  const bool is_yaml = mistakes.errors.empty() || !mistakes.keys.empty();
+  for (const std::string& text_override : overrides) {
+    const Source source{"--set " + text_override, false, mistakes};
+    if (const auto tree = override_tree(text_override, source)) read_into(reading.config, *tree, source);
+  }
+  reading.errors = std::move(mistakes.errors);
+  reading.mistaken = std::move(mistakes.keys);
+  if (!is_yaml) reading.mistaken.insert("");  // nothing is known
+  use_server_tls(reading.config);
+  check_together(reading);
+  return reading;
+}
+
+ConfigReading examine_config(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  const auto text = read_file(file);
+  if (!text) return {{}, {text.error()}, {""}};
+  return examine_text(*text, file.string(), overrides);
+}
+
 Result<Config> parse_config(const std::string& text, const std::string& name,
                             const std::vector<std::string>& overrides) {
-  Config config;
-  const Source file{name, true};
-  auto root = load_yaml(text, file);
-  if (!root) return root.error();
-  if (auto read = read_into(config, *root, file); !read) return read.error();
-  add_values(config.values, *root);
-  for (const std::string& text_override : overrides) {
-    const Source source{"--set " + text_override, false};
-    auto tree = override_tree(text_override, source);
-    if (!tree) return tree.error();
-    if (auto read = read_into(config, *tree, source); !read) return read.error();
-    add_values(config.values, *tree);
-  }
-  use_server_tls(config);
-  if (auto fits = check_together(config); !fits) return Error{name + ": " + fits.error().message};
-  return config;
+  ConfigReading reading = examine_text(text, name, overrides);
+  return only_right(std::move(reading.config), reading.errors);
 }
 
 Result<Config> read_config(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  auto text = read_file(file);
-  if (!text) return text.error();
-  return parse_config(*text, file.string(), overrides);
+  ConfigReading reading = examine_config(file, overrides);
+  return only_right(std::move(reading.config), reading.errors);
 }
 
 std::vector<Error> find_files(Config& config, const std::filesystem::path& config_folder,
@@ -128,8 +212,8 @@ std::vector<Error> find_files(Config& config, const std::filesystem::path& confi
     const auto beside = absolute_below(config_folder, scene.file);
     const auto shared = absolute_below(share_folder, scene.file);
     std::error_code none;
-    const bool is_beside = std::filesystem::is_regular_file(beside, none);
-    const bool is_shared = !is_beside && std::filesystem::is_regular_file(shared, none);
+    const bool is_beside = std::filesystem::exists(beside, none);
+    const bool is_shared = !is_beside && std::filesystem::exists(shared, none);
     if (!is_beside && !is_shared) {
       missing.push_back(Error{scene.place + ": file " + scene.file.string() + " of scene " + scene.name +
                               " does not exist; looked at " + beside.string() + " and " + shared.string()});
@@ -191,20 +275,13 @@ Result<void> check_admin(const AdminConfig& admin) {
   return {};
 }
 
-bool needs_restart(const Config& next, const Config& running) {
-  ServerConfig server = next.server;
-  server.max_sessions = running.server.max_sessions;
-  server.max_sessions_per_address = running.server.max_sessions_per_address;
-  server.max_session_memory_mb = running.server.max_session_memory_mb;
-  server.tls = running.server.tls;
-  server.insecure_listen = running.server.insecure_listen;
-  AdminConfig admin = next.admin;
-  admin.token_file = running.admin.token_file;
-  admin.tls = running.admin.tls;
-  ScenesConfig scenes = next.scenes;
-  scenes.max_memory_mb = running.scenes.max_memory_mb;
-  return server != running.server || admin != running.admin || scenes != running.scenes ||
-         next.render != running.render || next.encode != running.encode || next.log.format != running.log.format;
+std::vector<std::string> restart_keys(const Config& next, const Config& running) {
+  std::vector<std::string> keys = schema::changed_keys(config_keys(), running, next);
+  std::erase_if(keys, [](const std::string& key) {
+    return std::any_of(std::begin(kReloaded), std::end(kReloaded),
+                       [&](std::string_view reloaded) { return is_at_or_below(key, reloaded); });
+  });
+  return keys;
 }
 
 std::vector<std::string> known_keys() { return schema::all_paths(config_keys()); }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -127,6 +128,7 @@ struct SchedulerConfig {
   // Frames that cost more are rendered in bands; 0: never; nullopt: by the kind of device, see SharingPolicy.
   std::optional<std::chrono::microseconds> quantum;
   uint32_t admit_percent = 1000;  // of the device: most that sessions with a rate may book together; 0: no limit
+  friend bool operator==(const SchedulerConfig&, const SchedulerConfig&) = default;
 };
 
 struct TenantConfig {
@@ -152,6 +154,7 @@ struct TenantConfig {
   bool open = false;                         // clients need no token
   // A file with more hashes of tokens; see token_files.h.
   std::filesystem::path token_sha256_file = {};
+  friend bool operator==(const TenantConfig&, const TenantConfig&) = default;
 };
 
 struct LogConfig {
@@ -173,15 +176,36 @@ struct Config {
   std::vector<TenantConfig> tenants{{.name = kDefaultTenant}};  // TenantId is the index
   LogConfig log;
   ConfigValues values = {};  // what the file and the overrides say, for changes_between()
+  ConfigPlaces places = {};  // and where
+  std::string source = {};   // the file's name
 };
 
-// Reads `file`, then applies `overrides` ("key.path=value", the value in YAML) in order. The error names file and
-// line (or --set), the key, and what is allowed there.
-Result<Config> read_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+// What was read, and all that is wrong with it. Keys with a mistake have their defaults.
+struct ConfigReading {
+  Config config;
+  std::vector<Error> errors;
+  std::set<std::string> mistaken = {};  // dotted keys, from whose values nothing is to be concluded
 
-// As read_config(), from the text of the file `name`; relative paths are kept.
+  // Whether the value of `key`, or of one above or below it, is mistaken.
+  bool is_mistaken(const std::string& key) const;
+};
+
+// Reads `file`, then applies `overrides` ("key.path=value", the value in YAML) in order. Errors name file, line and
+// column (or --set), the key, and what is allowed there.
+ConfigReading examine_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// As examine_config(), from the text of the file `name`; relative paths are kept.
+ConfigReading examine_text(const std::string& text, const std::string& name,
+                           const std::vector<std::string>& overrides = {});
+
+// The same, with all errors in one, a line each.
+Result<Config> read_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 Result<Config> parse_config(const std::string& text, const std::string& name,
                             const std::vector<std::string>& overrides = {});
+
+// An error whose text begins with a dotted key ("server.tls.key: ..."), behind the place in the configuration where that
+// key stands, or what it lies in, or else the file. As it is if it has a place already.
+Error placed(const Config& config, const Error& error);
 
 // Makes paths absolute: relative ones are below `config_folder`; scenes that are not there, below `share_folder`. Returns
 // an error for each scene whose file does not exist, which names its place in the configuration and where it was searched
@@ -201,9 +225,8 @@ Result<void> check_admin(const AdminConfig& admin);
 
 bool is_loopback(const AdminConfig& admin);  // whether it listens on loopback alone
 
-// Whether the two differ in anything that a running daemon cannot change. It can change limits of sessions, TLS files,
-// tenants, the scheduler's keys, the operators' token and certificate, the log level and the audit log's file.
-bool needs_restart(const Config& next, const Config& running);
+// The dotted keys in which the two differ and that a running daemon cannot change.
+std::vector<std::string> restart_keys(const Config& next, const Config& running);
 
 // Every key that read_config knows, dotted ("server.listen", "tenants.name").
 std::vector<std::string> known_keys();

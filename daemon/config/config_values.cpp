@@ -68,6 +68,23 @@ void add_values(ConfigValues& values, const YAML::Node& node, const std::string&
   }
 }
 
+void add_places(ConfigPlaces& places, const YAML::Node& node,
+                const std::function<std::string(const YAML::Node&)>& place_of, const std::string& path) {
+  if (node.IsSequence()) {
+    for (size_t i = 0; i < node.size(); ++i) {
+      const std::string item = below(path, name_of(node[i], i));
+      places[item] = place_of(node[i]);
+      add_places(places, node[i], place_of, item);
+    }
+  } else if (node.IsMap()) {
+    for (const auto& entry : node) {
+      const std::string key = below(path, entry.first.Scalar());
+      places[key] = place_of(entry.first);
+      add_places(places, entry.second, place_of, key);
+    }
+  }
+}
+
 std::string changes_between(const ConfigValues& before, const ConfigValues& after) {
   std::set<std::string> keys;
   for (const auto& [key, value] : before) keys.insert(key);

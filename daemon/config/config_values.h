@@ -1,6 +1,7 @@
 // What a configuration says, key by key as text, so that a reload can tell what it changed.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 
@@ -16,6 +17,13 @@ using ConfigValues = std::map<std::string, std::string>;
 
 // Adds what `node` says over what was said before; a list replaces the whole list.
 void add_values(ConfigValues& values, const YAML::Node& node, const std::string& path = {});
+
+// Where a configuration says what: "gnomond.yaml:12:3", by the same keys, and by those of sections and items.
+using ConfigPlaces = std::map<std::string, std::string>;
+
+// As add_values(). `place_of` gives the place of a node, or "" for one that has none of its own.
+void add_places(ConfigPlaces& places, const YAML::Node& node,
+                const std::function<std::string(const YAML::Node&)>& place_of, const std::string& path = {});
 
 // "tenants.studio.weight: 1 -> 3, server.max_sessions: (default) -> 100"; empty if there is no difference. Of
 // tokens' hashes it says only how many came and went.

@@ -1,6 +1,8 @@
 #include "daemon/config/token_files.h"
 
-#include <fstream>
+#include <sstream>
+
+#include "daemon/security/readable_file.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -8,8 +10,9 @@ namespace {
 constexpr size_t kMostHashes = 1024;
 
 Result<std::vector<TokenHash>> read_hashes(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) return Error{file.string() + ": cannot be read"};
+  const auto text = read_file(file);
+  if (!text) return text.error();
+  std::istringstream stream(*text);
   std::vector<TokenHash> hashes;
   size_t number = 0;
   for (std::string line; std::getline(stream, line);) {
@@ -28,16 +31,19 @@ Result<std::vector<TokenHash>> read_hashes(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<void> read_token_files(Config& config) {
+std::vector<Error> read_token_files(Config& config) {
+  std::vector<Error> errors;
   for (TenantConfig& tenant : config.tenants) {
     if (tenant.token_sha256_file.empty()) continue;
     const auto hashes = read_hashes(tenant.token_sha256_file);
     if (!hashes) {
-      return Error{"tenants.token_sha256_file of " + tenant.name + ": " + hashes.error().message};
+      const std::string key = "tenants." + tenant.name + ".token_sha256_file: ";
+      errors.push_back(placed(config, Error{key + hashes.error().message}));
+      continue;
     }
     tenant.token_sha256.insert(tenant.token_sha256.end(), hashes->begin(), hashes->end());
   }
-  return {};
+  return errors;
 }
 
 }  // namespace gnomon::daemon

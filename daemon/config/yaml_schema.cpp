@@ -27,15 +27,17 @@ std::string unknown_key(const std::string& name, const std::vector<std::string>&
 }  // namespace
 
 std::string Source::at(const YAML::Mark& mark) const {
-  return has_lines && !mark.is_null() ? name + ":" + std::to_string(mark.line + 1) : name;
+  if (!has_lines || mark.is_null()) return name;
+  return name + ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
 }
 
-Error Value::refuse(const std::string& why) const {
-  return {place() + ": " + (path.empty() ? "" : path + ": ") + why};
+void Value::refuse(const std::string& why) const {
+  source.mistakes.errors.push_back({place() + ": " + (path.empty() ? "" : path + ": ") + why});
+  source.mistakes.keys.insert(path);
 }
 
-Error Value::not_allowed(const std::string& allowed) const {
-  return refuse(shown(node) + " is not allowed; allowed: " + allowed);
+void Value::not_allowed(const std::string& allowed) const {
+  refuse(shown(node) + " is not allowed; allowed: " + allowed);
 }
 
 std::optional<std::string> plain_scalar(const YAML::Node& node) {
@@ -54,22 +56,27 @@ std::string join(const std::vector<std::string>& words) {
   return joined;
 }
 
-Result<std::vector<std::pair<std::string, Value>>> entries_of(const Value& value,
-                                                              const std::vector<std::string>& known) {
+std::vector<std::pair<std::string, Value>> entries_of(const Value& value, const std::vector<std::string>& known) {
   std::vector<std::pair<std::string, Value>> entries;
   if (value.node.IsNull()) return entries;  // a section whose keys are all commented out
-  if (!value.node.IsMap()) return value.not_allowed("a map with the keys " + join(known));
+  if (!value.node.IsMap()) {
+    value.not_allowed("a map with the keys " + join(known));
+    return entries;
+  }
+  const std::string above = value.path.empty() ? "" : value.path + ".";
   for (const auto& pair : value.node) {
     const std::string name = any_scalar(pair.first).value_or("");
-    const std::string path = value.path.empty() ? name : value.path + "." + name;
-    const Value entry{value.source, path, pair.second, pair.first.Mark()};
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return entry.refuse(unknown_key(name, known));
-    }
+    const Value entry{value.source, above + name, pair.second, pair.first.Mark()};
     const bool repeated =
         std::any_of(entries.begin(), entries.end(), [&](const auto& seen) { return seen.first == name; });
-    if (repeated) return entry.refuse("given twice; allowed: once");
-    entries.emplace_back(name, entry);
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      entry.refuse(unknown_key(name, known));
+      if (const auto meant = suggestion(name, known)) value.source.mistakes.keys.insert(above + *meant);
+    } else if (repeated) {
+      entry.refuse("given twice; allowed: once");
+    } else {
+      entries.emplace_back(name, entry);
+    }
   }
   return entries;
 }

@@ -26,16 +26,23 @@ SceneMetrics::SceneMetrics(prometheus::Registry& registry, const std::vector<std
           registry, "gnomon_scene_lights",
           "Lights, by state: resting where the tracer built for them, moving, or waiting for the first build.")),
       rebuilds_(counter_family(registry, "gnomon_scene_light_rebuilds_total",
-                               "Times that light buffers were built anew for changed lights.")) {
-  Counters& buffers =
-      counter_family(registry, "gnomon_scene_visibility_buffers_total", "Visibility buffers sent, by scene.");
-  for (const std::string& name : names) buffers_[name] = &buffers.Add({{"scene", name}});
-  buffers_[kOtherScenes] = &buffers.Add({{"scene", kOtherScenes}});
+                               "Times that light buffers were built anew for changed lights.")),
+      all_buffers_(
+          counter_family(registry, "gnomon_scene_visibility_buffers_total", "Visibility buffers sent, by scene.")) {
+  add({kOtherScenes});
+  add(names);
+}
+
+void SceneMetrics::add(const std::vector<std::string>& names) {
+  BuffersByScene buffers = *buffers_.get();
+  for (const std::string& name : names) buffers.try_emplace(name, &all_buffers_.Add({{"scene", name}}));
+  buffers_.publish(std::move(buffers));
 }
 
 void SceneMetrics::frame_sent(const std::string& scene) {
-  const auto found = buffers_.find(scene);
-  (found != buffers_.end() ? found->second : buffers_.at(kOtherScenes))->Increment();
+  const auto buffers = buffers_.get();
+  const auto found = buffers->find(scene);
+  (found != buffers->end() ? found->second : buffers->at(kOtherScenes))->Increment();
 }
 
 void SceneMetrics::resident(const std::string& scene, const scenes::LoadedScene& loaded,

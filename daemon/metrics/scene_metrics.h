@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/published.h"
 #include "daemon/metrics/status.h"
 #include "scenes/registry.h"
 
@@ -28,6 +29,9 @@ class SceneMetrics {
   // `names`: of the configured scenes.
   SceneMetrics(prometheus::Registry& registry, const std::vector<std::string>& names);
 
+  // Makes the series of those that have none yet.
+  void add(const std::vector<std::string>& names);
+
   void frame_sent(const std::string& scene);
   void resident(const std::string& scene, const scenes::LoadedScene& loaded, const gpu::SceneFootprint& on_device);
   void unloaded(const std::string& scene);
@@ -39,12 +43,14 @@ class SceneMetrics {
   using Gauges = prometheus::Family<prometheus::Gauge>;
   using Counters = prometheus::Family<prometheus::Counter>;
 
-  bool known(const std::string& scene) const { return buffers_.contains(scene); }
+  using BuffersByScene = std::map<std::string, prometheus::Counter*>;
+
+  bool known(const std::string& scene) const { return buffers_.get()->contains(scene); }
 
   Gauges &resident_, &load_seconds_, &memory_bytes_, &build_seconds_, &device_bytes_, &tracer_bytes_, &from_cache_,
       &kept_, &built_, &lights_;
-  Counters& rebuilds_;
-  std::map<std::string, prometheus::Counter*> buffers_;  // by scene; made at the start
+  Counters &rebuilds_, &all_buffers_;
+  Published<BuffersByScene> buffers_;
 };
 
 }  // namespace gnomon::daemon

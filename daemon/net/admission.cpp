@@ -126,9 +126,9 @@ Admission::Verdict Admission::identify(Applicant& applicant, const protocol::Hel
   if (const auto message = shared_.kept_out.objection(identified.tenant, from, Clock::now()))
     return refused(*message);
   auto granted = check_hello(hello, identified.tenant, shared_.config,
-                             [&](const auto& asked) { return shared_.catalog.find(asked); });
+                             [&](const auto& asked) { return shared_.catalog.get()->find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) {
-    return refused(with_scenes(*message, shared_.catalog));
+    return refused(with_scenes(*message, *shared_.catalog.get()));
   }
   applicant.grant = std::get<SessionGrant>(std::move(granted));
   applicant.grant.credential = identified.credential;
@@ -155,7 +155,7 @@ asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, con
   if (!applicant.stored) co_return refused(RefusalCode::unknown_session, kNoSession);
   applicant.claim.tenant = applicant.stored.record().tenant.data();
   auto granted = grant_of(applicant.stored.record(), *shared_.tenants.get(), shared_.config,
-                          [&](const auto& asked) { return shared_.catalog.find(asked); });
+                          [&](const auto& asked) { return shared_.catalog.get()->find(asked); });
   if (const auto* message = std::get_if<protocol::Refused>(&granted)) co_return refused(*message);
   applicant.grant = std::get<SessionGrant>(std::move(granted));
   if (const auto objection = objection_to(applicant.grant, shared_)) {
@@ -209,7 +209,7 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
   if (!fetched) {
     const std::string& why = fetched.error().message;
     Refusal refusal =
-        refused(RefusalCode::scene_unavailable, without_folder(why, grant.scene_name, shared_.catalog));
+        refused(RefusalCode::scene_unavailable, without_folder(why, grant.scene_name, *shared_.catalog.get()));
     refusal.for_operators = why;
     co_return refusal;
   }
@@ -329,7 +329,7 @@ void Admission::send_welcome(ControlStream& stream, const Session& session,
   const LightsUpdate update = shared_.scenes.lights_of(grant.scene_name);
   welcome.scene.lights = gpu::to_wire(update.lights);
   welcome.lights_version = update.version;
-  welcome.motions = gpu::to_wire(shared_.catalog.motions(grant.scene_name));
+  welcome.motions = gpu::to_wire(shared_.catalog.get()->motions(grant.scene_name));
   stream.send(welcome);
 }
 

@@ -1,12 +1,19 @@
 #include "daemon/net/daemon_certificates.h"
 
 #include "common/log.h"
+#include "common/wall_clock.h"
 
 namespace gnomon::daemon {
 
 Result<void> DaemonCertificates::open(const ServerConfig& config) {
   auto tls = open_tls(config);
   if (!tls) return tls.error();
+  if ((*tls)->expires <= wall_now()) {
+    log::error("no client will connect",
+               {{"why", "server.tls.certificate: " + config.tls.certificate.string() +
+                            " has expired: clients refuse it; make another with gnomonctl "
+                            "make-certs"}});
+  }
   publish(std::move(*tls));
   return {};
 }

@@ -26,7 +26,7 @@ struct NetShared {
   const Config& config;
   const Published<TenantDirectory>& tenants;
   const std::string& tracer;  // its name and the device's, for clients
-  const SceneCatalog& catalog;
+  const Published<SceneCatalog>& catalog;
   const Health& health;
   const PublishedTls& tls;
   SceneHost& scenes;

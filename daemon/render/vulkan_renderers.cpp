@@ -13,7 +13,29 @@ uint32_t frame_slots(const Config& config) {
   return config.render.frames_in_flight + static_cast<uint32_t>(std::min(config.tenants.size(), kMostInBands));
 }
 
+std::vector<std::string> device_names(const RenderConfig& render) {
+  return render.devices.empty() ? std::vector{render.device} : render.devices;
+}
+
+std::string selector_of(const std::string& device) { return device == "auto" ? "" : device; }
+
 }  // namespace
+
+std::vector<Error> check_vulkan_renderers(const Config& config) {
+  const RenderConfig& render = config.render;
+  gpu::RendererOptions options;
+  options.tracer = render.tracer;
+  if (!render.passes.empty()) options.passes = render.passes;
+  std::vector<Error> errors;
+  for (const std::string& device : device_names(render)) {
+    options.device = selector_of(device);
+    for (const Error& error : gpu::check_options(options)) {
+      const bool of_list = !render.devices.empty() && error.message.starts_with("device: ");
+      errors.push_back(Error{of_list ? "render.devices" + error.message.substr(6) : "render." + error.message});
+    }
+  }
+  return errors;
+}
 
 std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::StructureBuildsPtr& builds) {
   const RenderConfig& render = config.render;
@@ -29,8 +51,8 @@ std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::S
   options.frames_in_flight = frame_slots(config);
   options.queues = render.queues;
   std::vector<RendererFactory> factories;
-  for (const std::string& device : render.devices.empty() ? std::vector{render.device} : render.devices) {
-    options.device = device == "auto" ? "" : device;
+  for (const std::string& device : device_names(render)) {
+    options.device = selector_of(device);
     factories.push_back([options] { return gpu::make_renderer(options); });
   }
   return factories;

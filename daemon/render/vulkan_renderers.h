@@ -14,4 +14,7 @@ namespace gnomon::daemon {
 std::vector<RendererFactory> vulkan_renderers(const Config& config,
                                               const gpu::StructureBuildsPtr& builds = gpu::builds_here());
 
+// What is wrong with the configuration's devices, tracer and passes, as far as it can be told without opening a device.
+std::vector<Error> check_vulkan_renderers(const Config& config);
+
 }  // namespace gnomon::daemon

@@ -5,8 +5,6 @@
 namespace gnomon::daemon {
 namespace fs = std::filesystem;
 
-namespace {
-
 std::vector<scenes::NodeMotion> motions_of(const SceneFile& scene) {
   std::vector<scenes::NodeMotion> motions;
   for (const MovingNode& moving : scene.moving) {
@@ -19,6 +17,8 @@ std::vector<scenes::NodeMotion> motions_of(const SceneFile& scene) {
   }
   return motions;
 }
+
+namespace {
 
 bool is_gltf(const fs::directory_entry& entry) {
   const auto extension = entry.path().extension();
@@ -53,9 +53,22 @@ Result<SceneCatalog> SceneCatalog::read(const ScenesConfig& config) {
   return catalog;
 }
 
-std::vector<scenes::NodeMotion> SceneCatalog::motions(const std::string& name) const {
+const scenes::SceneSource* SceneCatalog::source(const std::string& name) const {
   const auto found = std::find_if(sources_.begin(), sources_.end(), [&](const auto& s) { return s.name == name; });
-  return found == sources_.end() ? std::vector<scenes::NodeMotion>{} : found->motions;
+  return found == sources_.end() ? nullptr : &*found;
+}
+
+void SceneCatalog::keep(const std::string& name, const SceneCatalog& before) {
+  const scenes::SceneSource* const kept = before.source(name);
+  if (!kept) return;
+  std::erase_if(sources_, [&](const auto& source) { return source.name == name; });
+  sources_.push_back(*kept);
+  names_[name] = name;
+}
+
+std::vector<scenes::NodeMotion> SceneCatalog::motions(const std::string& name) const {
+  const scenes::SceneSource* const found = source(name);
+  return found ? found->motions : std::vector<scenes::NodeMotion>{};
 }
 
 std::string SceneCatalog::find(const std::string& asked) const {

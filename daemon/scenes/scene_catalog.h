@@ -10,17 +10,28 @@
 
 namespace gnomon::daemon {
 
-// The folders of scenes.allow_files are read once, at the start: what a client asks for is looked up in a table and is
-// never used as a path, so that no name, however written, leads out of the folders. Immutable afterwards; any thread.
+// Why a scene is not served in which nothing shines.
+inline constexpr const char* kNoLights = "it has no lights: there is nothing to trace";
+
+// The motions that the configuration gives to nodes of the scene's file.
+std::vector<scenes::NodeMotion> motions_of(const SceneFile& scene);
+
+// The folders of scenes.allow_files are read once, at the start and at each reload: what a client asks for is looked up in
+// a table and is never used as a path, so that no name, however written, leads out of the folders. Immutable afterwards;
+// any thread.
 class SceneCatalog {
  public:
   // Error if a folder cannot be read or there are more than kMaxFiles scenes.
   static Result<SceneCatalog> read(const ScenesConfig& config);
 
+  // Scenes of this name are what they were in `before`.
+  void keep(const std::string& name, const SceneCatalog& before);
+
   static constexpr size_t kMaxFiles = 4096;
 
   // The configured scenes, then the files.
   const std::vector<scenes::SceneSource>& sources() const { return sources_; }
+  const scenes::SceneSource* source(const std::string& name) const;  // nullptr if there is none
 
   // The motions that the configuration gives to nodes of the source.
   std::vector<scenes::NodeMotion> motions(const std::string& name) const;

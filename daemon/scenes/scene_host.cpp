@@ -121,7 +121,7 @@ Result<scenes::LoadedScene> SceneHost::read(const Request& request, std::stop_to
   }
   if (most == std::numeric_limits<uint64_t>::max()) most = 0;  // no limit
   auto loaded = within_memory([&] { return registry_.get(request.name, std::move(stop), most); });
-  if (loaded && loaded->scene->lights.empty()) return Error{"it has no lights: there is nothing to trace"};
+  if (loaded && loaded->scene->lights.empty()) return Error{kNoLights};
   return loaded;
 }
 
@@ -183,12 +183,7 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
   arrived.scene = *loaded;
   arrived.name = request.name;
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
-    if (!on_device) return refuse(request, on_device.error());
-    HostedScene hosted;
-    hosted.loaded = scene;
-    hosted.on_device = *on_device;
-    hosted.lights = {request.name, 0, scene.scene->lights};
-    request.ready(keep(request.name, hosted));
+    arrive(request, scene, on_device);
   };
   devices_.bring(arrived);
 }
@@ -233,25 +228,30 @@ void SceneHost::take_away(const std::string& name) {
   metrics_.scenes().unloaded(name);
 }
 
-void SceneHost::refuse(const Request& request, const Error& why) {
-  {
-    std::lock_guard lock(mutex_);
-    on_the_way_.erase(on_the_way_.find(request.name));
-    if (!resident_.contains(request.name) && !on_the_way_.contains(request.name)) account_.remove(request.name);
-  }
-  request.ready(why);
-}
-
-SceneForUse SceneHost::keep(const std::string& name, HostedScene scene) {
-  log::info("scene resident", {{"scene", name},
-                               {"device_bytes", scene.on_device.memory_bytes},
-                               {"tracer_bytes", scene.on_device.tracer_memory_bytes},
-                               {"build_seconds", scene.on_device.tracer_build_seconds},
-                               {"from_cache", scene.on_device.tracer_from_cache}});
-  std::lock_guard lock(mutex_);
+// The scene is on the devices, or none could take it.
+void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
+                       const Result<gpu::SceneFootprint>& on_device) {
+  const std::string& name = request.name;
+  std::unique_lock lock(mutex_);
   on_the_way_.erase(on_the_way_.find(name));
-  const Resident& kept = resident_.try_emplace(name, Resident{std::move(scene)}).first->second;
-  return {kept.scene.loaded, SceneUse(kept.uses)};
+  if (!on_device) {
+    if (!resident_.contains(name) && !on_the_way_.contains(name)) account_.remove(name);
+    lock.unlock();
+    return request.ready(on_device.error());
+  }
+  HostedScene hosted;
+  hosted.loaded = scene;
+  hosted.on_device = *on_device;
+  hosted.lights = {name, 0, scene.scene->lights};
+  const Resident& kept = resident_.try_emplace(name, Resident{std::move(hosted)}).first->second;
+  SceneForUse for_use{kept.scene.loaded, SceneUse(kept.uses)};
+  lock.unlock();
+  log::info("scene resident", {{"scene", name},
+                               {"device_bytes", on_device->memory_bytes},
+                               {"tracer_bytes", on_device->tracer_memory_bytes},
+                               {"build_seconds", on_device->tracer_build_seconds},
+                               {"from_cache", on_device->tracer_from_cache}});
+  request.ready(std::move(for_use));
 }
 
 Result<void> SceneHost::unload(const std::string& name) {
@@ -266,6 +266,23 @@ Result<void> SceneHost::unload(const std::string& name) {
   }
   log::info("scene unloaded", {{"scene", name}});
   return {};
+}
+
+std::vector<std::string> SceneHost::change_sources(SceneCatalog& next, const SceneCatalog& before) {
+  std::vector<std::string> kept;
+  std::lock_guard lock(mutex_);
+  for (const scenes::SceneSource& old : before.sources()) {
+    const scenes::SceneSource* const now = next.source(old.name);
+    if (now && *now == old) continue;
+    if (is_free(old.name)) {
+      take_away(old.name);
+    } else if (resident_.contains(old.name) || on_the_way_.contains(old.name) || reading_.contains(old.name)) {
+      kept.push_back(old.name);
+    }
+  }
+  for (const std::string& name : kept) next.keep(name, before);
+  registry_.set_sources(next.sources());
+  return kept;
 }
 
 std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name) {

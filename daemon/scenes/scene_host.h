@@ -85,6 +85,11 @@ class SceneHost {
   // again. Error if it is not resident, is in use or is being loaded.
   Result<void> unload(const std::string& name);
 
+  // Any thread. Serves the scenes of `next` from now on, and of those that differ from `before` none that was read before:
+  // a scene that nobody uses leaves. Returns the names of those that stay as they were, because sessions use them or they
+  // are being loaded; `next` then has them as in `before`.
+  std::vector<std::string> change_sources(SceneCatalog& next, const SceneCatalog& before);
+
   std::map<std::string, HostedScene> resident() const;
   // Any thread. In the order of their names.
   std::vector<SceneUnderWay> under_way() const;
@@ -124,10 +129,10 @@ class SceneHost {
   bool is_free(const std::string& name) const;  // with mutex_ held
   void take_away(const std::string& name);      // with mutex_ held; the scene is resident
   void bring(Request request, const Result<scenes::LoadedScene>& loaded);
-  void refuse(const Request& request, const Error& why);
   Ready counted(const std::string& name, Ready ready);        // with mutex_ held
   SceneUnderWay::Stage stage(const std::string& name) const;  // with mutex_ held
-  SceneForUse keep(const std::string& name, HostedScene scene);
+  void arrive(const Request& request, const scenes::LoadedScene& scene,
+              const Result<gpu::SceneFootprint>& on_device);
 
   scenes::Registry registry_;
   const uint64_t light_buffer_bytes_;

@@ -2,6 +2,13 @@
 
 namespace gnomon::gpu {
 
+Result<void> check_tracer_name(std::string_view name) {
+  for (const char* known : {"auto", "bvh", "light_buffer", "ray_query"}) {
+    if (name == known) return {};
+  }
+  return Error{"no tracer is called '" + std::string(name) + "'; there are auto, bvh, light_buffer, ray_query"};
+}
+
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
                                             const TracerOptions& options) {
   if (name == "auto") {
@@ -12,7 +19,7 @@ Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DeviceP
   if (name == "bvh") return make_bvh_tracer(device);
   if (name == "light_buffer") return make_light_buffer_tracer(device, options);
   if (name == "ray_query") return make_ray_query_tracer(device);
-  return Error{"no tracer is called '" + std::string(name) + "'; there are auto, bvh, light_buffer, ray_query"};
+  return check_tracer_name(name).error();
 }
 
 }  // namespace gnomon::gpu

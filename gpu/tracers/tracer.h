@@ -76,6 +76,9 @@ class Tracer {
   }
 };
 
+// Error: there is no such tracer; whether a device supports it is not looked at.
+Result<void> check_tracer_name(std::string_view name);
+
 // `name`: "bvh", "light_buffer", "ray_query", or "auto" for the fastest that this device can run. Error: there is no
 // such tracer, or the device does not support it.
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,

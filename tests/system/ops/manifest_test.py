@@ -141,7 +141,8 @@ class Fit(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
             file.write(self.text)
             file.flush()
-            done = subprocess.run([BUILD / "bin/gnomond", "--config", file.name, "--check-config"], text=True,
+            done = subprocess.run([BUILD / "bin/gnomond", "--config", file.name, "--check-config",
+                                   "--for-reload"], text=True,  # the files that it names are in the container
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.assertEqual(done.returncode, 0, done.stdout)
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 namespace gnomon::daemon {
@@ -31,8 +32,9 @@ class WrongConfig : public testing::TestWithParam<Wrong> {};
 TEST_P(WrongConfig, NamesFileLineKeyAndWhatIsAllowed) {
   const auto config = parse_config(GetParam().yaml, "edge.yaml");
   ASSERT_FALSE(config);
+  const std::string said = std::regex_replace(config.error().message, std::regex("(yaml:[0-9]+):[0-9]+"), "$1");
   for (const std::string& part : GetParam().says) {
-    EXPECT_NE(config.error().message.find(part), std::string::npos) << config.error().message << "\nlacks " << part;
+    EXPECT_NE(said.find(part), std::string::npos) << config.error().message << "\nlacks " << part;
   }
 }
 
@@ -77,12 +79,13 @@ INSTANTIATE_TEST_SUITE_P(
               {"admin.listen: 0.0.0.0 can be reached", "in clear", "admin.tls.certificate"}},
         Wrong{
             "half_an_identity", "admin: {tls: {key: k}}\n", {"admin.tls: certificate and key are needed together"}},
-        Wrong{"demo_for_everybody",
-              "server: {mode: demo, listen: 0.0.0.0}\n",
-              {"edge.yaml: server.listen: 0.0.0.0 can be reached", "server.mode: demo", "server.insecure_listen"}},
+        Wrong{
+            "demo_for_everybody",
+            "server: {mode: demo, listen: 0.0.0.0}\n",
+            {"edge.yaml:1: server.listen: 0.0.0.0 can be reached", "server.mode: demo", "server.insecure_listen"}},
         Wrong{"open_for_everybody",
               "server: {listen: '::'}\ntenants: [{name: lab}, {name: hall, open: true}]\n",
-              {"edge.yaml: server.listen: :: can be reached", "tenant hall is open", "server.insecure_listen"}},
+              {"edge.yaml:1: server.listen: :: can be reached", "tenant hall is open", "server.insecure_listen"}},
         Wrong{"list_for_value", "log: {level: [info]}\n", {"log.level: a list", "debug, info"}},
         Wrong{"value_for_section", "server: 5\n", {"edge.yaml:1: server: \"5\"", "a map with the keys mode"}},
         Wrong{"value_for_list",
@@ -99,10 +102,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"second_tenant",
               "tenants:\n  - name: lab\n  - name: lab\n",
               {"edge.yaml:3: tenants: a second tenant named lab"}},
-        Wrong{"no_tenants", "tenants: []\n", {"edge.yaml: tenants", "at least one"}},
+        Wrong{"no_tenants", "tenants: []\n", {"edge.yaml:1: tenants", "at least one"}},
         Wrong{"ports_run_out",
               "server: {data_port: 65535, net_threads: 2}\n",
-              {"edge.yaml: server.data_port: 65535", "at most 65534"}},
+              {"edge.yaml:1: server.data_port: 65535", "at most 65534"}},
         Wrong{"scene_without_file",
               "scenes:\n  list:\n    - name: attic\n",
               {"edge.yaml:3: scenes.list: name and file"}},
@@ -368,7 +371,7 @@ TEST(SceneFiles, AreFoundBesideTheConfigurationThenInShare) {
   const auto errors = find_files(*missing, folder / "etc", folder / "share");
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_EQ(missing->scenes.list[1].file, folder / "share/only.glb") << "the others are found all the same";
-  for (const std::string& part : std::vector<std::string>{"edge.yaml:3: scenes.list", "none.glb",
+  for (const std::string& part : std::vector<std::string>{"edge.yaml:3:5: scenes.list", "none.glb",
                                                           (folder / "etc").string(), (folder / "share").string()}) {
     EXPECT_NE(errors[0].message.find(part), std::string::npos) << errors[0].message;
   }

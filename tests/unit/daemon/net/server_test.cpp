@@ -190,6 +190,59 @@ TEST_F(Served, AReloadChangesTermsAndLimitsAndDropsNobody) {
   EXPECT_TRUE(metrics_say("gnomon_tenant_refusals_total{limit=\"sessions\",tenant=\"default\"} 1"));
 }
 
+TEST_F(Served, AReloadBringsChangesAndTakesScenes) {
+  start();
+  const auto refusal_of = [&](const std::string& scene) {
+    TestClient c = client();
+    return c.join(TestClient::hello(scene)) ? "" : "refused";
+  };
+  write_scene(folder_ / "bunny.gltf", true);
+  write_scene(folder_ / "files" / "late.gltf", true);
+  EXPECT_EQ(refusal_of("bunny"), std::string("refused"));
+  Config next = config_;
+  next.scenes.list.push_back({"bunny", folder_ / "bunny.gltf", ""});
+  next.scenes.allow_files.push_back(folder_ / "more");
+  std::filesystem::create_directory(folder_ / "more");
+  write_scene(folder_ / "more" / "again.gltf", true);
+  const auto done = daemon_->reload(next);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(eventually([&] { return metrics_say("gnomon_scene_resident{scene=\"bunny\"} 1"); })) << "at once";
+  for (const char* scene : {"bunny", "late.gltf", "again.gltf"})
+    EXPECT_EQ(refusal_of(scene), std::string()) << scene;
+
+  // A scene that is in use stays as it was, and another reload takes it once it is not.
+  TestClient stays = client();
+  ASSERT_TRUE(stays.join(TestClient::hello("bunny")));
+  next.scenes.list[1].moving = {{.node = "ears", .spin = {0, 1, 0}, .shift = {}}};
+  next.scenes.list.erase(next.scenes.list.begin());
+  const auto in_part = daemon_->reload(next);
+  ASSERT_FALSE(in_part);
+  EXPECT_NE(in_part.error().message.find("scene bunny is in use and stays as it was"), std::string::npos)
+      << in_part.error().message;
+  stays.send_view(1, 2);
+  EXPECT_TRUE(is_frame_of(stays, stays.receive_frame(1), 2));
+  EXPECT_EQ(refusal_of(kScene), std::string("refused")) << "the one that nobody used is gone";
+  stays.send(protocol::Bye{});
+  ASSERT_TRUE(eventually([&] { return metrics_say("gnomon_sessions{tenant=\"default\"} 0"); }));
+  EXPECT_TRUE(eventually([&] { return daemon_->reload(next).has_value(); }));
+}
+
+TEST_F(Served, AReloadNamesTheKeysThatTakeARestart) {
+  start();
+  Config next = config_;
+  next.server.silence_timeout *= 2;
+  next.render.tracer = "bvh";
+  next.scheduler.policy = "priority";
+  const auto in_part = daemon_->reload(next);
+  ASSERT_FALSE(in_part);
+  for (const char* key : {"server.silence_timeout_ms: changed, which takes a restart",
+                          "render.tracer: changed, which takes a restart"}) {
+    EXPECT_NE(in_part.error().message.find(key), std::string::npos) << in_part.error().message;
+  }
+  EXPECT_EQ(in_part.error().message.find("scheduler"), std::string::npos);
+  EXPECT_TRUE(metrics_say("gnomon_config_reloads_total{result=\"failed\"} 1"));
+}
+
 TEST_F(Served, AReloadBringsTenantsAndClosesThoseThatAreGone) {
   config_.tenants = {{.name = kDefaultTenant}, {.name = "leaving"}};
   start();
