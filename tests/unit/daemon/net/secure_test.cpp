@@ -162,7 +162,10 @@ TEST_F(Secure, AReloadLetsNoStrangersInFromElsewhereUnlessItSaysSo) {
   EXPECT_NE(refused.error().message.find("tenant studio is open"), std::string::npos) << refused.error().message;
   EXPECT_EQ(refusal_of(hello("studio", "guess")), RefusalCode::bad_token) << "the rest is applied, but this is not";
   next.server.insecure_listen = true;
-  EXPECT_TRUE(daemon_->reload(next));
+  const auto allowed = daemon_->reload(next);
+  ASSERT_FALSE(allowed);
+  EXPECT_EQ(allowed.error().message.find("tenant studio is open"), std::string::npos) << allowed.error().message;
+  EXPECT_NE(allowed.error().message.find("server.listen: changed, which takes a restart"), std::string::npos);
   TestClient stranger = client();
   EXPECT_TRUE(stranger.join(hello("studio", "guess")));
 }
