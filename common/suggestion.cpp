@@ -31,7 +31,9 @@ std::optional<std::string> suggestion(const std::string& written, const std::vec
   const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
     return edit_distance(written, a) < edit_distance(written, b);
   });
-  if (edit_distance(written, *nearest) > std::max<size_t>(2, nearest->size() / 3)) return std::nullopt;
+  // Two slips in a word of four letters make another word.
+  const size_t most_slips = nearest->size() < 5 ? 1 : std::max<size_t>(2, nearest->size() / 3);
+  if (edit_distance(written, *nearest) > most_slips) return std::nullopt;
   return *nearest;
 }
 

@@ -58,7 +58,8 @@ class Admin(unittest.TestCase):
     def test_what_is_written_wrong_is_said_and_asks_nobody(self):
         for words, said in ((("sessoins",), "no command 'sessoins'; did you mean sessions?"),
                             (("scene", "lod", "temple"), "no command 'lod'; did you mean load?"),
-                            (("quit",), "there are: status, sessions"),
+                            (("frobnicate",), "there are: "),
+                            (("quit",), "there are: "),
                             (("kick", "abc"), "'abc' is no number"),
                             (("kick", "1", "--for", "soon"), "--for"),
                             ((), "subcommand is required")):
