@@ -22,7 +22,7 @@ from node import Node, eventually, skip
 try:
     import png
     from messages import (FEEDBACK, MOMENTS, PARITY, PATHS, REFERENCES, RESUME, Bye, Draining, Hello, LightsChanged,
-                          Refusal, Stats)
+                          Refusal, Stats, WAITING)
     from session import RefusedBy, Session
 except ModuleNotFoundError as error:
     skip(f"Debian's python3-{error.name.lower()} is missing")
@@ -104,7 +104,7 @@ class Sessions(unittest.TestCase):
 
     def flight(self, codec, cipher, features):
         """Frames at a few cameras, of a session of its own."""
-        features |= PATHS  # as every session's
+        features |= PATHS | WAITING  # as every session's
         session = self.session(codecs=(codec,), ciphers=(cipher,), features=features)
         welcome = session.welcome
         self.assertEqual((welcome.codec, welcome.cipher, welcome.size), (codec, cipher, SIZE))
