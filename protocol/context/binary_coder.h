@@ -20,6 +20,7 @@ inline constexpr uint32_t kLeastRange = 1u << 24;
 class BinaryEncoder {
  public:
   static constexpr bool kDecodes = false;
+  static constexpr size_t kTail = 5;  // bytes that size() counts for what is pending
 
   // A state of the coder and of its output to which return_to() goes back.
   struct Mark {
@@ -76,8 +77,6 @@ class BinaryEncoder {
   }
 
  private:
-  static constexpr size_t kTail = 5;
-
   // Outputs the highest byte. If it is 255, a later carry may still propagate through it, so it is held back.
   void shift() {
     if (low_ < 0xff000000u || low_ > 0xffffffffu) {

@@ -1,6 +1,7 @@
 #include "protocol/context/context_slices.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "protocol/context/motion_search.h"
 #include "protocol/context/tile_walk.h"
@@ -130,16 +131,25 @@ struct UnitEncoder::Memory {
     same.tile_count = encode_some(range, referenced);
     const size_t with = out->bytes.size() - begin;
     keep(begin, words_of(range.first_light, range.first_tile, same.tile_count));
-    const uint32_t fit = encode_some(same, alone);
+    const uint32_t fit = within(with + with / 10 + kReferencedHead, [&] { return encode_some(same, alone); });
     const size_t without = out->bytes.size() - begin;
     if (fit < same.tile_count || without >= with) {
-      if (fit < same.tile_count || clearly_more(without, with)) choice = Choice::referenced;
+      if (fit < same.tile_count) choice = Choice::referenced;
       bring_back(begin, words_of(range.first_light, range.first_tile, same.tile_count));
       return same.tile_count;
     }
     if (clearly_more(with, without)) choice = Choice::alone;
     out->bytes.resize(begin);
     return encode_some(range, alone);  // more tiles may fit
+  }
+
+  // Has `attempt` give up where it takes clearly more than `bytes`.
+  template <class Attempt>
+  auto within(size_t bytes, Attempt attempt) -> decltype(attempt()) {
+    const size_t all = std::exchange(limit, std::min(limit, bytes + BinaryEncoder::kTail));
+    const auto result = attempt();
+    limit = all;
+    return result;
   }
 
   // By a tenth, and more than what a payload's head may account for.
@@ -205,7 +215,8 @@ struct UnitEncoder::Memory {
     const bool with = frame->reference && try_lights(range, referenced);
     const size_t bytes_with = out->bytes.size() - begin;
     if (with) keep(begin, words);
-    const bool without = try_lights(range, alone);
+    const bool without =
+        with ? within(bytes_with, [&] { return try_lights(range, alone); }) : try_lights(range, alone);
     if (with && (!without || bytes_with <= out->bytes.size() - begin)) bring_back(begin, words);
     if (with || without) append(range);
     return with || without;
