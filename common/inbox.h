@@ -28,15 +28,18 @@ class Inbox {
     return true;
   }
 
-  // As push(), but waits until there is memory for the value: for what must not be lost.
+  // As push(), but waits until there is memory for the value: for what must not be lost. The consumer, who may free some,
+  // is not held up meanwhile.
   bool push_surely(T value) {
-    {
+    bool pushed = false;
+    until_memory_suffices([&] {
       std::lock_guard lock(mutex_);
-      if (closed_) return false;
-      until_memory_suffices([&] { queue_.push_back(std::move(value)); });  // moves nothing if it fails
-    }
-    ready_.notify_one();
-    return true;
+      if (closed_) return;
+      queue_.push_back(std::move(value));  // moves nothing if it fails
+      pushed = true;
+    });
+    if (pushed) ready_.notify_one();
+    return pushed;
   }
 
   // The consumer's thread. Replaces `batch` with all queued values; if there are none, waits for the first one until

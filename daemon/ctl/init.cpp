@@ -204,14 +204,13 @@ std::string Installation::next_steps() const {
   for (const std::string& tenant : request_.tenants) {
     text << "     " << client_folder(tenant).string() << "\n";
   }
-  text << "   Within it, a client is started with\n     gnomon-client --server " << reached_at()
-       << " --ca ca.pem --tenant " << request_.tenants.front() << " --token-file token --scene "
-       << scenes_.front().name << " --size 960x540\n"
-       << "4. Move " << (private_folder() / "ca-key.pem").string()
-       << " off this machine: it makes certificates for anybody. `gnomonctl init` needs it there to make another "
-          "one "
-          "before "
-       << request_.days << " days are over.\n";
+  text
+      << "   Within it, a client is started with\n     gnomon-client --server " << reached_at()
+      << " --ca ca.pem --tenant " << request_.tenants.front() << " --token-file token --scene "
+      << scenes_.front().name << " --size 960x540\n"
+      << "4. Move " << (private_folder() / "ca-key.pem").string()
+      << " off this machine: it makes certificates for anybody. `gnomonctl init` needs it there to make another one"
+      << " before " << request_.days << " days are over.\n";
   for (const SceneEntry& scene : scenes_) {
     for (const char* hidden : kHidden) {
       if (packaged() && scene.file.starts_with(hidden)) {

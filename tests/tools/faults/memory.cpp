@@ -15,7 +15,7 @@
 
 namespace {
 
-constexpr unsigned kLooksAtTheFile = 1024;  // one in so many allocations
+constexpr unsigned kLooksAtTheFile = 128;  // one in so many allocations
 
 std::atomic<unsigned> allocations{0};
 std::atomic<unsigned> failures_in{0};  // one fails of so many; 0: none
