@@ -216,7 +216,7 @@ class Faults(unittest.TestCase):
             # The library notices that the fault is gone after some further allocations.
             eventually(lambda: node.ctl("reload")[0] == 0, "a reload with memory again")
             eventually(lambda: node.load({"arcade": 1}, seconds=0.5).rows()[-1]["frames"] > 0, "a newcomer's frames")
-        self.assertIn("dropped for want of memory", node.log_text())
+        self.assertIn("an allocation was refused", node.log_text())
 
     def test_out_of_descriptors(self):
         """Connections that say nothing take all of them; who is there goes on, and who comes later is served."""

@@ -44,7 +44,11 @@ bool fails(size_t bytes) {
   if (one_in == 0 || bytes < least_bytes) return false;
   static thread_local unsigned state = 0x9e3779b9u + static_cast<unsigned>(gettid());
   state = state * 1664525u + 1013904223u;
-  return (state >> 8) % one_in == 0;
+  if ((state >> 8) % one_in != 0) return false;
+  static std::atomic<bool> said{false};
+  constexpr char kSaid[] = "an allocation was refused\n";  // for the test, which reads the log
+  if (!said.exchange(true)) (void)!write(STDERR_FILENO, kSaid, sizeof kSaid - 1);
+  return true;
 }
 
 // What nobody caught says where it came from, for addr2line.
