@@ -42,16 +42,29 @@ def client(args, daemon, size, frames, server=None, **options):
 
 
 def frames_for(args, daemon, size, **options):
-    """How many frames a flight of args.seconds takes, from a short one."""
-    row = client(args, daemon, size, 30, **options)
-    return max(30, int(args.seconds * row["fps"]))
+    """How many frames a flight of args.seconds takes: from a short one, and from one that is as long as a rate takes to be found."""
+    frames = 30
+    for seconds in (min(2, args.seconds), args.seconds):
+        row = client(args, daemon, size, frames, **options)
+        frames = max(30, int(seconds * row["fps"]))
+    return frames
+
+
+def repeated(args, parts):
+    """Each part as many times as --repeats says, one round after the other, so that what drifts is in the spread."""
+    for repeat in range(1, args.repeats + 1):
+        for name, part in parts:
+            yield f"{name}-{repeat}", functools.partial(one_repeat, part, repeat)
+
+
+def one_repeat(part, repeat):
+    return [{**row, "repeat": repeat} for row in part()]
 
 
 def rates(args):
     """Figures 13 and 14: one client that predicts, as fast as it can."""
-    for scene in args.scene:
-        for border in BORDERS:
-            yield f"{scene}-{border}", functools.partial(rate, of_scene(args, scene), border)
+    return repeated(args, [(f"{scene}-{border}", functools.partial(rate, of_scene(args, scene), border))
+                           for scene in args.scene for border in args.borders])
 
 
 def rate(args, border):
@@ -83,9 +96,11 @@ class Link:
 
 def response(args):
     """Figure 15: for several round trips, and at 100 ms for each border."""
-    for ping in [20, 100] if args.quick else [1, 20, 35, 70, 100, 170, 230]:  # 20: an edge node over 5G
+    parts = []
+    for ping in [20, 100] if args.quick else args.pings:
         for border in BORDERS if ping == 100 and not args.quick else ["0"]:
-            yield f"{args.scene[0]}-{ping}ms-{border}", functools.partial(responses, of_scene(args, args.scene[0]), ping, border)
+            parts.append((f"{args.scene[0]}-{ping}ms-{border}", functools.partial(responses, of_scene(args, args.scene[0]), ping, border)))
+    return repeated(args, parts)
 
 
 def responses(args, ping, border):
@@ -93,19 +108,19 @@ def responses(args, ping, border):
     rows = []
     with serving(args, "fair", TENANTS) as daemon, Link(args, daemon, ping) as link:
         client(args, daemon, args.small, 12, mode="predicted")
-        for x in [0, 1, 2] if args.quick else [0, 1, 2, 3, 4, 6, 8, 12, 16, 19]:
+        for x in [0, 1, 2] if args.quick else [0, *args.ahead]:
             row = client(args, daemon, args.small, frames, link.server, mode="predicted", ahead=x, rate=args.rate,
                          border=scaled(border, args.small))
+            drawing_ms = 1000 * row["draw_seconds"] / max(1, row["shown"])
             rows.append({"scene": args.scene, "size": args.small, "rate_hz": args.rate, "latency_ms": ping, "border": border, "x": x,
-                         "response_ms": row["response_p50_ms"], "mean_x": row["mean_x"], "vbps": row["vbps"]})
+                         "response_ms": row["response_p50_ms"] + drawing_ms, "drawing_ms": drawing_ms, "vbps": row["vbps"]})
     return rows
 
 
 def clients(args):
     """Figure 16: what the server sends in a second to one client and to more."""
-    for scene in args.scene:
-        for border in ["0"] if args.quick else BORDERS:
-            yield f"{scene}-{border}", functools.partial(clients_together, of_scene(args, scene), border)
+    return repeated(args, [(f"{scene}-{border}", functools.partial(clients_together, of_scene(args, scene), border))
+                           for scene in args.scene for border in (["0"] if args.quick else args.borders)])
 
 
 def clients_together(args, border):
@@ -114,7 +129,7 @@ def clients_together(args, border):
     extra = scaled(border, args.size).split("x")
     size = f"{width + int(extra[0])}x{height + int(extra[1])}"
     with serving(args, "fair", TENANTS) as daemon:
-        for count in [1, 2, 4] if args.quick else [1, 2, 4, 8, 16, 32, 64] if border == "0" else [1, 2]:
+        for count in [1, 2, 4] if args.quick else args.clients if border == "0" else [1, 2]:
             # A program of clients is one thread: so many that it is not they who are measured.
             loads = [daemon.load({"eval": min(4, count)}, size, 0, args.seconds) for _ in range((count + 3) // 4)]
             each = [load.tenant_rows()["eval"] for load in loads]

@@ -1,10 +1,11 @@
 """A stage in parts. Each leaves its rows in DIR/parts/, so that a run that was stopped goes on where it was (--resume)."""
+import concurrent.futures
 import json
 import time
 
 import tables
 
-SETTINGS = ("size", "stride", "video_seconds", "small", "rate", "seconds", "device", "quick")  # what rows depend on
+SETTINGS = ("size", "stride", "video_seconds", "small", "rate", "seconds", "device", "quick", "ahead", "jobs")  # what rows depend on
 
 
 def settings(args):
@@ -34,17 +35,25 @@ def run(args, stage, parts):
     folder = args.out / "parts"
     folder.mkdir(exist_ok=True)
     parts = list(parts)
-    rows, took, measured = [], 0, []
-    for i, (name, part) in enumerate(parts):
-        left = f", about {sum(measured) / len(measured) * (len(parts) - i) / 60:.0f} min left" if measured else ""
+    measured = []
+
+    def done(i):
+        name, part = parts[i]
+        jobs = max(1, args.jobs)
+        left = f", about {sum(measured) / len(measured) * (len(parts) - i) / jobs / 60:.0f} min left" if measured else ""
         file = folder / f"{stage}-{name}.json"
-        done = kept(file, args)
-        print(f"  {name} ({i + 1} of {len(parts)}{left}){', kept' if done else ''}", flush=True)
-        if not done:
-            done = measure(file, args, part)
-            measured.append(done["took_s"])
-        rows += done["rows"]
-        took += done["took_s"]
-        if rows:
-            tables.write(args.out / f"{stage}.csv", rows)
+        known = kept(file, args)
+        print(f"  {name} ({i + 1} of {len(parts)}{left}){', kept' if known else ''}", flush=True)
+        if not known:
+            known = measure(file, args, part)
+            measured.append(known["took_s"])
+        return known
+
+    rows, took = [], 0
+    with concurrent.futures.ThreadPoolExecutor(max(1, args.jobs)) as pool:
+        for part in pool.map(done, range(len(parts))):
+            rows += part["rows"]
+            took += part["took_s"]
+            if rows:
+                tables.write(args.out / f"{stage}.csv", rows)
     return took

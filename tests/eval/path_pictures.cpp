@@ -78,10 +78,9 @@ Picture difference(const Picture& fresh, const Picture& predicted) {
 }
 
 void append_rgb(std::ofstream& file, const Picture& picture) {
-  std::vector<char> rgb;
-  rgb.reserve(picture.rgba.size() / 4 * 3);
-  for (size_t i = 0; i < picture.rgba.size(); i += 4)
-    for (size_t c = 0; c < 3; ++c) rgb.push_back(static_cast<char>(picture.rgba[i + c]));
+  std::vector<char> rgb(picture.rgba.size() / 4 * 3);
+  for (size_t from = 0, to = 0; from < picture.rgba.size(); from += 4)
+    for (size_t c = 0; c < 3; ++c) rgb[to++] = static_cast<char>(picture.rgba[from + c]);
   file.write(rgb.data(), static_cast<std::streamsize>(rgb.size()));
 }
 

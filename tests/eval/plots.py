@@ -4,11 +4,12 @@ import subprocess
 COLOURS = ["#4c566a", "#5e81ac", "#2a9d8f", "#bf8b2e", "#b5545b", "#7b5ea7", "#222222", "#88a05b"]
 
 
-def panel(n, title, x_label, y_label, series, log_x=False, key="outside right top", y_range="0:*", dashed=()):
+def panel(n, title, x_label, y_label, series, log_x=False, key="outside right top", y_range="0:*", dashed=(), x_step=None):
     """`series`: name -> (points, style), a style being gnuplot's (lines, points, linespoints); `dashed`: how names of those end that
     may lie on others. Unique `n`."""
     script = [f'set title "{title}" noenhanced', f'set xlabel "{x_label}"', f'set ylabel "{y_label}"', f"set yrange [{y_range}]",
-              f"set key {key} Left reverse samplen 2 noenhanced", "set logscale x 2" if log_x else "unset logscale"]
+              f"set key {key} Left reverse samplen 2 noenhanced", "set logscale x 2" if log_x else "unset logscale",
+              f"set xtics {x_step}" if x_step else "set xtics autofreq"]
     parts = []
     for i, (name, (points, style)) in enumerate(series.items()):
         script += [f"$data{n}_{i} << EOD", *(f"{x} {y}" for x, y in sorted(points)), "EOD"]

@@ -28,11 +28,6 @@ class Flight {
   Result<FlightResult> run();
 
  private:
-  struct Asked {
-    protocol::CameraView camera;
-    TimePoint at{};
-  };
-
   void send_camera();
   void report();
   void receive(const protocol::Opened& datagram, TimePoint arrived);
@@ -53,7 +48,7 @@ class Flight {
   uint32_t sent_ = 0;
   TimePoint started_{}, last_sent_{}, last_shown_{};
   FrameId last_decoded_;
-  std::map<FrameId, Asked> asked_;
+  std::map<FrameId, TimePoint> asked_;
   std::vector<uint8_t> body_;
   FlightResult result_;
 };
@@ -66,6 +61,9 @@ Result<FlightResult> Flight::run() {
   if (!channel) return channel.error();
   channel_ = std::move(*channel);
   started_ = last_shown_ = Clock::now();
+  result_.screen.started = started_;
+  result_.screen.rate_hz = plan_.rate_hz;
+  result_.screen.steps = plan_.frames;
   send_camera();
   while (!all_sent() || (!asked_.empty() && Clock::now() < last_sent_ + kPatience))
     loop_.run_until(Clock::now() + 20ms, [] { return false; });
@@ -76,16 +74,15 @@ Result<FlightResult> Flight::run() {
 
 void Flight::send_camera() {
   const TimePoint now = Clock::now();
-  const double share = static_cast<double>(sent_) / plan_.frames;
   protocol::CameraUpdate update;
+  update.camera = client::view_of(path_.at(plan_.from_s + sent_ / plan_.rate_hz), plan_.size);
   update.frame = FrameId{++sent_};
-  update.camera = client::view_of(path_.at(share * path_.duration_seconds()), plan_.size);
   update.client_time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
   update.have = units_.broken() ? FrameId{} : last_decoded_;
   body_.clear();
   protocol::append_camera_update(body_, update);
   channel_->send(DatagramKind::camera_update, body_);
-  asked_[update.frame] = {update.camera, now};
+  asked_[update.frame] = now;
   last_sent_ = now;
   if (!all_sent()) camera_timer_.arm(started_ + Nanoseconds(static_cast<int64_t>(sent_ * 1e9 / plan_.rate_hz)));
 }
@@ -139,8 +136,8 @@ void Flight::show(const Unit& unit) {
   last_decoded_ = unit.frame;
   last_shown_ = Clock::now();
   result_.decode.add(last_shown_ - begun);
-  result_.response.add(last_shown_ - asked->second.at);
-  result_.shown.push_back({asked->second.camera, std::move(*picture)});
+  result_.response.add(last_shown_ - asked->second);
+  result_.screen.pictures.push_back({unit.frame.value - 1, last_shown_, std::move(*picture)});
   asked_.erase(asked_.begin(), std::next(asked));
 }
 

@@ -1,13 +1,11 @@
 // The client of a server that shades: sends cameras along a path, decodes and keeps what comes.
 #pragma once
 
-#include <vector>
-
 #include "client/cli/latency.h"
 #include "client/media/camera_path.h"
-#include "client/media/png.h"
 #include "client/net/data_channel.h"
 #include "client/net/loop.h"
+#include "tests/eval/remote/screen.h"
 
 namespace gnomon::remote {
 
@@ -15,17 +13,12 @@ struct FlightPlan {
   client::Address server;
   protocol::SealSecrets secrets;
   client::ViewSize size;
-  uint32_t frames = 120;  // the whole path in so many steps
-  double rate_hz = 30;
-};
-
-struct ShownPicture {
-  protocol::CameraView camera;
-  client::Picture picture;
+  uint32_t frames = 120;
+  double rate_hz = 30, from_s = 0;  // from that second of the path on, at its own speed
 };
 
 struct FlightResult {
-  std::vector<ShownPicture> shown;
+  Screen screen;
   client::Latencies response;  // from the camera's sending to the decoded picture
   client::Latencies decode;
   uint64_t received_bytes = 0;  // whole datagrams

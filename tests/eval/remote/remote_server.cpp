@@ -85,6 +85,7 @@ Result<std::unique_ptr<RemoteServer>> RemoteServer::start(const ServerOptions& o
                                                     {.device = options.device}, options.cache);
   if (!source) return source.error();
   state->source = std::move(*source);
+  if (auto first = state->source->picture(options.first); !first) return first.error();
   auto encoder = H264Encoder::create(options.video);
   if (!encoder) return encoder.error();
   state->encoder = std::move(*encoder);

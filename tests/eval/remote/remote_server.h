@@ -23,7 +23,8 @@ struct ServerOptions {
   std::string cache;  // folder for light buffers; empty: none are kept
   H264Options video;  // its bit rate is what the first pictures get; then what the link's controller finds
   protocol::SealSecrets secrets;
-  double most_bit_per_s = 0;  // 0: no limit
+  double most_bit_per_s = 0;   // 0: no limit
+  protocol::CameraView first;  // rendered before the server listens: the exposure is chosen for it
 };
 
 struct ServerFigures {
