@@ -216,8 +216,9 @@ Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits&
 }
 
 Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits,
-                                    const std::vector<NodeMotion>& motions) {
-  auto scene = load(file, limits, motions, gltf::Reads::alpha_tests);
+                                    const std::vector<NodeMotion>& motions, Colours colours) {
+  auto scene =
+      load(file, limits, motions, colours == Colours::encoded ? gltf::Reads::encoded : gltf::Reads::alpha_tests);
   if (!scene) return scene.error();
   const uint64_t needed = predicted_bytes(**scene);
   if (limits.max_scene_bytes != 0 && needed > limits.max_scene_bytes) {

@@ -43,8 +43,14 @@ struct LoadLimits {
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {},
                             const std::vector<NodeMotion>& motions = {});
 
+// Which base colour textures a server's scene has beside those that an alpha test needs.
+enum class Colours : uint8_t {
+  none,
+  encoded  // all of them, as the files that they are (Texture::encoded): clients that get the scene from here draw them
+};
+
 // As load_scene for a server: the scene has its geometry, and of its textures those that an alpha test needs.
 Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits = {},
-                                    const std::vector<NodeMotion>& motions = {});
+                                    const std::vector<NodeMotion>& motions = {}, Colours colours = Colours::none);
 
 }  // namespace gnomon::scenes

@@ -139,7 +139,7 @@ uint64_t Scene::memory_bytes() const {
   uint64_t bytes = sizeof(Scene) + bytes_of(textures) + bytes_of(materials) + bytes_of(meshes) +
                    bytes_of(instances) + bytes_of(lights) + bytes_of(cameras) + bytes_of(paths) +
                    bytes_of(moving_nodes);
-  for (const Texture& texture : textures) bytes += bytes_of(texture.rgba);
+  for (const Texture& texture : textures) bytes += bytes_of(texture.rgba) + bytes_of(texture.encoded);
   for (const Mesh& mesh : meshes) bytes += bytes_inside(mesh);
   for (const CameraPath& path : paths) bytes += bytes_of(path.chain) + bytes_inside(path.channels);
   for (const MovingNode& node : moving_nodes) bytes += bytes_inside(node.channels);

@@ -19,14 +19,16 @@ inline constexpr uint32_t kNone = 0xffffffff;
 
 enum class Wrap : uint8_t { repeat, mirrored_repeat, clamp_to_edge };
 
-// An image that a material uses as its base colour: RGBA, 8 bits, rows from the top.
+// An image that a material uses as its base colour. Either `rgba` or `encoded` may be empty: whoever loads the scene
+// says what it needs (loader.h). What an alpha test reads always has its texels.
 struct Texture {
   uint32_t width = 0;
   uint32_t height = 0;
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
-  bool has_alpha = false;  // some texel's alpha is below 255
-  std::vector<uint8_t> rgba;
+  bool has_alpha = false;             // some texel's alpha is below 255; false without texels
+  std::vector<uint8_t> rgba;          // 8 bits, rows from the top
+  std::vector<uint8_t> encoded = {};  // the image's own file, PNG or JPEG, for whoever decodes it elsewhere
 };
 
 // What a surface does to light:

@@ -17,31 +17,57 @@ Wrap wrap_of(int code) {
   return Wrap::repeat;
 }
 
-// `name`: of the image, for errors. The same bytes may be named by many images, and are read for each.
-Result<Image> decode(std::span<const uint8_t> bytes, Budget& budget, const std::string& name) {
+// What is made of an image's file. Neither: nobody asks for it.
+struct Wanted {
+  bool texels = false;
+  bool encoded = false;
+};
+
+// What a material needs of its base colour texture.
+Wanted wanted_by(const Material& material, Reads reads) {
+  return {reads == Reads::colours || material.alpha_mode == AlphaMode::mask, reads == Reads::encoded};
+}
+
+Result<void> decode_into(std::span<const uint8_t> bytes, const ImageHeader& header, Texture& texture) {
+  Result<Image> image = decode_image(bytes, header);
+  if (!image) return image.error();
+  texture.rgba = std::move(image->rgba);
+  for (size_t i = 3; i < texture.rgba.size(); i += 4) texture.has_alpha |= texture.rgba[i] != 255;
+  return {};
+}
+
+// `name`: of the image, for errors. The same bytes may be named by many images, and are read for each. An image that is
+// only passed on takes of the budget what it takes of whoever decodes it.
+Result<Texture> texture_of(std::span<const uint8_t> bytes, Wanted wanted, Budget& budget, const std::string& name) {
   const auto header = read_image_header(bytes);
   if (!header) return Error{name + " " + header.error().message};
   const std::string size = std::to_string(header->width) + " x " + std::to_string(header->height);
   auto granted = budget.decode(header->width, header->height, header->scans);
-  if (granted) granted = budget.spend(bytes.size());
+  if (granted) granted = budget.spend(bytes.size(), wanted.encoded ? 2 : 1);
   if (!granted) return Error{name + " of " + size + " " + granted.error().message};
-  Result<Image> image = decode_image(bytes, *header);
-  if (!image) return Error{name + " " + image.error().message};
-  return image;
+  Texture texture;
+  texture.width = header->width;
+  texture.height = header->height;
+  if (wanted.encoded) texture.encoded.assign(bytes.begin(), bytes.end());
+  if (!wanted.texels) return texture;
+  if (const auto decoded = decode_into(bytes, *header, texture); !decoded) {
+    return Error{name + " " + decoded.error().message};
+  }
+  return texture;
 }
 
-Result<Image> read_image(Document& document, int index) {
+Result<Texture> read_image(Document& document, int index, Wanted wanted) {
   const auto source = entry(document.images, index, "image");
   if (!source) return source.error();
   const std::string name = "image " + std::to_string(index);
   if ((*source)->buffer_view >= 0) {
     const auto bytes = document.view((*source)->buffer_view);
     if (!bytes) return Error{name + ": " + bytes.error().message};
-    return decode(*bytes, document.budget, name);
+    return texture_of(*bytes, wanted, document.budget, name);
   }
   const auto bytes = read_uri(document.folder, (*source)->uri, document.budget);
   if (!bytes) return Error{name + ": " + bytes.error().message};
-  return decode(*bytes, document.budget, name);
+  return texture_of(*bytes, wanted, document.budget, name);
 }
 
 // Reads each texture once, however many materials use it. An image that cannot be read is tried once, however many
@@ -51,9 +77,11 @@ class Textures {
   explicit Textures(Document& document) : document_(document) {}
 
   // Index into Scene::textures.
-  Result<uint32_t> get(int texture) {
-    if (const auto known = known_.find(texture); known != known_.end()) return known->second;
-    Result<Texture> made = read(texture);
+  Result<uint32_t> get(int texture, Wanted wanted) {
+    if (const auto known = known_.find(texture); known != known_.end()) {
+      return known->second && wanted.texels ? with_texels(*known->second) : known->second;
+    }
+    Result<Texture> made = read(texture, wanted);
     if (!made && !document_.budget.exceeded()) {
       log::warning("texture left out", {{"texture", texture}, {"why", made.error().message}});
     }
@@ -66,26 +94,31 @@ class Textures {
   std::vector<Texture> take() { return std::move(textures_); }
 
  private:
-  Result<Texture> read(int index) {
+  // A texture that was kept as a file gets its texels, because a later material tests its alpha.
+  Result<uint32_t> with_texels(uint32_t index) {
+    Texture& texture = textures_[index];
+    if (!texture.rgba.empty()) return index;
+    const auto header = read_image_header(texture.encoded);
+    if (!header) return header.error();
+    if (const auto decoded = decode_into(texture.encoded, *header, texture); !decoded) return decoded.error();
+    return index;
+  }
+
+  Result<Texture> read(int index, Wanted wanted) {
     const auto found = entry(document_.model.textures, index, "texture");
     if (!found) return found.error();
     const int source = (*found)->source;
     if (const auto broken = broken_images_.find(source); broken != broken_images_.end()) return broken->second;
-    Result<Image> image = read_image(document_, source);
-    if (!image) {
-      broken_images_.emplace(source, image.error());
-      return image.error();
+    Result<Texture> texture = read_image(document_, source, wanted);
+    if (!texture) {
+      broken_images_.emplace(source, texture.error());
+      return texture.error();
     }
-    Texture texture;
-    texture.width = image->width;
-    texture.height = image->height;
-    texture.rgba = std::move(image->rgba);
-    for (size_t i = 3; i < texture.rgba.size(); i += 4) texture.has_alpha |= texture.rgba[i] != 255;
     if ((*found)->sampler >= 0) {
       const auto sampler = entry(document_.model.samplers, (*found)->sampler, "sampler");
       if (!sampler) return sampler.error();
-      texture.wrap_u = wrap_of((*sampler)->wrapS);
-      texture.wrap_v = wrap_of((*sampler)->wrapT);
+      texture->wrap_u = wrap_of((*sampler)->wrapS);
+      texture->wrap_v = wrap_of((*sampler)->wrapT);
     }
     return texture;
   }
@@ -179,9 +212,9 @@ Result<Materials> read_materials(Document& document, Reads reads) {
     Material material = factors_of(source);
     if (!all_finite(material)) return Error{name + " has a number that is not finite"};
     const tinygltf::TextureInfo& info = source.pbrMetallicRoughness.baseColorTexture;
-    const bool wanted = reads == Reads::colours || material.alpha_mode == AlphaMode::mask;
-    if (wanted && info.index != -1 && has_source(document, info.index)) {
-      const Result<uint32_t> texture = textures.get(info.index);
+    const Wanted wanted = wanted_by(material, reads);
+    if ((wanted.texels || wanted.encoded) && info.index != -1 && has_source(document, info.index)) {
+      const Result<uint32_t> texture = textures.get(info.index, wanted);
       if (!texture && material.alpha_mode == AlphaMode::mask) {
         return Error{name + " needs its texture for an alpha test: " + texture.error().message};
       }

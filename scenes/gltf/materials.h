@@ -23,8 +23,9 @@ struct Materials {
   uint32_t default_material = 0;
 };
 
-// Which base colour textures are read: all, or only those that an alpha test needs.
-enum class Reads { colours, alpha_tests };
+// Which base colour textures are read: all, only those that an alpha test needs, or all as the files that they are,
+// with texels only for those of alpha tests.
+enum class Reads { colours, alpha_tests, encoded };
 
 // A base colour texture that is missing, damaged or neither PNG nor JPEG is left out with a warning, and its surface
 // keeps the plain base colour. Error: an alpha test needs such a texture, so that shadows would be wrong; a texture is

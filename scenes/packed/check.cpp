@@ -37,12 +37,18 @@ bool is_index(uint32_t index, size_t size) { return index < size; }
 bool is_index_or_none(uint32_t index, size_t size) { return index == kNone || index < size; }
 
 bool sound(const Texture& t) {
-  return t.width > 0 && t.height > 0 && t.rgba.size() == uint64_t{4} * t.width * t.height;
+  const bool left_out = t.rgba.empty() && !t.encoded.empty() && !t.has_alpha;
+  return t.width > 0 && t.height > 0 && (left_out || t.rgba.size() == uint64_t{4} * t.width * t.height);
 }
 
 bool sound(const Material& m, const Scene& scene) {
   return finite(m.base_color) && finite(m.emissive) && finite(m.alpha_cutoff) &&
          is_index_or_none(m.base_color_texture, scene.textures.size());
+}
+
+bool sound(const Surroundings& s) {
+  return finite(s.ambient_above) && finite(s.ambient_below) && finite(s.sky_zenith) && finite(s.sky_horizon) &&
+         finite(s.sky_ground) && finite(s.sky_clouds);
 }
 
 bool sound(const Primitive& p, const Scene& scene) {
@@ -177,6 +183,7 @@ Result<void> check(const Scene& scene, const LoadLimits& limits) {
   if (triangles(scene, limits.max_triangles) != scene.triangle_count) return broken("counts");
   const Geometry* made = scene.geometry.get();
   if (made && !(sound(made->mesh, scene) && sound(made->clusters, made->mesh))) return broken("triangles");
+  if (!sound(scene.surroundings)) return broken("surroundings");
   if (scene.period.count() < 0 || !finite(scene.bounds.min) || !finite(scene.bounds.max)) return broken("bounds");
   return {};
 }

@@ -28,6 +28,7 @@ void visit(Archive& a, Texture& t) {
   a.enumerator(t.wrap_v, Wrap::clamp_to_edge);
   a.boolean(t.has_alpha);
   a.bulk(t.rgba);
+  a.bulk(t.encoded);
 }
 
 template <class Archive>
@@ -168,6 +169,17 @@ void visit(PackReader& a, GeometryPtr& geometry) {
 }
 
 template <class Archive>
+void visit(Archive& a, Surroundings& s) {
+  a.plain(s.ambient_above);
+  a.plain(s.ambient_below);
+  a.boolean(s.has_sky);
+  a.plain(s.sky_zenith);
+  a.plain(s.sky_horizon);
+  a.plain(s.sky_ground);
+  a.plain(s.sky_clouds);
+}
+
+template <class Archive>
 void visit(Archive& a, Scene& s) {
   a.text(s.name);
   a.each(s.textures, [](Archive& b, Texture& t) { visit(b, t); });
@@ -178,6 +190,7 @@ void visit(Archive& a, Scene& s) {
   a.each(s.cameras, [](Archive& b, Camera& c) { visit(b, c); });
   a.each(s.paths, [](Archive& b, CameraPath& p) { visit(b, p); });
   a.each(s.moving_nodes, [](Archive& b, MovingNode& n) { visit(b, n); });
+  visit(a, s.surroundings);
   visit(a, s.period);
   a.plain(s.bounds.min);
   a.plain(s.bounds.max);
@@ -202,6 +215,7 @@ void visit(Archive& a, LoadTask& t) {
   a.plain(t.limits.max_lights);
   a.plain(t.limits.max_node_depth);
   a.plain(t.limits.max_scene_bytes);
+  a.enumerator(t.colours, Colours::encoded);
 }
 
 Result<void> flush(const PackWriter& writer, std::FILE* file) {

@@ -18,6 +18,7 @@ struct LoadTask {
   std::filesystem::path file;
   std::vector<NodeMotion> motions;
   LoadLimits limits;
+  Colours colours = Colours::none;
 };
 
 void write(PackWriter& writer, const LoadTask& task);

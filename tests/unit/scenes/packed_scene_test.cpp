@@ -34,6 +34,8 @@ ScenePtr rich_scene() {
   file.root["scenes"] = json::array({json::object({{"nodes", {0, 1, 2, eye}}})});
   const auto scene = std::make_shared<Scene>(*file.load_or_fail());
   scene->geometry = std::make_shared<Geometry>(make_geometry(*scene));
+  scene->surroundings.sky_horizon = {1, 2, 3};
+  scene->textures.push_back({.width = 2, .height = 2, .rgba = {}, .encoded = {0xff, 0xd8}});
   return scene;
 }
 
@@ -50,6 +52,8 @@ TEST(PackedScene, ComesBackAsItWas) {
   EXPECT_EQ((*back)->content_hash, scene->content_hash);
   EXPECT_EQ((*back)->memory_bytes(), scene->memory_bytes());
   EXPECT_EQ((*back)->lights[0].name, "lamp");
+  EXPECT_EQ((*back)->surroundings.sky_horizon, glm::vec3(1, 2, 3));
+  EXPECT_EQ((*back)->textures[0].encoded, scene->textures[0].encoded);
   EXPECT_EQ(broken_promise(**back), "");
 }
 
@@ -117,6 +121,9 @@ INSTANTIATE_TEST_SUITE_P(
                [](Scene& s) {
                  s.textures.push_back({.width = 2, .height = 2, .rgba = {1, 2, 3}});
                }},
+        Damage{"NoFileAndNoTexels", [](Scene& s) { s.textures[0].encoded.clear(); }},
+        Damage{"AlphaWithoutTexels", [](Scene& s) { s.textures[0].has_alpha = true; }},
+        Damage{"Surroundings", [](Scene& s) { s.surroundings.sky_clouds = kNan; }},
         Damage{"TextureOfAMaterial", [](Scene& s) { s.materials[0].base_color_texture = 9; }},
         Damage{"Colour", [](Scene& s) { s.materials[0].base_color.x = kNan; }},
         Damage{"MaterialOfAPrimitive", [](Scene& s) { s.meshes[0].primitives[0].material = 9; }},
