@@ -39,8 +39,7 @@ void visit_settings(Archive& a, BuildTask& task) {
   a.plain(task.bounds.min);
   a.plain(task.bounds.max);
   a.bulk(task.lights);
-  a.plain(task.detail.longest_walk);
-  a.plain(task.detail.usual_level);
+  a.plain(task.detail.cost_per_byte);
   a.plain(task.detail.finest_level);
   a.plain(task.budget_bytes);
 }

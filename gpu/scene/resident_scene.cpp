@@ -212,6 +212,11 @@ Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
 Result<void> ResidentScene::upload_materials(const DevicePtr& device, bool drawn) {
   std::vector<uint32_t> levels;
   for (const scenes::Texture& texture : scene_->textures) {
+    if (texture.rgba.empty()) {  // only its file was kept: no alpha test reads it, and nobody draws it here
+      levels.push_back(0);
+      buffers_.textures.emplace_back();
+      continue;
+    }
     const Texels texels = drawn ? mipmapped_texels(texture) : flat_texels(texture);
     levels.push_back(texels.levels);
     auto buffer = upload(device, std::as_bytes(std::span(texels.rgba)));
@@ -224,7 +229,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device, bool drawn
     record.base_color = material.base_color;
     record.emissive = material.emissive;
     record.alpha_cutoff = material.alpha_cutoff;
-    if (material.base_color_texture != scenes::kNone) {
+    if (material.base_color_texture != scenes::kNone && levels[material.base_color_texture] > 0) {
       const scenes::Texture& texture = scene_->textures[material.base_color_texture];
       record.texels = buffers_.textures[material.base_color_texture].address();
       record.texture_width = texture.width;

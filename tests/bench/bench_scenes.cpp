@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "scenes/loader.h"
+#include "tests/bench/made_scenes.h"
 
 namespace gnomon::bench {
 namespace {
@@ -21,13 +22,20 @@ std::vector<fs::path> candidates(const std::string& scene) {
 
 std::vector<std::string> default_scenes() {
   std::vector<std::string> found;
-  for (const char* name : {"living_room", "temple", "sponza_crytek", "oa_minia", "country_kitchen"})
+  for (const char* name :
+       {"living_room", "temple", "sponza_crytek", "oa_minia", "grey_white_room", "country_kitchen"})
     for (const fs::path& file : candidates(name))
       if (fs::is_regular_file(file)) {
         found.emplace_back(name);
         break;
       }
   return found;
+}
+
+std::vector<std::string> all_scenes() {
+  std::vector<std::string> names = default_scenes();
+  for (const std::string_view made : made_scene_names()) names.emplace_back(made);
+  return names;
 }
 
 Result<fs::path> scene_file(const std::string& scene) {
@@ -37,6 +45,7 @@ Result<fs::path> scene_file(const std::string& scene) {
 }
 
 Result<scenes::ScenePtr> open_scene(const std::string& scene) {
+  if (auto made = made_scene(scene)) return made;
   const auto file = scene_file(scene);
   if (!file) return file.error();
   return scenes::load_scene(*file);

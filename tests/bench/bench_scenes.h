@@ -14,7 +14,10 @@ namespace gnomon::bench {
 // The built-in scenes, and those beside the repository that exist.
 std::vector<std::string> default_scenes();
 
-// `scene`: a built-in's name, one beside the repository, or a file.
+// Those, and the scenes that are made for benches (made_scenes.h).
+std::vector<std::string> all_scenes();
+
+// `scene`: a built-in's name, one beside the repository, one that is made for benches, or a file.
 Result<scenes::ScenePtr> open_scene(const std::string& scene);
 Result<std::filesystem::path> scene_file(const std::string& scene);
 

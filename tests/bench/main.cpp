@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
   std::vector<Command> commands;
   commands.push_back({"tracers", "shadow tracers beside Embree, over the same shadow segments",
                       gnomon::bench::make_tracers_suite()});
+  commands.push_back(
+      {"queries", "what the queries of light buffers cost, counted", gnomon::bench::make_queries_suite()});
   commands.push_back({"scheduler", "what a pick costs as sessions grow, and how close shares come to the promise",
                       gnomon::bench::make_scheduler_suite()});
   commands.push_back(

@@ -82,7 +82,7 @@ Result<std::vector<ordered_json>> junk_flood(const TransportOptions& options) {
     if (!calm) return calm.error();
     const TimePoint start = Clock::now();
     const uint64_t before = came_in();
-    tests::Flood flood((*daemon)->data_ports().front(), junk, kJunkPerSecond);
+    tests::Flood flood((*daemon)->server().data_ports().front(), junk, kJunkPerSecond);
     const auto flooded = fare(load);
     flooded_s += to_seconds(Clock::now() - start);
     flood.stop();

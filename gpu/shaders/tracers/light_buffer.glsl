@@ -3,7 +3,7 @@
 #include "tracers/alpha.glsl"
 
 const uint kTopLevel = 8u;
-const uint kIndexBits = 14u;
+const uint kIndexBits = 16u;
 const uint kCountBits = 24u;
 const uint kDepthBits = 3u;
 
@@ -35,7 +35,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Le
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
 
 // Converts to int first, because not all vector units can convert to uint.
-uvec2 to_fixed(vec2 p) { return uvec2(ivec2(clamp(p, vec2(0.0), vec2(16383.0)))); }
+uvec2 to_fixed(vec2 p) { return uvec2(ivec2(clamp(p, vec2(0.0), vec2(65535.0)))); }
 
 // A place on a light's faces, in fixed point, and the depth of the point.
 struct Place {
@@ -53,7 +53,7 @@ Place cube_place(vec3 rel) {
   vec2 across = x ? rel.yz : y ? rel.zx : rel.xy;
   bool negative = (x ? rel.x : y ? rel.y : rel.z) < 0.0;
   place.face = (x ? 0u : y ? 2u : 4u) + (negative ? 1u : 0u);
-  place.at = to_fixed(across * (8192.0 / place.depth) + 8192.0);
+  place.at = to_fixed(across * (32768.0 / place.depth) + 32768.0);
   return place;
 }
 

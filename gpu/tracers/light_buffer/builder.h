@@ -15,7 +15,10 @@ namespace gnomon::gpu::light_buffer {
 struct BuildSettings {
   Detail detail;              // the finest detail
   uint64_t budget_bytes = 0;  // for the complete scene; coarser detail is used to keep it. 0: default_budget
-  unsigned threads = 0;       // 0: one for each hardware thread
+  // For the complete scene, as Piece::work counts it: some ten seconds of two cores. Coarser detail is used to keep it,
+  // as far as work can be estimated beforehand.
+  uint64_t most_work = 400'000'000;
+  unsigned threads = 0;  // 0: one for each hardware thread
   // Called repeatedly on the calling thread with a light's number and the share of its work that is done, 0 to 1.
   std::function<void(size_t light, double share)> progress;
   std::stop_token stop;  // once stopped, build returns soon

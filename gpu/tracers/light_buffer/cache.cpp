@@ -13,7 +13,7 @@ namespace gnomon::gpu::light_buffer {
 namespace {
 
 // To be increased whenever the same scene and settings would give other bytes, or bytes with another meaning.
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 5;
 constexpr const char* kEnding = ".lightbuffer";
 constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
 
@@ -105,10 +105,10 @@ std::vector<CachedFile> cached_files(const std::filesystem::path& folder) {
 
 CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& settings, const scenes::WorldMesh& mesh,
                    const scenes::Bounds& bounds, std::span<const exact::TracedLight> lights) {
-  const std::array<double, 5> numbers = {
-      settings.detail.longest_walk, static_cast<double>(settings.detail.usual_level),
-      static_cast<double>(settings.detail.finest_level), static_cast<double>(settings.budget_bytes),
-      static_cast<double>(mesh.opaque_count)};
+  const std::array<double, 5> numbers = {settings.detail.cost_per_byte, static_cast<double>(settings.most_work),
+                                         static_cast<double>(settings.detail.finest_level),
+                                         static_cast<double>(settings.budget_bytes),
+                                         static_cast<double>(mesh.opaque_count)};
   uint64_t hash = XXH3_64bits_withSeed(numbers.data(), sizeof(numbers), kVersion);
   hash = XXH3_64bits_withSeed(&bounds, sizeof(bounds), hash);
   hash = XXH3_64bits_withSeed(mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3), hash);

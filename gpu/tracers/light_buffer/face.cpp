@@ -6,8 +6,8 @@
 namespace gnomon::gpu::light_buffer {
 namespace {
 
-constexpr double kUnit = 0x1p-24;   // half an ulp of 1: the relative rounding of one float operation
-constexpr double kPadding = 0.125;  // of a fixed-point unit, on each side
+constexpr double kUnit = 0x1p-24;  // half an ulp of 1: the relative rounding of one float operation
+constexpr double kPadding = 0.5;   // of a fixed-point unit, on each side
 
 // Faces 2 m and 2 m + 1 look along the positive and negative axis m; the query picks m as the largest component.
 Face cube_face(uint32_t index) {

@@ -2,6 +2,7 @@
 // over the picture of any plane.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <glm/glm.hpp>
 #include <vector>
@@ -20,6 +21,11 @@ inline double at(const Linear& f, double u, double v) { return f.x * u + f.y * v
 struct Rect {
   double u0, v0, u1, v1;
 };
+
+// What both hold; a rectangle whose low side exceeds its high side is empty.
+inline Rect common(const Rect& a, const Rect& b) {
+  return {std::max(a.u0, b.u0), std::max(a.v0, b.v0), std::min(a.u1, b.u1), std::min(a.v1, b.v1)};
+}
 
 // Picture coordinates of rel are u = dot(u_axis, rel) and v = dot(v_axis, rel), divided by depth in a perspective
 // face; depth = dot(depth_axis, rel). Nearness is 1 / depth (perspective) or -depth.

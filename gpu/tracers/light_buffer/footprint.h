@@ -14,6 +14,19 @@
 //   - Other triangles (edge-on to the light, slivers, touching it) may pass the edges and the plane by chance, with
 //     either orientation. But the test also asks for a point within D / 4096 of the triangle's box: that box gives
 //     them their place and a constant `nearest`, and they never cover.
+//   - Whatever its sign, each edge number is within 7.5 e D |edge| |d| of the true one, and the true ones add up to
+//     L H |d|: so the segment meets the plane within the triangle stretched by 1 + s, for any s. That bounds the place
+//     of irregular triangles that look thin, but not edge-on (H >= 6 e D, less 4 e D as corners move), better than the
+//     box does.
+//   - A perspective face shows only points with |x| and |y| <= 1.1 z in its axes (1, and more than all padding), so of
+//     what can be hit only that part counts, also of triangles that reach behind the light or beside the face. A point
+//     q that is hit lies beside a point r of the stretched triangle by at most b = 8 e D: with |q.x| <= 1.1 q.z,
+//     |r.x| <= 1.1 r.z + 2.1 b. The triangle is cut with the four planes |x| <= 1.1 z + 2.2 b, |y| likewise. What is
+//     left has its least depth z0 at a corner and, as projection keeps lines, the bounds of its picture at corners;
+//     |u(q) - u(r)| = |(q.x - r.x) - u(q) (q.z - r.z)| / r.z <= 2.1 b / z0. If z0 <= 16 b the triangle touches the
+//     light, for that purpose, and its picture is everywhere. An irregular triangle is hit within its widened box
+//     only, in which every point that the face shows has a depth of at least lo.z, lo.x / 1.1, -hi.x / 1.1, lo.y / 1.1
+//     and -hi.y / 1.1: that bounds its picture and its `nearest`.
 // tests/unit/gpu/light_buffer compares this with brute force over random scenes that are made to break it.
 #pragma once
 
@@ -32,9 +45,11 @@ struct Footprint {
   Linear nearest{0.0};          // no point in front of this nearness is hidden by the triangle
   Linear cover{0.0};            // every point behind this nearness is hidden, where covers() holds
   Rect box{};                   // the triangle cannot be hit outside
+  double area = 0;              // of the triangle, in the world
   uint32_t triangle = 0;
+  bool faces_light = true;  // the light is on the side from which the corners run counter-clockwise
   bool regular = true;
-  bool bounded = true;  // false: the triangle reaches the light's plane, and `nearest` is not defined
+  bool bounded = true;  // false: the triangle touches the light, and `nearest` is not defined
   bool can_cover = true;
 };
 

@@ -29,9 +29,9 @@
 namespace gnomon::gpu::light_buffer {
 
 inline constexpr uint32_t kTopLevel = 8;   // a face has 2^8 x 2^8 cells
-inline constexpr uint32_t kBlockBits = 4;  // a cell has at most 2^4 x 2^4 words
+inline constexpr uint32_t kBlockBits = 6;  // a cell has at most 2^6 x 2^6 words
 inline constexpr uint32_t kFinestLevel = kTopLevel + kBlockBits;
-inline constexpr uint32_t kIndexBits = 14;  // a query's place on its face, in fixed point
+inline constexpr uint32_t kIndexBits = 16;  // a query's place on its face, in fixed point
 inline constexpr uint32_t kCellCount = 1u << (2 * kTopLevel);
 inline constexpr uint32_t kCountBits = 24;
 inline constexpr uint32_t kDepthBits = 3;  // of a cell's word: k; the others: where its block starts
@@ -78,6 +78,7 @@ static_assert(sizeof(LightView) == 80);
 struct Statistics {
   double build_seconds = 0;
   uint64_t bytes = 0;
+  uint64_t work = 0;  // footprints looked at, square by square; zero if it was read from a cache
   uint64_t leaves = 0;
   uint64_t entries = 0;
   uint32_t longest_list = 0;

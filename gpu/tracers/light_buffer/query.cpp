@@ -62,13 +62,14 @@ Answer query(const LightBuffer& buffer, const LightView& light, const scenes::Wo
   const glm::vec3 rel = directional ? segment.origin - light.reference : -segment.direction;
   const Position position = directional ? flat_position(light, rel) : cube_position(rel);
   const Leaf& leaf = find_leaf(buffer, light, position);
-  if (glm::dot(leaf.near_plane, rel) < 1.0f) return {true, End::near_plane, 0};
-  if (glm::dot(leaf.cover_plane, rel) > 1.0f) return {false, End::cover_plane, 0};
-  Answer answer{true, End::list, 0};
+  if (glm::dot(leaf.near_plane, rel) < 1.0f) return {true, End::near_plane};
+  if (glm::dot(leaf.cover_plane, rel) > 1.0f) return {false, End::cover_plane};
+  Answer answer{true, End::list};
   const uint32_t count = leaf.count & ((1u << kCountBits) - 1);
   const glm::uvec2 in_leaf = place_in_leaf(position, leaf);
   for (uint32_t k = leaf.first; k < leaf.first + count; ++k) {
     const ListEntry& entry = buffer.entries[k];
+    ++answer.steps;
     if (position.depth * entry.reciprocal_depth < 1.0f) break;
     if (!in_box(entry.box, in_leaf)) continue;
     const glm::uvec3 t = mesh.triangles[entry.triangle];

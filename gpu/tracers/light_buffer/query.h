@@ -12,6 +12,7 @@ enum class End : uint8_t { near_plane, cover_plane, list };
 struct Answer {
   bool lit = true;
   End end = End::near_plane;
+  uint32_t steps = 0;   // entries of the list that were looked at
   uint32_t tested = 0;  // triangles
 };
 

@@ -11,7 +11,8 @@ using Met = std::vector<const Footprint*>;
 
 class Builder {
  public:
-  Builder(const Face& face, const Detail& detail, Piece& out) : face_(face), detail_(detail), out_(out) {}
+  Builder(const Face& face, const Detail& detail, double surface, Piece& out)
+      : face_(face), detail_(detail), surface_(surface), out_(out) {}
 
   void build(uint32_t level, uint32_t i, uint32_t j, Met& met) {
     if (level == kTopLevel) deepest_ = kTopLevel;
@@ -20,7 +21,9 @@ class Builder {
     Leaf leaf;
     drop_hidden(leaf, rect, met);
     const Linear near = set_near_plane(leaf, rect, met);
-    const bool fine = met.size() <= 1 || level >= detail_.finest_level || walk(rect, met, near) <= patience(level);
+    out_.work += met.size() + 1;
+    const bool fine = met.size() <= 1 || level >= detail_.finest_level ||
+                      cost(rect, met, near) <= detail_.cost_per_byte * bytes_to_divide(level, met);
     if (fine || !divide(level, i, j, met)) place(level, i, j, add_leaf(leaf, level, i, j, met));
     if (level == kTopLevel) close_cell(i, j);
   }
@@ -45,25 +48,83 @@ class Builder {
     return nearness;
   }
 
-  // Fine leaves are many and few pixels see each of them, so that only long lists justify dividing them further.
-  double patience(uint32_t level) const {
-    return level <= detail_.usual_level
-               ? detail_.longest_walk
-               : std::ldexp(detail_.longest_walk, static_cast<int>(level - detail_.usual_level));
+  // What a query costs that asks this leaf, times the share of the scene's surface that asks it. It assumes that the
+  // surfaces that are seen are mostly those that cast the shadows: each footprint asks for as much of its triangle as
+  // lies here. It costs nothing where that lies on the near plane, else a start, a step for each footprint before it,
+  // and a test for each of these whose box holds it. Steps are the unit.
+  double cost(const Rect& rect, const Met& met, const Linear& near) {
+    constexpr double kStart = 3.0, kStep = 1.0, kTest = 3.0;
+    constexpr size_t kLong = 256;  // beyond that, what is exact takes longer than it is worth
+    if (met.size() > kLong) return rough_cost(rect, met, kStart + kStep * static_cast<double>(met.size()));
+    const double whole = area(rect);
+    asking_.clear();
+    for (const Footprint* f : met) {
+      const Rect part = common(rect, f->box);
+      asking_.push_back({nearest_in(*f, rect), kStep + kTest * std::min(1.0, area(part) / whole),
+                         asks(*f, part) * walking(*f, part, near)});
+    }
+    std::sort(asking_.begin(), asking_.end(),
+              [](const Asking& a, const Asking& b) { return a.nearness > b.nearness; });
+    double price = kStart, sum = 0;
+    for (const Asking& one : asking_) {
+      price += one.price;
+      sum += one.weight * waited_for(price);
+    }
+    return sum / surface_ + elsewhere(rect, price);
   }
 
-  // An estimate of the triangles that are tested for a point on one of the footprints, on average over the footprints:
-  // none if it lies on the near plane, else those in front of it. It assumes that the visible surfaces of a scene are
-  // mostly those that cast its shadows.
-  static double walk(const Rect& rect, const Met& met, const Linear& near) {
-    size_t walking = 0;
-    for (const Footprint* f : met) {
-      const double u = std::clamp(0.5 * (rect.u0 + rect.u1), f->box.u0, f->box.u1);
-      const double v = std::clamp(0.5 * (rect.v0 + rect.v1), f->box.v0, f->box.v1);
+  double rough_cost(const Rect& rect, const Met& met, double price) const {
+    double sum = 0;
+    for (const Footprint* f : met) sum += asks(*f, common(rect, f->box));
+    return sum * waited_for(price) / surface_ + elsewhere(rect, price);
+  }
+
+  static double area(const Rect& r) { return std::max(0.0, r.u1 - r.u0) * std::max(0.0, r.v1 - r.v0); }
+
+  // What surfaces ask that are no occluders of this face: a part of all, evenly over the directions. Without it nothing
+  // would divide a long list of triangles too small to matter as surfaces.
+  double elsewhere(const Rect& rect, double price) const {
+    constexpr double kPart = 0.3, kFaces = 6.0;
+    return kPart * area(rect) / (kFaces * face_.size * face_.size) * waited_for(price);
+  }
+
+  // Lanes wait for the one with the longest walk, and a frame for its last tile: a long walk costs more than its steps.
+  static double waited_for(double price) {
+    constexpr double kUsual = 16.0;
+    return price * (1.0 + price / kUsual);
+  }
+
+  // The area of the triangle that asks here, if `part` of its picture lies here. Of one that turns its back on the
+  // light only what belongs to open meshes asks.
+  static double asks(const Footprint& f, const Rect& part) {
+    constexpr double kBacks = 0.5;
+    const double whole = area(f.box);
+    if (!std::isfinite(whole) || whole <= 0.0) return 0.0;
+    return (f.faces_light ? 1.0 : kBacks) * f.area * area(part) / whole;
+  }
+
+  // The share of a footprint's part that lies behind the near plane, from a few places of it.
+  static double walking(const Footprint& f, const Rect& part, const Linear& near) {
+    if (!f.bounded) return 1.0;
+    constexpr std::array<glm::dvec2, 4> kPlaces = {{{0.25, 0.15}, {0.85, 0.25}, {0.15, 0.75}, {0.75, 0.85}}};
+    double behind = 0;
+    for (const glm::dvec2& p : kPlaces) {
+      const double u = part.u0 + p.x * (part.u1 - part.u0), v = part.v0 + p.y * (part.v1 - part.v0);
       const double bound = at(near, u, v);
-      if (!f->bounded || at(f->nearest, u, v) < bound - 0.003 * std::abs(bound)) ++walking;
+      behind += at(f.nearest, u, v) < bound - 1e-4 * std::abs(bound) ? 0.25 : 0.0;
     }
-    return 0.5 * static_cast<double>(walking);
+    return behind;
+  }
+
+  // What the leaf takes if it is divided: leaves, words of the grid, and the entries that more than one of them needs.
+  double bytes_to_divide(uint32_t level, const Met& met) const {
+    const double lists = 128.0 + 6.0 * static_cast<double>(met.size());
+    return level < deepest_ || level < kTopLevel ? lists : lists + block_bytes(level + 1) - block_bytes(deepest_);
+  }
+
+  // Of a cell whose finest leaves are of this level.
+  static double block_bytes(uint32_t level) {
+    return std::ldexp(sizeof(uint32_t), 2 * static_cast<int>(level - kTopLevel));
   }
 
   static double nearest_of_all(const Rect& rect, const Met& met) {
@@ -83,7 +144,7 @@ class Builder {
       }
       total += child[c].size();
     }
-    if (10 * total > 36 * met.size() && met.size() < 64) return false;
+    if (level >= kTopLevel && 10 * total > 36 * met.size() && met.size() < 64) return false;
     for (uint32_t c = 0; c < 4; ++c) build(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1), child[c]);
     return true;
   }
@@ -141,22 +202,29 @@ class Builder {
 
   static constexpr uint32_t kPatchSide = 1u << kBlockBits;
 
+  // A footprint as cost() sees it.
+  struct Asking {
+    double nearness, price, weight;
+  };
+
   const Face& face_;
   const Detail& detail_;
+  const double surface_;
   Piece& out_;
+  std::vector<Asking> asking_;                             // kept for its memory
   uint32_t deepest_ = kTopLevel;                           // finest level of the open cell's leaves
   std::array<uint32_t, kPatchSide * kPatchSide> patch_{};  // its leaves, at the finest level
 };
 
 }  // namespace
 
-Piece build_piece(const Face& face, const Detail& detail, uint32_t i, uint32_t j, Met met) {
+Piece build_piece(const Face& face, const Detail& detail, double surface, uint32_t i, uint32_t j, Met met) {
   Piece piece;
   piece.cells.resize(size_t{kRootCells} * kRootCells);
   piece.leaves.resize(1);
   const Rect rect = face.square(kRootLevel, i, j);
   std::erase_if(met, [&](const Footprint* f) { return !meets(*f, rect); });
-  Builder(face, detail, piece).build(kRootLevel, i, j, met);
+  Builder(face, detail, surface, piece).build(kRootLevel, i, j, met);
   return piece;
 }
 

@@ -14,9 +14,9 @@ inline constexpr uint32_t kRootLevel = 4;
 inline constexpr uint32_t kRootCount = 1u << (2 * kRootLevel);
 inline constexpr uint32_t kRootCells = 1u << (kTopLevel - kRootLevel);  // along a side
 
+// A leaf is divided while what its queries are expected to cost exceeds what dividing it costs in memory.
 struct Detail {
-  double longest_walk = 1.0;  // leaves are divided if more triangles are tested on average
-  uint32_t usual_level = 8;   // beyond it, each level doubles that limit
+  double cost_per_byte = 4e-9;  // mean cost of a query over the scene's surface, see subdivide.cpp
   uint32_t finest_level = kFinestLevel;
 };
 
@@ -26,10 +26,11 @@ struct Piece {
   std::vector<uint32_t> blocks;
   std::vector<Leaf> leaves;
   std::vector<ListEntry> entries;
+  uint64_t work = 0;  // footprints looked at, square by square: what building it took
 };
 
-// `met`: the footprints that may meet root (i, j).
-Piece build_piece(const Face& face, const Detail& detail, uint32_t i, uint32_t j,
+// `met`: the footprints that may meet root (i, j). `surface`: the area of all triangles of the scene.
+Piece build_piece(const Face& face, const Detail& detail, double surface, uint32_t i, uint32_t j,
                   std::vector<const Footprint*> met);
 
 }  // namespace gnomon::gpu::light_buffer

@@ -95,6 +95,16 @@ std::pair<double, double> greys_and_mean(const RgbaImage& image) {
   return {grey / pixels, sum / pixels};
 }
 
+// Of a scene that passes textures on as files: where there are no texels, a device reads none.
+TEST(TexturedView, ATextureThatWasNotDecodedIsThePlainColour) {
+  const auto passing = checked_floor(1);
+  passing->textures[0].rgba.clear();
+  passing->textures[0].encoded = {0xff, 0xd8};
+  const auto plain = checked_floor(1);
+  plain->materials[0].base_color_texture = scenes::kNone;
+  EXPECT_EQ(Pictures(passing).one_sample(material_view()).rgba, Pictures(plain).one_sample(material_view()).rgba);
+}
+
 TEST(TexturedView, NearTexturesAreSharpAndFarOnesTheirMean) {
   const auto [near_grey, near_mean] = greys_and_mean(Pictures(checked_floor(1)).one_sample(material_view()));
   EXPECT_LT(near_grey, 0.25);

@@ -136,7 +136,7 @@ TEST_F(Cache, ShortenedAndLengthenedFilesAreFound) {
 TEST_F(Cache, OtherScenesAndSettingsHaveOtherFiles) {
   ASSERT_TRUE(light_buffer::save(folder_, key_, buffer_));
   light_buffer::BuildSettings finer = settings_;
-  finer.detail.longest_walk = 0.25;
+  finer.detail.cost_per_byte /= 2;
   const light_buffer::CacheKey other_scene = key_of(2, soup_, settings_);
   const light_buffer::CacheKey other_settings = key_of(1, soup_, finer);
   std::string why;

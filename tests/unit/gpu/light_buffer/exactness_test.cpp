@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "gpu/tracers/light_buffer/builder.h"
+#include "gpu/tracers/light_buffer/footprint.h"
 #include "gpu/tracers/light_buffer/query.h"
 #include "tests/unit/gpu/light_buffer/soups.h"
 
@@ -56,11 +57,11 @@ TEST_P(Exactness, EqualsBruteForce) {
   const auto [shape, lamp] = GetParam();
   Random random(static_cast<uint32_t>(shape) * 16 + static_cast<uint32_t>(lamp));
   Ends total;
-  for (int scene = 0; scene < 8; ++scene) {
+  for (int scene = 0; scene < 12; ++scene) {
     const Soup soup = make_soup(shape, lamp, kTriangles[scene % 4], random);
     light_buffer::BuildSettings settings;
     settings.threads = 1;
-    settings.detail.longest_walk = scene < 4 ? 0.5 : 8.0;
+    settings.detail.cost_per_byte = scene % 8 < 4 ? 3e-7 : 1e-5;
     settings.detail.finest_level = shape == Shape::touching ? 8 : 9;
     const light_buffer::LightBuffer buffer =
         light_buffer::build(soup.mesh, soup.bounds, std::span(&soup.light, 1), settings);
@@ -82,9 +83,63 @@ TEST_P(Exactness, EqualsBruteForce) {
 INSTANTIATE_TEST_SUITE_P(
     Soups, Exactness,
     testing::Combine(testing::Values(Shape::even, Shape::tiny, Shape::huge, Shape::slivers, Shape::edge_on,
-                                     Shape::touching, Shape::sheets, Shape::grid),
+                                     Shape::touching, Shape::sheets, Shape::astride, Shape::around, Shape::grid),
                      testing::Values(Lamp::point, Lamp::spot, Lamp::directional)),
     [](const auto& soup) { return name(std::get<0>(soup.param)) + "_" + name(std::get<1>(soup.param)); });
+
+// A floor under the light, in two triangles: faces that look sideways see it too, though it reaches behind the light.
+TEST(Footprint, IsBoundedWhereAFaceShowsAPartOfATriangleThatReachesBehindTheLight) {
+  gpu::exact::TracedLight light{};
+  const light_buffer::LightFaces faces = light_buffer::light_faces(light, {{-9, -1, -9}, {9, 1, 9}});
+  size_t seen = 0;
+  for (const light_buffer::Face& face : faces.faces) {
+    const auto f = light_buffer::footprint(face, faces.diameter, {{{-9, -1, -9}, {9, -1, -8}, {0, -1, 9}}});
+    if (!f) continue;
+    ++seen;
+    EXPECT_TRUE(f->bounded);
+    EXPECT_LE(std::max({-f->box.u0, -f->box.v0, f->box.u1, f->box.v1}), 1.2);
+  }
+  EXPECT_EQ(seen, 5u) << "all but the face that looks up";
+}
+
+uint64_t cells_of(const light_buffer::LightBuffer& buffer, size_t faces) {
+  return buffer.lights.size() * faces * light_buffer::kCellCount * sizeof(uint32_t);
+}
+
+// Many slivers that all point at the light: nothing divides them well.
+class WorstCase : public testing::Test {
+ protected:
+  WorstCase() {
+    Random random(11);
+    soup_ = make_soup(Shape::edge_on, Lamp::point, 3000, random);
+  }
+  light_buffer::LightBuffer build() const {
+    return light_buffer::build(soup_.mesh, soup_.bounds, std::span(&soup_.light, 1), settings_);
+  }
+
+  Soup soup_;
+  light_buffer::BuildSettings settings_;
+};
+
+TEST_F(WorstCase, StaysWithinItsMemory) {
+  const light_buffer::LightBuffer whole = build();
+  const uint64_t cells = cells_of(whole, 6);
+  settings_.budget_bytes = cells + (whole.statistics.bytes - cells) / 4;
+  const light_buffer::LightBuffer kept = build();
+  EXPECT_LE(kept.statistics.bytes, settings_.budget_bytes);
+  EXPECT_GT(kept.statistics.bytes, settings_.budget_bytes / 2) << "and it uses what it may";
+  Random random(12);
+  EXPECT_GT(compare(soup_, kept, random, kPoints).dark, 50u);
+}
+
+TEST_F(WorstCase, StopsDividingWhereItsWorkWouldBeTooMuch) {
+  const light_buffer::LightBuffer whole = build();
+  settings_.most_work = whole.statistics.work / 4;
+  const light_buffer::LightBuffer kept = build();
+  EXPECT_LE(kept.statistics.work, 2 * settings_.most_work) << "as estimated beforehand";
+  Random random(13);
+  EXPECT_GT(compare(soup_, kept, random, kPoints).dark, 50u);
+}
 
 TEST(Build, SameBytesWithAnyNumberOfThreads) {
   Random random(7);

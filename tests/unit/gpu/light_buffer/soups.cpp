@@ -50,6 +50,12 @@ Triangle touching(Random& random, vec3 light) {
   }
 }
 
+Triangle astride(Random& random, vec3 light) {
+  const vec3 a = light + in_box(random, magnitude(random, -2, 0.7f));
+  const vec3 behind = light - magnitude(random, -1, 1) * (a - light) + in_box(random, magnitude(random, -3, 0));
+  return {a, behind, light + in_box(random, magnitude(random, -1, 1))};
+}
+
 Triangle on_lattice(Random& random) {
   const auto snap = [](vec3 p) { return glm::round(p); };
   return {snap(in_box(random, 4)), snap(in_box(random, 4)), snap(in_box(random, 4))};
@@ -83,6 +89,21 @@ void add_sheets(Soup& soup, Random& random) {
   }
 }
 
+void add_boxes(Soup& soup, vec3 light, Random& random) {
+  for (int box = 0; box < 4; ++box) {
+    const vec3 half(magnitude(random, -1.5f, 0.8f), magnitude(random, -1.5f, 0.8f), magnitude(random, -1.5f, 0.8f));
+    const vec3 low = light - half * between(random, 0.05f, 1.0f);
+    for (int axis = 0; axis < 3; ++axis) {
+      vec3 u(0), v(0), across(0);
+      u[(axis + 1) % 3] = 2 * half[(axis + 1) % 3];
+      v[(axis + 2) % 3] = 2 * half[(axis + 2) % 3];
+      across[axis] = 2 * half[axis];
+      if (below(random, 3) != 0) add_quad(soup, low, u, v);
+      if (below(random, 3) != 0) add_quad(soup, low + across, u, v);
+    }
+  }
+}
+
 Triangle make_triangle(Shape shape, vec3 light, Random& random) {
   switch (shape) {
     case Shape::even: return around(random, in_box(random, 4), 1);
@@ -91,6 +112,7 @@ Triangle make_triangle(Shape shape, vec3 light, Random& random) {
     case Shape::slivers: return sliver(random);
     case Shape::edge_on: return edge_on(random, light);
     case Shape::touching: return touching(random, light);
+    case Shape::astride: return astride(random, light);
     default: return on_lattice(random);
   }
 }
@@ -116,7 +138,8 @@ void measure(Soup& soup) {
 }  // namespace
 
 std::string name(Shape shape) {
-  constexpr const char* names[] = {"even", "tiny", "huge", "slivers", "edge_on", "touching", "sheets", "grid"};
+  constexpr const char* names[] = {"even",     "tiny",   "huge",    "slivers", "edge_on",
+                                   "touching", "sheets", "astride", "around",  "grid"};
   return names[static_cast<size_t>(shape)];
 }
 
@@ -131,7 +154,8 @@ Soup make_soup(Shape shape, Lamp lamp, int triangles, Random& random) {
   // Edge-on to a directional light: in planes through a point far up the light.
   const vec3 source = lamp == Lamp::directional ? -1e6f * soup.light.direction : soup.light.position;
   if (shape == Shape::sheets) add_sheets(soup, random);
-  const Shape each = shape == Shape::sheets ? Shape::even : shape;
+  if (shape == Shape::around) add_boxes(soup, soup.light.position, random);
+  const Shape each = shape == Shape::sheets || shape == Shape::around ? Shape::even : shape;
   for (int t = 0; t < triangles; ++t) add(soup, make_triangle(each, source, random));
   soup.mesh.opaque_count = static_cast<uint32_t>(soup.mesh.triangles.size());
   measure(soup);

@@ -28,6 +28,8 @@ enum class Shape {
   edge_on,   // in planes through the light, exactly or but for an ulp
   touching,  // with a corner, an edge or the inside at the light
   sheets,    // closed boxes and walls that share edges: covers and shared edges
+  astride,   // from before the light to behind it, over the borders of its faces, near and far
+  around,    // closed boxes about the light, with a hole here and there
   grid,      // all on a coarse lattice, the light too: ties everywhere
 };
 

@@ -1,0 +1,162 @@
+#include "gpu/tracers/light_buffer/light_build.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <thread>
+
+#include "common/parallel.h"
+
+namespace gnomon::gpu::light_buffer {
+namespace {
+
+constexpr size_t kChunk = 4096;  // triangles whose footprints one call of parallel_for's body computes
+
+// Root indices of one axis whose squares may meet [low, high].
+std::pair<uint32_t, uint32_t> root_span(double low, double high, double face_low, double face_size) {
+  const double side = 1u << kRootLevel;
+  const double first = std::floor((low - face_low) / face_size * side - 0.01);
+  const double last = std::floor((high - face_low) / face_size * side + 0.01);
+  return {static_cast<uint32_t>(std::clamp(first, 0.0, side - 1)),
+          static_cast<uint32_t>(std::clamp(last, 0.0, side - 1))};
+}
+
+uint64_t bytes_of(const Piece& p) {
+  return p.blocks.size() * sizeof(uint32_t) + p.leaves.size() * sizeof(Leaf) + p.entries.size() * sizeof(ListEntry);
+}
+
+}  // namespace
+
+PiecesSize size_of(const std::vector<Piece>& pieces) {
+  PiecesSize size;
+  for (const Piece& p : pieces) {
+    size.bytes += bytes_of(p);
+    size.work += p.work;
+  }
+  return size;
+}
+
+LightBuild::LightBuild(const scenes::WorldMesh& mesh, double surface, const scenes::Bounds& bounds,
+                       const exact::TracedLight& light, unsigned threads, std::stop_token stop)
+    : mesh_(mesh),
+      surface_(surface),
+      light_(light),
+      faces_(light_faces(light, bounds)),
+      threads_(threads),
+      stop_(std::move(stop)) {
+  for (size_t f = 0; f < faces_.faces.size(); ++f) {
+    footprints_.push_back(faces_.used[f] ? footprints(faces_.faces[f]) : std::vector<Chunk>());
+    add_roots(f);
+  }
+  for (const Root& root : roots_) met_by_all_ += root.met.size();
+  // Roots with many footprints come first, so that no thread starts one of them at the end.
+  order_.resize(roots_.size());
+  std::iota(order_.begin(), order_.end(), size_t{0});
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](size_t a, size_t b) { return roots_[a].met.size() > roots_[b].met.size(); });
+}
+
+Piece LightBuild::piece(const Root& root, const Detail& detail) const {
+  return build_piece(faces_.faces[root.face], detail, surface_, root.i, root.j, root.met);
+}
+
+std::vector<Piece> LightBuild::pieces(const Detail& detail, const std::function<void(double)>& progress) const {
+  std::vector<Piece> pieces(roots_.size());
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<size_t> met{0};
+  parallel_for(order_.size(), threads_, [&](size_t n) {
+    if (stopped()) return;
+    const Root& root = roots_[order_[n]];
+    pieces[order_[n]] = piece(root, detail);
+    const size_t so_far = met += root.met.size();
+    if (progress && std::this_thread::get_id() == caller)
+      progress(static_cast<double>(so_far) / static_cast<double>(std::max<size_t>(met_by_all_, 1)));
+  });
+  return pieces;
+}
+
+void LightBuild::shrink(std::vector<Piece>& pieces, Detail detail, uint64_t bytes) const {
+  constexpr size_t kAtOnce = 64;
+  constexpr double kCoarser = 2.0, kCoarsest = 1e3;  // at which nothing is divided
+  uint64_t size = size_of(pieces).bytes;
+  while (size > bytes && detail.cost_per_byte < kCoarsest) {
+    detail.cost_per_byte *= kCoarser;
+    for (size_t first = 0; first < order_.size() && size > bytes && !stopped(); first += kAtOnce) {
+      const size_t count = std::min(kAtOnce, order_.size() - first);
+      for (size_t n = first; n < first + count; ++n) size -= bytes_of(pieces[order_[n]]);
+      parallel_for(count, threads_,
+                   [&](size_t n) { pieces[order_[first + n]] = piece(roots_[order_[first + n]], detail); });
+      for (size_t n = first; n < first + count; ++n) size += bytes_of(pieces[order_[n]]);
+    }
+    if (stopped()) return;
+  }
+}
+
+PiecesSize LightBuild::expected_size(const Detail& detail) const {
+  // By size, every root in the middle of kStride stands for them: neighbours in that order are alike.
+  constexpr size_t kStride = 16;
+  std::vector<Piece> sampled((order_.size() + kStride / 2 - 1) / kStride);
+  parallel_for(sampled.size(), threads_, [&](size_t n) {
+    if (!stopped()) sampled[n] = piece(roots_[order_[n * kStride + kStride / 2]], detail);
+  });
+  size_t met = 0;
+  for (size_t n = 0; n < sampled.size(); ++n) met += roots_[order_[n * kStride + kStride / 2]].met.size();
+  const PiecesSize size = size_of(sampled);
+  const double whole =
+      std::max<double>(kStride, static_cast<double>(met_by_all_) / static_cast<double>(std::max<size_t>(met, 1)));
+  const auto all = [&](uint64_t of_sampled) {
+    return static_cast<uint64_t>(whole * static_cast<double>(of_sampled));
+  };
+  return {all(size.bytes), all(size.work)};
+}
+
+// Whether the triangle is within the light's range, so that it may block one of its segments.
+bool LightBuild::reaches(const std::array<glm::dvec3, 3>& corners) const {
+  if (light_.kind == 2 || light_.reach == 0.0f) return true;
+  const glm::dvec3 low = glm::min(corners[0], glm::min(corners[1], corners[2]));
+  const glm::dvec3 high = glm::max(corners[0], glm::max(corners[1], corners[2]));
+  const glm::dvec3 nearest = glm::clamp(glm::dvec3(0.0), low, high);
+  return glm::length(nearest) <= 1.001 * light_.reach;
+}
+
+std::vector<LightBuild::Chunk> LightBuild::footprints(const Face& face) const {
+  const size_t count = mesh_.triangles.size();
+  std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
+  parallel_for(chunks.size(), threads_, [&](size_t c) {
+    if (stopped()) return;
+    for (size_t t = c * kChunk; t < std::min(count, (c + 1) * kChunk); ++t) {
+      std::array<glm::dvec3, 3> corners;
+      for (int k = 0; k < 3; ++k) {
+        corners[static_cast<size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[t][k]]) - faces_.reference;
+      }
+      if (!reaches(corners)) continue;
+      std::optional<Footprint> f = footprint(face, faces_.diameter, corners);
+      if (!f || !meets(*f, face.square(0, 0, 0))) continue;
+      f->triangle = static_cast<uint32_t>(t);
+      f->can_cover = f->can_cover && t < mesh_.opaque_count;
+      chunks[c].push_back(*f);
+    }
+  });
+  return chunks;
+}
+
+void LightBuild::add_roots(size_t f) {
+  const Face& face = faces_.faces[f];
+  const size_t first = roots_.size();
+  for (uint32_t r = 0; r < kRootCount; ++r) {
+    roots_.push_back({f, r % (1u << kRootLevel), r >> kRootLevel, {}});
+  }
+  for (const Chunk& chunk : footprints_[f]) {
+    for (const Footprint& footprint : chunk) {
+      const auto [i0, i1] = root_span(footprint.box.u0, footprint.box.u1, face.low_u, face.size);
+      const auto [j0, j1] = root_span(footprint.box.v0, footprint.box.v1, face.low_v, face.size);
+      for (uint32_t j = j0; j <= j1; ++j) {
+        for (uint32_t i = i0; i <= i1; ++i) roots_[first + (j << kRootLevel) + i].met.push_back(&footprint);
+      }
+    }
+  }
+}
+
+}  // namespace gnomon::gpu::light_buffer

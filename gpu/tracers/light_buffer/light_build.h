@@ -1,0 +1,74 @@
+// One light's part of a build: its footprints, sorted into the roots of its faces, and the pieces that are made of them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <vector>
+
+#include "gpu/exact_cpp.h"
+#include "gpu/tracers/light_buffer/face.h"
+#include "gpu/tracers/light_buffer/footprint.h"
+#include "gpu/tracers/light_buffer/subdivide.h"
+#include "scenes/world_mesh.h"
+
+namespace gnomon::gpu::light_buffer {
+
+// What pieces take.
+struct PiecesSize {
+  uint64_t bytes = 0;  // without the cells
+  uint64_t work = 0;   // as Piece::work
+};
+
+PiecesSize size_of(const std::vector<Piece>& pieces);
+
+class LightBuild {
+ public:
+  // The mesh and the light outlive this. `surface`: the area of the mesh's triangles.
+  LightBuild(const scenes::WorldMesh& mesh, double surface, const scenes::Bounds& bounds,
+             const exact::TracedLight& light, unsigned threads, std::stop_token stop);
+
+  size_t face_count() const { return faces_.faces.size(); }
+  const LightView& view() const { return faces_.view; }
+  bool stopped() const { return stop_.stop_requested(); }
+
+  // In the order of the faces. `progress`, if any, is called on the calling thread with the share of the footprints that
+  // were processed.
+  std::vector<Piece> pieces(const Detail& detail, const std::function<void(double)>& progress = {}) const;
+
+  // Makes pieces that were made with `detail` anew and coarser, no more of them than it takes, until all have at most
+  // `bytes`, or until none can be coarser.
+  void shrink(std::vector<Piece>& pieces, Detail detail, uint64_t bytes) const;
+
+  // What the pieces would take, estimated from some of them.
+  PiecesSize expected_size(const Detail& detail) const;
+
+ private:
+  using Chunk =
+      std::vector<Footprint>;  // of neighbouring triangles, so that threads make and memory holds it apart
+
+  // One root square and the footprints that may meet it.
+  struct Root {
+    size_t face = 0;
+    uint32_t i = 0, j = 0;
+    std::vector<const Footprint*> met;
+  };
+
+  bool reaches(const std::array<glm::dvec3, 3>& corners) const;
+  std::vector<Chunk> footprints(const Face& face) const;
+  void add_roots(size_t face);
+  Piece piece(const Root& root, const Detail& detail) const;
+
+  const scenes::WorldMesh& mesh_;
+  const double surface_;
+  const exact::TracedLight& light_;
+  const LightFaces faces_;
+  const unsigned threads_;
+  const std::stop_token stop_;
+  std::vector<std::vector<Chunk>> footprints_;  // face by face
+  std::vector<Root> roots_;
+  size_t met_by_all_ = 0;
+  std::vector<size_t> order_;  // roots with many footprints first
+};
+
+}  // namespace gnomon::gpu::light_buffer
