@@ -3,11 +3,6 @@
 #include <utility>
 
 namespace gnomon::client {
-namespace {
-
-constexpr size_t kMostAsked = 4096;  // cameras whose answers may still come
-
-}  // namespace
 
 ThinClient::ThinClient(Loop& loop, ThinClientOptions options, Events events)
     : loop_(loop),
@@ -24,25 +19,22 @@ ThinClient::~ThinClient() { close(""); }
 void ThinClient::connect() {
   if (stream_) {
     counters_before_ += stream_->counters();
-    bytes_before_ += stream_->connection().data_counters().received_bytes;
+    bytes_before_ += stream_->received_bytes();
   }
-  indices_.clear();
-  first_frame_ = 1;
-  stream_ = std::make_unique<VisibilityStream>(
+  stream_ = std::make_unique<MovingStream>(
       loop_, options_.stream,
-      VisibilityStream::Events{.answer = [this](const Answer& answer) { on_answer(answer); },
-                               .opened =
-                                   [this] {
-                                     reconnects_ += opened_once_;
-                                     opened_once_ = true;
-                                     reconnect_.connected();
-                                   },
-                               .asked_again = [this] { remember_asked(indices_.back()); },
-                               .message =
-                                   [this](const protocol::Message& message) {
-                                     if (events_.message) events_.message(message);
-                                   },
-                               .closed = [this](const Error& error) { on_closed(error); }});
+      MovingStream::Events{.answer = [this](const Answer& answer) { on_answer(answer); },
+                           .opened =
+                               [this] {
+                                 reconnects_ += opened_once_;
+                                 opened_once_ = true;
+                                 reconnect_.connected();
+                               },
+                           .message =
+                               [this](const protocol::Message& message) {
+                                 if (events_.message) events_.message(message);
+                               },
+                           .closed = [this](const Error& error) { on_closed(error); }});
 }
 
 // A first connection that fails is reported to the caller; one that is lost later is replaced.
@@ -52,7 +44,7 @@ void ThinClient::on_closed(const Error& error) {
     failure_ = error;
     return;
   }
-  const bool was_open = stream_->connection().welcome().session != SessionId{};
+  const bool was_open = stream_->connection().welcome().session != SessionId{} || stream_->counters().moved > 0;
   if (was_open && events_.lost) events_.lost(error);
   retry_.arm(Clock::now() + *wait);
 }
@@ -67,23 +59,12 @@ void ThinClient::look(const protocol::CameraView& camera, Nanoseconds display_de
   const uint32_t index = order_.asked_count();
   order_.asked(camera, Clock::now());
   if (!online()) return;
-  stream_->ask(camera, display_deadline);
-  remember_asked(index);
-}
-
-// Records the index of the camera that was asked for under the next frame id.
-void ThinClient::remember_asked(uint32_t index) {
-  indices_.push_back(index);
-  if (indices_.size() <= kMostAsked) return;
-  indices_.pop_front();
-  ++first_frame_;
+  stream_->ask(camera, display_deadline, index);
 }
 
 void ThinClient::on_answer(const Answer& answer) {
-  const uint32_t place = answer.mask.frame.value - first_frame_;
-  if (answer.mask.frame.value < first_frame_ || place >= indices_.size()) return;
   auto received = std::make_shared<const ReceivedMasks>(
-      ReceivedMasks{indices_[place], answer.camera, answer.mask, answer.lights, answer.response});
+      ReceivedMasks{answer.index, answer.camera, answer.mask, answer.lights, answer.response});
   if (events_.received) events_.received(*received);
   if (order_.answered(received->index, Clock::now())) seen_ = std::move(received);
 }
@@ -106,9 +87,7 @@ StreamCounters ThinClient::counters() const {
   return sum;
 }
 
-uint64_t ThinClient::received_bytes() const {
-  return bytes_before_ + stream_->connection().data_counters().received_bytes;
-}
+uint64_t ThinClient::received_bytes() const { return bytes_before_ + stream_->received_bytes(); }
 
 void ThinClient::close(const std::string& reason) {
   closed_ = true;

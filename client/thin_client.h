@@ -3,11 +3,10 @@
 //
 //   look(camera) -> VisibilityStream ... masks -> ShowOrder -> next(): draw this camera with these masks
 //
-// If the connection to the server is lost it reconnects by itself, and meanwhile shows what it has. Belongs to one Loop
-// and its thread.
+// If the connection to the server is lost it reconnects by itself, and meanwhile shows what it has. If the server drains in
+// a fleet, it moves to another one without a gap. Belongs to one Loop and its thread.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,7 +15,7 @@
 #include "client/net/reconnect.h"
 #include "client/prediction/border.h"
 #include "client/prediction/show_order.h"
-#include "client/stream/visibility_stream.h"
+#include "client/stream/moving_stream.h"
 
 namespace gnomon::client {
 
@@ -85,19 +84,18 @@ class ThinClient {
     order_.ahead().observe(earlier, later, error);
   }
 
-  // Those below are of the newest connection unless they say otherwise. Precondition: wait_open() has returned without
+  // Those below are of the newest session unless they say otherwise. Precondition: wait_open() has returned without
   // error. While a lost connection is being replaced, welcome() and scene() may be empty.
   size_t in_flight() const { return stream_->in_flight(); }
   const protocol::Welcome& welcome() const { return stream_->connection().welcome(); }
   const protocol::SceneManifest& scene() const { return stream_->scene(); }
   TileGrid grid() const { return stream_->grid(); }  // empty while not online()
-  StreamCounters counters() const;                   // of all connections
-  uint64_t received_bytes() const;                   // of all connections
+  StreamCounters counters() const;                   // of all sessions; they say how often it moved
+  uint64_t received_bytes() const;                   // of all sessions
   void close(const std::string& reason);
 
  private:
   void connect();
-  void remember_asked(uint32_t index);
   void on_answer(const Answer& answer);
   void on_closed(const Error& error);
 
@@ -112,10 +110,8 @@ class ThinClient {
   uint32_t reconnects_ = 0;
   StreamCounters counters_before_;  // of connections that were lost
   uint64_t bytes_before_ = 0;
-  std::deque<uint32_t> indices_;  // of the cameras asked for on this connection, from frame `first_frame_` on
-  uint32_t first_frame_ = 1;
   std::shared_ptr<const ReceivedMasks> seen_;
-  std::unique_ptr<VisibilityStream> stream_;
+  std::unique_ptr<MovingStream> stream_;
   Timer retry_;
 };
 

@@ -19,6 +19,8 @@ constexpr size_t kMaxCiphers = 16;
 constexpr size_t kMaxCodecs = 16;
 constexpr size_t kMaxPasses = 32;
 constexpr size_t kMaxMotions = 256;
+constexpr size_t kMaxTicket = 64;
+constexpr size_t kMaxHashes = 4;
 
 constexpr size_t kLengthBytes = 4;
 constexpr size_t kTypeBytes = 2;
@@ -106,6 +108,12 @@ void fields(A& a, Of<A, Welcome>& m) {
     a(m.lights_version);
     a.list(m.motions, kMaxMotions, [&](auto& motion) { fields(a, motion); });
   }
+  if (m.features & kFeatureFleet) {
+    a.text(m.data_host, kMaxName);
+    a.text(m.home_host, kMaxName);
+    a(m.home_port);
+    a.check(m.home_port != 0, "the home port is 0");
+  }
 }
 
 template <class A>
@@ -139,6 +147,10 @@ void fields(A& a, Of<A, Degraded>& m) {
 template <class A>
 void fields(A& a, Of<A, Draining>& m) {
   a(m.deadline_ms);
+  if constexpr (A::kReading) {
+    if (a.rest().empty()) return;  // of a peer that does not know the rest
+  }
+  a(m.flags);
 }
 
 template <class A>
@@ -173,10 +185,18 @@ void fields(A& a, Of<A, Waiting>& m) {
   a.check(m.percent <= 100 || m.percent == Waiting::kUnknown, "more than all of it is done");
 }
 
+template <class A>
+void fields(A& a, Of<A, WebTransport>& m) {
+  a(m.port);
+  a.check(m.port != 0, "the port is 0");
+  a.text(m.ticket, kMaxTicket);
+  a.list(m.hashes, kMaxHashes, [&](auto& hash) { a(hash); });
+}
+
 // A message's type on the wire is its index in the variant, counted from 1.
 constexpr std::array<const char*, std::variant_size_v<Message>> kNames = {
-    "Hello",    "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded",
-    "Draining", "Stats",   "Bye",     "Data",         "Resume",        "Waiting"};
+    "Hello", "Welcome", "Refused", "SceneChanged", "LightsChanged", "Degraded",    "Draining",
+    "Stats", "Bye",     "Data",    "Resume",       "Waiting",       "WebTransport"};
 
 template <size_t Index>
 Result<Message> decode_as(std::span<const uint8_t> body) {

@@ -57,6 +57,10 @@ struct Welcome {
   // On the wire with kFeatureMoments:
   uint32_t lights_version = 0;      // of the manifest's lights
   std::vector<NodeMotion> motions;  // beside the animations of the scene's file
+  // On the wire with kFeatureFleet. Numeric addresses; whoever uses them finds out whether they are.
+  std::string data_host;  // where datagrams go, in the place of the control connection's address
+  std::string home_host;  // where this server itself takes connections
+  uint16_t home_port = 0;
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
@@ -110,7 +114,12 @@ struct Degraded {
 };
 
 struct Draining {
-  uint32_t deadline_ms = 0;
+  static constexpr uint32_t kNoDeadline = 0xffff'ffff;
+  static constexpr uint8_t kMoveNow = 1;  // with kFeatureFleet: the fleet's door is to be asked for another session
+
+  uint32_t deadline_ms = 0;  // or kNoDeadline
+  uint8_t flags = 0;         // a Draining of before this field has none
+  bool move_now() const { return (flags & kMoveNow) != 0; }
   friend bool operator==(const Draining&, const Draining&) = default;
 };
 
@@ -159,8 +168,17 @@ struct Waiting {
   friend bool operator==(const Waiting&, const Waiting&) = default;
 };
 
+// Sent by the server with kFeatureWebTransport, after Welcome and whenever another one holds: the way to the session's
+// datagrams by WebTransport.
+struct WebTransport {
+  uint16_t port = 0;            // UDP, at the server's address
+  std::string ticket;           // opens it once; letters and digits
+  std::vector<Bytes32> hashes;  // SHA-256 of the certificates that it may show; empty: one that browsers trust
+  friend bool operator==(const WebTransport&, const WebTransport&) = default;
+};
+
 using Message = std::variant<Hello, Welcome, Refused, SceneChanged, LightsChanged, Degraded, Draining, Stats, Bye,
-                             Data, Resume, Waiting>;
+                             Data, Resume, Waiting, WebTransport>;
 
 // Encodes a complete message: length, type, body. Texts and lists longer than WIRE.md allows are truncated; bytes of a
 // text that are control characters or not UTF-8 become '?'. Precondition: all other values are valid.

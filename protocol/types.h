@@ -29,7 +29,9 @@ inline constexpr uint64_t kFeatureResume =
     16;  // a session outlives its control connection, and is resumed on another
 inline constexpr uint64_t kFeaturePaths = 64;     // the client proves that it receives datagrams at its address
 inline constexpr uint64_t kFeatureWaiting = 128;  // the client is told what it waits for before its Welcome
-inline constexpr uint64_t kFeatureSizes = 32;     // slices state their frame's size where it is not the granted one
+inline constexpr uint64_t kFeatureWebTransport = 256;  // the client is told where it may go on by WebTransport
+inline constexpr uint64_t kFeatureFleet = 512;  // the client goes on at the server itself, past its fleet's door
+inline constexpr uint64_t kFeatureSizes = 32;   // slices state their frame's size where it is not the granted one
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w

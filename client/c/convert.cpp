@@ -110,7 +110,8 @@ Result<ThinClientOptions> to_options(const gnomon_options& options) {
   connect.trust = {.pin = text_of(options.pin),
                    .authorities = text_of(options.authorities),
                    .certificate = text_of(options.certificate),
-                   .key = text_of(options.key)};
+                   .key = text_of(options.key),
+                   .fleet = text_of(options.fleet)};
   const auto transport = to_transport(options.transport);
   if (!transport) return transport.error();
   connect.transport = *transport;

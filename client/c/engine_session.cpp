@@ -44,7 +44,8 @@ void EngineSession::close(const std::string& reason) {
 // Resets `server_` if a session has been opened or resumed since: what was reported before is void.
 void EngineSession::learn() {
   if (!client_.online()) return;
-  const uint64_t opened = 1 + client_.reconnects() + client_.counters().resumed;
+  const StreamCounters counters = client_.counters();
+  const uint64_t opened = 1 + client_.reconnects() + counters.resumed + counters.moved;
   if (opened == opened_) return;
   opened_ = opened;
   const protocol::Welcome& welcome = client_.welcome();
@@ -66,7 +67,7 @@ void EngineSession::on_message(const protocol::Message& message) {
   if (const auto* stats = std::get_if<protocol::Stats>(&message)) {
     server_.stats = *stats;
   } else if (const auto* draining = std::get_if<protocol::Draining>(&message)) {
-    server_.draining_ms = draining->deadline_ms;
+    server_.draining_ms = draining->deadline_ms == protocol::Draining::kNoDeadline ? 0 : draining->deadline_ms;
   } else if (const auto* degraded = std::get_if<protocol::Degraded>(&message)) {
     on_degraded(*degraded);
   } else if (const auto* lights = std::get_if<protocol::LightsChanged>(&message)) {

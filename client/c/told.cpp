@@ -73,6 +73,7 @@ gnomon_statistics statistics_of(const EngineSession& session) {
   out.server_queue_us = server.queue_us;
   out.server_gpu_us = server.gpu_us;
   out.server_total_us = server.total_us;
+  out.moved = counted.moved;
   return out;
 }
 

@@ -20,7 +20,7 @@ struct Size {
 // "1920x1080". Both from `least` to protocol::kMaxSide.
 Result<Size> parse_size(std::string_view text, uint32_t least = 1);
 
-// --pin, --ca, --certificate and --key. `App` is CLI::App, which no library here includes.
+// --pin, --ca, --certificate, --key and --fleet. `App` is CLI::App, which no library here includes.
 template <class App>
 void declare_trust(App& app, Trust& trust) {
   app.add_option("--pin", trust.pin,
@@ -31,6 +31,9 @@ void declare_trust(App& app, Trust& trust) {
   app.add_option("--certificate", trust.certificate, "this client's own, for servers that take it for a token")
       ->type_name("FILE");
   app.add_option("--key", trust.key, "its private key")->type_name("FILE");
+  app.add_option("--fleet", trust.fleet,
+                 "the fleet's name, where the server is its door; certificates are of that name")
+      ->type_name("NAME");
 }
 
 // --transport. `App` as above.

@@ -27,13 +27,14 @@ struct Arguments {
   double warm_up = 0;
   double deadline_ms = 0;
   double may_miss_percent = 0;
-  bool still = false;
+  bool still = false, reopen = false;
   std::vector<std::string> tenants;
 };
 
 void declare_cameras(CLI::App& app, Arguments& a) {
   declare_rate(app, a.rate_hz, "cameras a second and client; 0: a new one as soon as one is answered");
   app.add_flag("--still", a.still, "each client asks for one frame and then stands still")->excludes("--rate");
+  app.add_flag("--reopen", a.reopen, "a session that is lost meanwhile is opened again");
   app.add_option("--seconds", a.seconds, "how long is measured")->check(CLI::Range(0.1, 1e6))->type_name("S");
   app.add_option("--warm-up", a.warm_up, "how long is flown before that")
       ->check(CLI::Range(0.0, 1e6))
@@ -101,6 +102,7 @@ Result<LoadOptions> load_options(const Arguments& a) {
                      .codecs = codecs,
                      .rate_hz = a.rate_hz,
                      .still = a.still,
+                     .reopen = a.reopen,
                      .deadline = seconds_of(a.deadline_ms / 1000),
                      .warm_up = seconds_of(a.warm_up),
                      .duration = seconds_of(a.seconds),

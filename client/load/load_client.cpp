@@ -8,10 +8,53 @@ namespace gnomon::client {
 
 LoadClient::LoadClient(Loop& loop, const Options& options)
     : options_(options),
+      loop_(loop),
       send_timer_(loop, [this] { send_when_due(); }),
-      stream_(loop, options.stream,
-              {.answer = [this](const Answer& answer) { on_answer(answer); },
-               .message = [this](const protocol::Message& message) { on_message(message); }}) {}
+      reopen_timer_(loop, [this] { reopen(); }),
+      stream_(connect()) {}
+
+std::unique_ptr<MovingStream> LoadClient::connect() {
+  return std::make_unique<MovingStream>(
+      loop_, options_.stream,
+      MovingStream::Events{.answer = [this](const Answer& answer) { on_answer(answer); },
+                           .opened = [this] { on_opened(); },
+                           .moved = [this] { frames_of_stats_ = 0; },
+                           .message = [this](const protocol::Message& message) { on_message(message); },
+                           .closed = [this](const Error&) { on_closed(); }});
+}
+
+void LoadClient::on_opened() {
+  reconnect_.connected();
+  if (!lost_) return;
+  lost_ = false;
+  ++figures_.reopened;
+  send_when_due();
+}
+
+void LoadClient::on_closed() {
+  if (!options_.reopen || !path_) return;
+  const auto wait = reconnect_.wait_after(stream_->connection().refusal());
+  if (!wait) return;
+  lost_ = true;
+  reopen_timer_.arm(Clock::now() + *wait);
+}
+
+void LoadClient::reopen() {
+  StreamCounters ended = stream_->counters();
+  ended.unanswered += pending();
+  lost_counters_ += ended;
+  lost_bytes_ += stream_->received_bytes();
+  frames_of_stats_ = 0;
+  stream_ = connect();
+}
+
+StreamCounters LoadClient::counters() const {
+  StreamCounters sum = lost_counters_;
+  sum += stream_->counters();
+  return sum;
+}
+
+uint64_t LoadClient::received_bytes() const { return lost_bytes_ + stream_->received_bytes(); }
 
 void LoadClient::on_message(const protocol::Message& message) {
   if (const auto* waiting = std::get_if<protocol::Waiting>(&message)) waits_for_ = describe(*waiting);
@@ -34,43 +77,54 @@ void LoadClient::fly(const CameraPath& path, TimePoint now) {
 }
 
 void LoadClient::stop() {
+  if (path_ && open()) note_gap(Clock::now());
   path_ = nullptr;
   send_timer_.disarm();
+  reopen_timer_.disarm();
 }
 
 void LoadClient::send_when_due() {
-  if (!path_ || !open() || (options_.still && stream_.counters().asked > 0)) return;
+  if (!path_ || !open() || (options_.still && counters().asked > 0)) return;
   const TimePoint now = Clock::now();
-  if (pacer_->next_send(stream_.in_flight()) <= now) {
+  if (pacer_->next_send(stream_->in_flight()) <= now) {
     const double seconds = to_seconds(now - started_) + options_.phase * path_->duration_seconds();
-    const TileGrid grid = stream_.grid();
-    stream_.ask(view_of(path_->at(seconds), {.width = grid.width, .height = grid.height}), options_.deadline);
+    const TileGrid grid = stream_->grid();
+    stream_->ask(view_of(path_->at(seconds), {.width = grid.width, .height = grid.height}), options_.deadline,
+                 asked_++);
     pacer_->sent(now);
   }
-  send_timer_.arm(pacer_->next_send(stream_.in_flight()));
+  send_timer_.arm(pacer_->next_send(stream_->in_flight()));
 }
 
 // Cameras whose answer may still come. Of those in flight, some may have been given up; these are the oldest.
 uint64_t LoadClient::pending() const {
-  const StreamCounters& c = stream_.counters();
-  return std::min<uint64_t>(stream_.in_flight(), c.asked - c.complete - c.incomplete - c.superseded - c.unanswered);
+  const StreamCounters c = stream_->counters();
+  return std::min<uint64_t>(stream_->in_flight(),
+                            c.asked - c.complete - c.incomplete - c.superseded - c.unanswered);
 }
 
 void LoadClient::end_warm_up() {
   figures_ = {};
   server_times_ = {};
-  before_ = stream_.counters();
+  last_whole_.reset();
+  before_ = counters();
   before_.asked -= pending();
-  bytes_before_ = stream_.connection().data_counters().received_bytes;
+  bytes_before_ = received_bytes();
 }
 
 LoadFigures LoadClient::figures() const {
   LoadFigures figures = figures_;
-  figures.counters = stream_.counters();
+  figures.counters = counters();
   figures.counters -= before_;
   figures.pending = pending();
-  figures.bytes = stream_.connection().data_counters().received_bytes - bytes_before_;
+  figures.bytes = received_bytes() - bytes_before_;
   return figures;
+}
+
+// Of one that asks once, there is none.
+void LoadClient::note_gap(TimePoint now) {
+  if (last_whole_ && !options_.still) figures_.longest_gap = std::max(figures_.longest_gap, now - *last_whole_);
+  last_whole_ = now;
 }
 
 void LoadClient::on_answer(const Answer& answer) {
@@ -86,6 +140,7 @@ void LoadClient::on_answer(const Answer& answer) {
     ++figures_.frames_in_time;
     figures_.latencies.add(answer.response);
     server_times_.add(server);
+    note_gap(Clock::now());
   }
   send_when_due();
 }

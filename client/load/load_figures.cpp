@@ -26,6 +26,8 @@ LoadFigures& LoadFigures::operator+=(const LoadFigures& other) {
   frames_in_time += other.frames_in_time;
   latencies.add(other.latencies);
   times += other.times;
+  reopened += other.reopened;
+  longest_gap = std::max(longest_gap, other.longest_gap);
   bytes += other.bytes;
   return *this;
 }

@@ -38,7 +38,9 @@ struct LoadFigures {
   uint64_t frames_in_time = 0;  // complete, before the flight ended
   Latencies latencies;          // of these
   StageTimes times;
-  uint64_t bytes = 0;  // of received datagrams, of the whole run
+  uint64_t reopened = 0;      // sessions that were lost and replaced by another one
+  Nanoseconds longest_gap{};  // the longest time that a client waited from one whole frame to the next
+  uint64_t bytes = 0;         // of received datagrams, of the whole run
 
   LoadFigures& operator+=(const LoadFigures& other);
 

@@ -70,6 +70,9 @@ nlohmann::ordered_json to_json(const LoadRow& row) {
   json["bytes_per_frame"] = f.bytes_per_frame();
   json["lost_slices"] = f.counters.lost_slices;
   json["resumed"] = f.counters.resumed;
+  json["reopened"] = f.reopened;
+  json["moves"] = f.counters.moved;
+  json["max_gap_ms"] = to_milliseconds(f.longest_gap);
   json["wrong_frames"] = f.counters.wrong_frames;
   json["incomplete_frames"] = f.counters.incomplete;
   json["cameras"] = f.counters.asked;
@@ -180,6 +183,12 @@ std::vector<std::string> load_remarks(const LoadRow& total) {
     remarks.push_back(text_of(
         "the mean answer took %.1f ms: queue, encoding and sending %.1f, device %.1f, network and client %.1f",
         times.response_ms(), times.encode_ms(), times.device_ms(), times.network_ms()));
+  }
+  if (const uint64_t moved = total.figures.counters.moved; moved > 0) {
+    remarks.push_back(
+        text_of("sessions moved to another server %llu times; no client waited longer than %.0f ms from one "
+                "frame to the next",
+                whole(moved), to_milliseconds(total.figures.longest_gap)));
   }
   if (total.figures.without_answer() > 0) remarks.push_back("times are those of the cameras that were answered");
   return remarks;

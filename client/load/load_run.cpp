@@ -35,6 +35,7 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : options.in_flight};
   client.deadline = options.deadline;
   client.still = options.still;
+  client.reopen = options.reopen;
   client.phase = phase;
   return client;
 }
@@ -106,7 +107,7 @@ void LoadRun::fly(Progress& progress) {
 }
 
 void LoadRun::fly_until(TimePoint end, Progress& progress) {
-  while (Clock::now() < end && open_clients() > 0 && !options_.interrupted()) {
+  while (Clock::now() < end && (open_clients() > 0 || options_.reopen) && !options_.interrupted()) {
     loop_.run_until(std::min(end, Clock::now() + kProgressInterval), [] { return false; });
     const TimePoint now = Clock::now();
     if (progress.due(now)) progress.show(progress_line(now), now);

@@ -22,6 +22,7 @@ struct LoadOptions {
   std::vector<protocol::CodecId> codecs = {};  // that clients list; empty: the server's choice
   double rate_hz = 0;                          // 0: each client asks again as soon as it has been answered
   bool still = false;                          // each client asks for one frame, then stands still
+  bool reopen = false;                         // a session that is lost during the flight is opened again
   uint32_t in_flight = 1;                      // cameras that a client without a rate may have unanswered
   Nanoseconds deadline{};                      // how long after its camera an answer is useful; 0: not said
   Nanoseconds warm_up{};                       // flown before the duration, and not measured

@@ -1,6 +1,7 @@
 #include "client/net/connection.h"
 
 #include <array>
+#include <asio/ip/address.hpp>
 #include <cstdio>
 #include <utility>
 
@@ -24,12 +25,12 @@ std::string describe(const protocol::Refused& refused) {
 namespace {
 
 constexpr Nanoseconds kTryAgain = std::chrono::milliseconds(100);
-constexpr Nanoseconds kAttempt = std::chrono::seconds(2);         // each, at replacing a connection
 constexpr Nanoseconds kControlSilence = std::chrono::seconds(4);  // Stats come about once a second
 
 protocol::Hello completed(protocol::Hello hello) {
   using enum protocol::CipherId;
-  hello.features |= protocol::kFeatureResume | protocol::kFeaturePaths | protocol::kFeatureWaiting;
+  hello.features |=
+      protocol::kFeatureResume | protocol::kFeaturePaths | protocol::kFeatureWaiting | protocol::kFeatureFleet;
   if (!hello.ciphers.empty()) return hello;
   hello.ciphers = {aes_128_gcm, chacha20_poly1305};
   if (!protocol::has_aes_instructions()) std::swap(hello.ciphers[0], hello.ciphers[1]);
@@ -53,6 +54,28 @@ protocol::Refused kept_out_by(const protocol::Bye& bye) {
   return refused;
 }
 
+bool is_numeric(const std::string& host) {
+  asio::error_code error;
+  asio::ip::make_address(host, error);
+  return !error;
+}
+
+// Names are not looked up: who answers for them could send the session's datagrams anywhere.
+bool names_addresses(const protocol::Welcome& welcome) {
+  if ((welcome.features & protocol::kFeatureFleet) == 0) return true;
+  return is_numeric(welcome.data_host) && is_numeric(welcome.home_host);
+}
+
+// Its numbers determine the masks' memory, so they must not exceed what was asked for. nullopt: it may be used.
+std::optional<Error> objection_to(const protocol::Welcome& welcome, const protocol::Hello& asked) {
+  if (!names_addresses(welcome)) return Error{"the server's Welcome names a host by no address"};
+  if (welcome.width > 0 && welcome.height > 0 && welcome.width <= asked.width && welcome.height <= asked.height &&
+      welcome.scene.lights.size() <= protocol::kMaxLights) {
+    return std::nullopt;
+  }
+  return Error{"the server's Welcome offers a size or a number of lights that was not asked for"};
+}
+
 void ping(DataChannel& data) {
   static constexpr std::array<uint8_t, protocol::kPingBytes> kZeros{};
   data.send(protocol::DatagramKind::ping, kZeros);
@@ -65,14 +88,21 @@ Connection::Connection(Loop& loop, ConnectOptions options, ConnectionEvents even
       options_(std::move(options)),
       events_(std::move(events)),
       path_(options_.transport),
+      route_(options_.server, !options_.trust.fleet.empty()),
       handshake_timer_(
           loop, [this] { fail(Error{std::string("no answer from ") + to_string(options_.server) + " in time"}); }),
       path_timer_(loop, [this] { watch_path(); }),
-      resume_timer_(loop, [this] { connect_again(); }),
-      control_(std::make_unique<ControlChannel>(loop, options_.server, options_.trust, control_events([this] {
-                                                  control_->send(completed(options_.hello));
-                                                }))) {
+      resume_timer_(loop, [this] { connect_again(); }) {
+  connect(options_.server);
   handshake_timer_.arm(Clock::now() + options_.timeout);
+}
+
+void Connection::connect(const Address& where) {
+  const auto greet = [this] {
+    state_ == State::open ? ask_to_resume() : control_->send(completed(options_.hello));
+  };
+  control_ =
+      std::make_unique<ControlChannel>(loop_, where, options_.trust, options_.hello.scene, control_events(greet));
 }
 
 ControlChannel::Events Connection::control_events(std::function<void()> connected) {
@@ -173,34 +203,30 @@ void Connection::on_message(protocol::Message message) {
   }
   if (auto* welcome = std::get_if<protocol::Welcome>(&message)) return on_welcome(std::move(*welcome));
   if (auto* refused = std::get_if<protocol::Refused>(&message)) {
+    if (const auto wait = route_.ask_door_again(refused->code)) {
+      control_->close("");
+      handshake_timer_.arm(Clock::now() + *wait + options_.timeout);
+      return resume_timer_.arm(Clock::now() + *wait);
+    }
     refusal_ = std::move(*refused);
     return fail(Error{describe(*refusal_)});
   }
   fail(Error{"the server answered Hello with neither Welcome nor Refused"});
 }
 
-// These numbers determine the masks' memory, so they must not exceed what was asked for. False: fail() was called.
-bool Connection::fits(const protocol::Welcome& welcome) {
-  if (welcome.width > 0 && welcome.height > 0 && welcome.width <= options_.hello.width &&
-      welcome.height <= options_.hello.height && welcome.scene.lights.size() <= protocol::kMaxLights) {
-    return true;
-  }
-  fail(Error{"the server's Welcome offers a size or a number of lights that was not asked for"});
-  return false;
-}
-
 void Connection::on_welcome(protocol::Welcome welcome) {
-  if (!fits(welcome)) return;
+  if (const auto wrong = objection_to(welcome, options_.hello)) return fail(*wrong);
   const auto secrets = control_->seal_secrets(welcome.session, welcome.cipher);
   if (!secrets) return fail(secrets.error());
   const auto resumption = control_->resumption_secret(welcome.session);
   if (!resumption) return fail(resumption.error());
   auto seal = std::make_unique<protocol::Seal>(welcome.session, welcome.cipher, *secrets, protocol::Side::client);
   auto data = DataChannel::open(
-      loop_, {control_->server_ip(), welcome.data_port}, std::move(seal),
+      loop_, FleetRoute::data_address(welcome, control_->server_ip()), std::move(seal),
       [this](const protocol::Opened& datagram, TimePoint arrived) { on_datagram(datagram, arrived); });
   if (!data) return fail(data.error());
   welcome_ = std::move(welcome);
+  route_.welcomed(welcome_);
   control_heard_ = Clock::now();
   resumption_ = *resumption;
   data_ = std::move(*data);
@@ -233,11 +259,12 @@ void Connection::lose_control(const Error& error) {
 
 // Replaces an attempt that has not succeeded in time, as its packets may have been lost.
 void Connection::connect_again() {
-  if (state_ != State::open) return;
+  if (state_ == State::connecting) return connect(options_.server);  // after the refusal of a fleet's server
+  if (state_ == State::closed) return;
   asked_to_resume_ = false;
-  control_ = std::make_unique<ControlChannel>(loop_, options_.server, options_.trust,
-                                              control_events([this] { ask_to_resume(); }));
-  resume_timer_.arm(Clock::now() + kAttempt);
+  const FleetRoute::Attempt attempt = route_.to_resume();
+  connect(attempt.where);
+  resume_timer_.arm(Clock::now() + attempt.patience);
 }
 
 void Connection::ask_to_resume() {
@@ -249,10 +276,11 @@ void Connection::ask_to_resume() {
 }
 
 void Connection::on_resumed(protocol::Welcome welcome) {
-  if (!fits(welcome)) return;
-  if (auto turned = data_->turn_to({control_->server_ip(), welcome.data_port}); !turned)
+  if (const auto wrong = objection_to(welcome, options_.hello)) return fail(*wrong);
+  if (auto turned = data_->turn_to(FleetRoute::data_address(welcome, control_->server_ip())); !turned)
     return fail(turned.error());
   welcome_ = std::move(welcome);
+  route_.welcomed(welcome_);
   lost_.reset();
   asked_to_resume_ = false;
   resumed_ = control_heard_ = Clock::now();

@@ -13,6 +13,7 @@
 #include "client/net/address.h"
 #include "client/net/control_channel.h"
 #include "client/net/data_channel.h"
+#include "client/net/fleet_route.h"
 #include "client/net/loop.h"
 #include "client/net/path_watch.h"
 #include "common/result.h"
@@ -79,9 +80,9 @@ class Connection {
   ControlChannel::Events control_events(std::function<void()> connected);
   void on_message(protocol::Message message);
   void on_welcome(protocol::Welcome welcome);
-  bool fits(const protocol::Welcome& welcome);
   void on_control_lost(const Error& error);
   void lose_control(const Error& error);
+  void connect(const Address& where);
   void connect_again();
   void ask_to_resume();
   void on_resumed(protocol::Welcome welcome);
@@ -98,6 +99,7 @@ class Connection {
   std::optional<protocol::Refused> refusal_;
   protocol::Welcome welcome_;
   PathWatch path_;
+  FleetRoute route_;
   uint64_t sent_by_control_ = 0;
   DataCounters by_control_;
   Timer handshake_timer_;

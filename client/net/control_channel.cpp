@@ -59,14 +59,17 @@ std::string advice(const asio::error_code& error) {
 
 // Shared with pending handlers, so that they can check `closed` after the channel's destruction.
 struct ControlChannel::State : std::enable_shared_from_this<State> {
-  State(Loop& loop, const Address& address, std::unique_ptr<asio::ssl::context> context, Events handlers)
+  State(Loop& loop, const Address& address, std::string name, std::unique_ptr<asio::ssl::context> context,
+        Events handlers)
       : server(address),
+        server_name(std::move(name)),
         events(std::move(handlers)),
         tls(std::move(context)),
         resolver(loop.context()),
         stream(loop.context(), *tls) {}
 
   Address server;
+  std::string server_name;  // said in TLS; empty: none is
   Events events;
   std::unique_ptr<asio::ssl::context> tls;
   tcp::resolver resolver;
@@ -100,9 +103,7 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
   void shake_hands() {
     asio::error_code ignored;
     stream.next_layer().set_option(tcp::no_delay(true), ignored);
-    asio::error_code is_name;
-    asio::ip::make_address(server.host, is_name);
-    if (is_name) SSL_set_tlsext_host_name(stream.native_handle(), server.host.c_str());
+    if (!server_name.empty()) SSL_set_tlsext_host_name(stream.native_handle(), server_name.c_str());
     stream.async_handshake(
         asio::ssl::stream_base::client, [self = shared_from_this()](const asio::error_code& error) {
           if (self->closed) return;
@@ -165,10 +166,12 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
   }
 };
 
-ControlChannel::ControlChannel(Loop& loop, const Address& server, const Trust& trust, Events events) {
+ControlChannel::ControlChannel(Loop& loop, const Address& server, const Trust& trust, const std::string& scene,
+                               Events events) {
   auto opened = open_trust(trust, server.host);
   auto context = opened ? std::move(*opened) : std::make_unique<asio::ssl::context>(asio::ssl::context::tls_client);
-  state_ = std::make_shared<State>(loop, server, std::move(context), std::move(events));
+  state_ = std::make_shared<State>(loop, server, server_name(trust, server.host, scene), std::move(context),
+                                   std::move(events));
   if (opened) {
     state_->start();
   } else {  // reported from the loop, as any failure

@@ -24,7 +24,8 @@ class ControlChannel {
   };
 
   // Starts to look up the server's name and to connect.
-  ControlChannel(Loop& loop, const Address& server, const Trust& trust, Events events);
+  // `scene`: what will be asked for, see server_name().
+  ControlChannel(Loop& loop, const Address& server, const Trust& trust, const std::string& scene, Events events);
   ~ControlChannel();  // drops the connection
 
   void send(const protocol::Message& message);

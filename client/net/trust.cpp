@@ -1,8 +1,10 @@
 #include "client/net/trust.h"
 
 #include <openssl/err.h>
+#include <openssl/sha.h>
 #include <openssl/ssl.h>
 
+#include <array>
 #include <asio/ip/address.hpp>
 #include <asio/ssl/context.hpp>
 #include <fstream>
@@ -104,6 +106,20 @@ Result<void> show_own(SSL_CTX* context, const Trust& trust) {
 
 }  // namespace
 
+std::string server_name(const Trust& trust, const std::string& host, const std::string& scene) {
+  asio::error_code is_name;
+  asio::ip::make_address(host, is_name);
+  if (trust.fleet.empty()) return is_name ? host : std::string();
+  constexpr size_t kBytesSaid = 8;
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> hash{};
+  SHA256(reinterpret_cast<const unsigned char*>(scene.data()), scene.size(), hash.data());
+  std::string name = "s-";
+  for (size_t i = 0; i < kBytesSaid; ++i) {
+    for (const int digit : {hash[i] >> 4, hash[i] & 15}) name += "0123456789abcdef"[digit];
+  }
+  return name + "." + trust.fleet;
+}
+
 std::string shown_pin(const SSL* tls) {
   const auto* const pin = static_cast<const Pin*>(SSL_get_ex_data(tls, index_of_shown_pin()));
   return pin ? protocol::to_string(*pin) : std::string();
@@ -119,7 +135,7 @@ Result<std::unique_ptr<asio::ssl::context>> open_trust(const Trust& trust, const
     const auto pin = read_pin(trust.pin);
     if (!pin) return pin.error();
     accept_pinned(context, *pin);
-  } else if (auto accepted = accept_signed(context, trust, host); !accepted) {
+  } else if (auto accepted = accept_signed(context, trust, trust.fleet.empty() ? host : trust.fleet); !accepted) {
     return accepted.error();
   }
   if (auto shown = show_own(context, trust); !shown) return shown.error();

@@ -23,13 +23,20 @@ struct Trust {
   // The client's own, for servers that accept certificates instead of tokens. PEM files; empty: none.
   std::filesystem::path certificate = {};
   std::filesystem::path key = {};
+  // The name of the fleet whose door the server is: certificates are good for this name, wherever the client connects to.
+  // Empty: the server is not known to be a door.
+  std::string fleet = {};
 };
+
+// What a client that asks for `scene` says in TLS whom it wants (SNI), so that a fleet's door sends those of one scene to
+// one server; of a single server its name. Empty: nothing.
+std::string server_name(const Trust& trust, const std::string& host, const std::string& scene);
 
 // The fingerprint of the certificate that the server has shown in this handshake, whether it was accepted or not; empty
 // if it has shown none. Of handshakes in a context of open_trust().
 std::string shown_pin(const ssl_st* tls);
 
-// The TLS context of one connection to `host`, a name or an address. Error: the file and why it cannot be used.
+// The TLS context of one connection to `host`, a name or an address, or to a fleet's server there. Error: the file and why it cannot be used.
 Result<std::unique_ptr<asio::ssl::context>> open_trust(const Trust& trust, const std::string& host);
 
 }  // namespace gnomon::client

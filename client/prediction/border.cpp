@@ -36,8 +36,11 @@ scenes::CameraPose extrapolate(const scenes::CameraPose& before, const scenes::C
   then.position += steps * (now.position - before.position);
   glm::quat turn = now.orientation * glm::inverse(before.orientation);
   if (turn.w < 0) turn = -turn;
-  const float angle = glm::angle(turn);
-  if (angle > 1e-6f) then.orientation = glm::angleAxis(steps * angle, glm::axis(turn)) * now.orientation;
+  const glm::vec3 axis(turn.x, turn.y,
+                       turn.z);  // glm::axis() divides by what is left of 1 - w^2: nothing, of small turns
+  const float size = glm::length(axis);
+  const float angle = 2 * std::atan2(size, turn.w);
+  if (angle > 1e-6f) then.orientation = glm::angleAxis(steps * angle, axis / size) * now.orientation;
   return then;
 }
 

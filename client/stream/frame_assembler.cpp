@@ -37,6 +37,25 @@ FrameAssembler::FrameAssembler(TileGrid grid, size_t max_frames) : grid_(grid), 
 }
 
 SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
+  return add(slice, [&](std::span<uint64_t> words) {
+    if (protocol::lacks_reference(slice.header, slice.payload, grid_, &references_))
+      return SliceOutcome::unreadable;
+    const auto decoded = protocol::decode_slice(slice.header, slice.payload, grid_, words, &references_);
+    return decoded ? SliceOutcome::stored : SliceOutcome::malformed;
+  });
+}
+
+SliceOutcome FrameAssembler::add_decoded(const protocol::FrameSlice& slice, std::span<const uint64_t> words) {
+  return add(slice, [&](std::span<uint64_t> into) {
+    if (words.size() != size_t{slice.header.tile_count} * slice.header.light_count) return SliceOutcome::malformed;
+    size_t from = 0;
+    for_each_word(slice.header, grid_, [&](size_t word) { into[word] = words[from++]; });
+    return SliceOutcome::stored;
+  });
+}
+
+template <class Decode>
+SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice, Decode decode) {
   const auto& header = slice.header;
   if (!fits(header)) return SliceOutcome::malformed;
   Open* open = find_or_begin(header);
@@ -45,11 +64,9 @@ SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
   // The server may have answered a repeated camera twice, each time cut into other slices.
   if (header.slice_count != frame.slice_count || header.moment != frame.moment) return SliceOutcome::late;
   if (open->slices[header.slice]) return SliceOutcome::duplicate;
-  if (protocol::lacks_reference(header, slice.payload, grid_, &references_)) return SliceOutcome::unreadable;
-  if (!protocol::decode_slice(header, slice.payload, grid_, frame.words, &references_)) {
-    cover_missing(frame, header);
-    return SliceOutcome::malformed;
-  }
+  const SliceOutcome decoded = decode(std::span(frame.words));
+  if (decoded == SliceOutcome::malformed) cover_missing(frame, header);
+  if (decoded != SliceOutcome::stored) return decoded;
   open->slices[header.slice] = true;
   mark_arrived(frame, header);
   frame.referable = frame.referable && header.codec == protocol::CodecId::tiles_context;

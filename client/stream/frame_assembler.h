@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/ids.h"
@@ -61,6 +62,13 @@ class FrameAssembler {
   // oldest of them gives that oldest frame up.
   SliceOutcome add(const protocol::FrameSlice& slice);
 
+  // The same for a slice that somebody else has decoded, with references as they are here: `words` are its own, light by
+  // light.
+  SliceOutcome add_decoded(const protocol::FrameSlice& slice, std::span<const uint64_t> words);
+
+  // Whether a slice is of this grid; others are malformed.
+  bool fits(const protocol::SliceHeader& header) const;
+
   // Finishes a frame as it is. No effect if none of its slices has arrived or it is finished already.
   void give_up(FrameId frame);
 
@@ -86,7 +94,9 @@ class FrameAssembler {
     uint64_t bits_ = 0;  // bit i stands for frame newest_ - i
   };
 
-  bool fits(const protocol::SliceHeader& header) const;
+  // `decode`: writes the slice's words into those of a frame, and says stored, or why it could not.
+  template <class Decode>
+  SliceOutcome add(const protocol::FrameSlice& slice, Decode decode);
   Open* find_or_begin(const protocol::SliceHeader& header);
   AssembledFrame begin_frame(const protocol::SliceHeader& header);
   void mark_arrived(AssembledFrame& frame, const protocol::SliceHeader& header);

@@ -4,8 +4,8 @@
 
 namespace gnomon::client {
 
-FrameId RequestedFrames::add(const protocol::CameraView& camera, TimePoint now) {
-  requests_.push_back({camera, now, {}, false});
+FrameId RequestedFrames::add(const protocol::CameraView& camera, TimePoint now, uint32_t index) {
+  requests_.push_back({camera, now, index, {}, false});
   return newest_ = FrameId{newest_.value + 1};
 }
 

@@ -16,6 +16,7 @@ class RequestedFrames {
   struct Request {
     protocol::CameraView camera;
     TimePoint sent;
+    uint32_t index = 0;  // the caller's number of the camera
     std::optional<TimePoint> last_slice;
     bool answered = false;
   };
@@ -24,7 +25,7 @@ class RequestedFrames {
     uint64_t unanswered = 0;
   };
 
-  FrameId add(const protocol::CameraView& camera, TimePoint now);
+  FrameId add(const protocol::CameraView& camera, TimePoint now, uint32_t index = 0);
   void answered(FrameId frame);  // one that find() finds
 
   // nullptr if the frame was never requested or has been dropped. Borrowed until the next add() or drop_old().

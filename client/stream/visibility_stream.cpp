@@ -37,6 +37,7 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
   rebuilt_slices += other.rebuilt_slices;
   unreadable_slices += other.unreadable_slices;
   resumed += other.resumed;
+  moved += other.moved;
   wrong_frames += other.wrong_frames;
   return *this;
 }
@@ -53,6 +54,7 @@ StreamCounters& StreamCounters::operator-=(const StreamCounters& other) {
   rebuilt_slices -= other.rebuilt_slices;
   unreadable_slices -= other.unreadable_slices;
   resumed -= other.resumed;
+  moved -= other.moved;
   wrong_frames -= other.wrong_frames;
   return *this;
 }
@@ -100,8 +102,7 @@ void VisibilityStream::continue_resumed() {
   first_of_grid_ = FrameId{requested_.newest().value + 1};
   if (in_flight() == 0) return;
   const protocol::CameraView camera = newest_.camera;
-  ask(camera, std::chrono::microseconds(newest_.display_deadline_us));
-  if (events_.asked_again) events_.asked_again();
+  ask(camera, std::chrono::microseconds(newest_.display_deadline_us), newest_index_);
 }
 
 // Frames requested before this may have another grid. Their slices can still be used if only the size differs and
@@ -136,9 +137,10 @@ void VisibilityStream::on_message(const protocol::Message& message) {
   if (events_.message) events_.message(message);
 }
 
-FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds display_deadline) {
+FrameId VisibilityStream::ask(const protocol::CameraView& camera, Nanoseconds display_deadline, uint32_t index) {
   const TimePoint now = Clock::now();
-  newest_.frame = requested_.add(camera, now);
+  newest_.frame = requested_.add(camera, now, index);
+  newest_index_ = index;
   newest_.camera = camera;
   newest_.client_time_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
   newest_.display_deadline_us = static_cast<uint32_t>(to_microseconds(display_deadline));
@@ -243,7 +245,7 @@ void VisibilityStream::deliver_finished() {
       const std::vector<protocol::LightInfo>* lights = lights_.find(frame->moment.lights_version);
       // The camera is copied, as the callback may ask for another one, which moves the requests.
       const Answer answer{request->camera, *frame, lights ? *lights : scene_.lights,
-                          *request->last_slice - request->sent};
+                          *request->last_slice - request->sent, request->index};
       if (events_.answer) events_.answer(answer);
     }
     if (frame->grid == assembler_->grid()) assembler_->recycle(std::move(*frame));

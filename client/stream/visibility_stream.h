@@ -29,6 +29,7 @@ struct Answer {
   // that animations move stand where they are at scene time 0.
   const std::vector<protocol::LightInfo>& lights;
   Nanoseconds response;  // from the camera's sending to the last slice's arrival
+  uint32_t index = 0;    // the caller's number of the camera
 };
 
 struct StreamOptions {
@@ -53,6 +54,7 @@ struct StreamCounters {
   uint64_t unreadable_slices = 0;  // that refer to frames which are not kept any more
   uint64_t rebuilt_slices = 0;     // from parity
   uint64_t resumed = 0;            // control connections that were lost and replaced
+  uint64_t moved = 0;              // sessions that another one took the place of (MovingStream)
   uint64_t wrong_frames = 0;       // slices of frames never requested, that contradict their frame or do not decode
 
   StreamCounters& operator+=(const StreamCounters& other);
@@ -63,9 +65,7 @@ class VisibilityStream {
  public:
   struct Events {
     std::function<void(const Answer&)> answer = {};
-    std::function<void()> opened = {};  // this and those below may be empty
-    // The session was resumed; its newest camera had no answer yet and was requested again under the next id.
-    std::function<void()> asked_again = {};
+    std::function<void()> opened = {};                           // this and those below may be empty
     std::function<void(const protocol::Message&)> message = {};  // Stats, Degraded, ...; before opened(), Waiting
     std::function<void(const Error&)> closed = {};
   };
@@ -81,8 +81,9 @@ class VisibilityStream {
   // The scene's lights are the newest ones.
   const protocol::SceneManifest& scene() const { return scene_; }
 
-  // Sends a camera, whose frustum covers the whole traced buffer, once open. Ids count from 1.
-  FrameId ask(const protocol::CameraView& camera, Nanoseconds display_deadline = {});
+  // Sends a camera, whose frustum covers the whole traced buffer, once open. Ids count from 1. `index`: the caller's own
+  // number of the camera.
+  FrameId ask(const protocol::CameraView& camera, Nanoseconds display_deadline = {}, uint32_t index = 0);
 
   // Cameras asked since the newest one that has been answered.
   size_t in_flight() const { return requested_.in_flight(); }
@@ -119,6 +120,7 @@ class VisibilityStream {
   FrameId first_of_grid_{1};  // slices of earlier frames are dropped: their grid may differ
   StreamCounters counters_;
   protocol::CameraUpdate newest_;  // as last sent
+  uint32_t newest_index_ = 0;
   TimePoint last_sent_{};
   std::vector<uint8_t> body_;
   Nanoseconds repeat_interval_{};

@@ -201,6 +201,7 @@ Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_word
                          {"response_p50_ms", age_ms(0.5)},
                          {"response_p99_ms", age_ms(0.99)},
                          {"resumed", f.counters.resumed},
+                         {"moves", f.counters.moved},
                          {"wrong_frames", f.counters.wrong_frames}});
   return report;
 }

@@ -24,16 +24,23 @@ DatagramKind kind_of(Cargo cargo) {
   return DatagramKind::probe;
 }
 
+// Retransmission costs less than parity, where there is time for it.
+bool worth_parity(double loss, Nanoseconds rtt, Nanoseconds time) {
+  return loss >= kLeastLoss && rtt + rtt / 8 + rtt / 2 + 2 * std::chrono::milliseconds(10) > time;
+}
+
 }  // namespace
 
 LinkSender::LinkSender(uint64_t features, std::optional<uint64_t> resumed_after)
     : feedback_((features & protocol::kFeatureFeedback) != 0),
       parity_((features & protocol::kFeatureParity) != 0),
+      web_transport_((features & protocol::kFeatureWebTransport) != 0),
       counts_from_here_(resumed_after.has_value()),
       loss_detection_(resumed_after.value_or(0)) {}
 
 size_t LinkSender::slice_body_bytes() const {
-  return datagram_bytes() - kSealBytes - (parity_ ? protocol::kParityOverhead : 0);
+  const size_t body = datagram_bytes() - kSealBytes - (parity_ ? protocol::kParityOverhead : 0);
+  return web_transport_ ? std::min(body, kMostWebTransportBody) : body;
 }
 
 size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now) {
@@ -45,7 +52,10 @@ size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline,
   const bool pad = feedback_ && rate() > kPlenty * static_cast<double>(slices.bytes.size()) / to_seconds(interval_);
   StoredFrame& frame = frames_.add(slices, deadline, pad);
   gate_.on_answer(frame.frame(), frame.bytes(), now);
-  if (answered_twice_ != frame.frame() && worth_parity(deadline, now)) frame.protect(std::min(0.4, rate_.loss()));
+  const Nanoseconds time = deadline == TimePoint::max() ? 2 * interval_ : deadline - now;
+  if (parity_ && answered_twice_ != frame.frame() && worth_parity(rate_.loss(), rtt(), time)) {
+    frame.protect(std::min(0.4, rate_.loss()));
+  }
   for (uint16_t i = 0; i < frame.slice_count(); ++i) {
     queue_.push({frame.answer(), frame.frame(), Cargo::slice, i, frame.body(i).size() + kSealBytes});
   }
@@ -54,14 +64,6 @@ size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline,
   }
   spread_rate_ = static_cast<double>(queue_.bytes()) / to_seconds(std::min(kLongestSpread, interval_ / 2));
   return queue_.bytes() - before;
-}
-
-// Retransmission costs less than parity, where there is time for it.
-bool LinkSender::worth_parity(TimePoint deadline, TimePoint now) const {
-  if (!parity_ || rate_.loss() < kLeastLoss) return false;
-  const Nanoseconds again = rtt() + rtt() / 8 + rtt() / 2 + 2 * std::chrono::milliseconds(10);
-  const Nanoseconds time = deadline == TimePoint::max() ? 2 * interval_ : deadline - now;
-  return again > time;
 }
 
 // nullopt if the frame was dropped or can no longer arrive in time.
@@ -124,8 +126,11 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
     counters_.parity += datagram.cargo == Cargo::parity;
     queue_.pop(false, true);
   }
+  if (web_transport_) sent_slices_.add(sequence, datagram.answer, datagram.number);
   if (!feedback_) return;
-  const double pace = std::min(rate(), std::max(spread_rate_, RateController::kLeastRate));
+  // A probe is no part of a frame: at the pace that spreads a small one, a long probe would hold up several.
+  const bool is_probe = datagram.cargo == Cargo::probe;
+  const double pace = is_probe ? rate() : std::min(rate(), std::max(spread_rate_, RateController::kLeastRate));
   pacer_.sent(datagram_bytes, pace, now);
   loss_detection_.sent(sequence, {.at = now,
                                   .bytes = static_cast<uint32_t>(datagram_bytes),
@@ -207,6 +212,14 @@ void LinkSender::handle_losses(const std::vector<SentDatagram>& lost, TimePoint 
   }
 }
 
+void LinkSender::on_outcome(uint64_t sequence, bool arrived, TimePoint now) {
+  const auto slice = sent_slices_.take(sequence);
+  if (!slice) return;
+  ++(arrived ? counters_.arrived : counters_.lost);
+  if (!arrived) return send_again({.cargo = Cargo::slice, .answer = slice->answer, .number = slice->number}, now);
+  if (StoredFrame* const frame = frames_.find(slice->answer)) frame->slice_arrived(slice->number);
+}
+
 void LinkSender::send_again(const SentDatagram& datagram, TimePoint now) {
   StoredFrame* frame = frames_.find(datagram.answer);
   if (!frame) return;
@@ -238,7 +251,11 @@ bool LinkSender::take_lost(FrameId frame, TimePoint now) {
 // The frame that answers the view is cut into datagrams of the length that holds now.
 bool LinkSender::may_request(TimePoint now) {
   if (feedback_ && loss_detection_.silence(now) > 4 * rtt() + kSilence) mtu_.silent(now);
-  if (!feedback_ || gate_.open(queue_.bytes(), rate(), now)) return true;
+  if (!feedback_) {  // not while a frame has not begun to go, as on a connection without room
+    const StoredFrame* const newest = frames_.newest();
+    return !newest || queue_.bytes() <= newest->bytes();
+  }
+  if (gate_.open(queue_.bytes(), rate(), now)) return true;
   limited_ = true;
   return false;
 }

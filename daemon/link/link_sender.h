@@ -17,6 +17,7 @@
 #include "daemon/link/rate_controller.h"
 #include "daemon/link/request_gate.h"
 #include "daemon/link/send_queue.h"
+#include "daemon/link/sent_slices.h"
 #include "daemon/link/stored_frames.h"
 #include "protocol/datagram.h"
 
@@ -69,6 +70,10 @@ class LinkSender {
   // Returns the bytes of its datagrams, parity included.
   size_t add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
 
+  // Of clients with kFeatureWebTransport: QUIC has told that a datagram has arrived, or is lost.
+  void on_outcome(uint64_t sequence, bool arrived, TimePoint now);
+  static constexpr size_t kMostWebTransportBody = 1140;  // bytes of a slice that such a client may be sent
+
   FeedbackVerdict on_feedback(const protocol::Feedback& feedback, TimePoint now);
 
   // Datagrams go to another host from now on: what is known of the path is forgotten. Reports of what was sent before
@@ -103,13 +108,12 @@ class LinkSender {
   const LinkCounters& counters() const { return counters_; }
 
  private:
-  bool worth_parity(TimePoint deadline, TimePoint now) const;
   std::optional<Outgoing> offer(const QueuedDatagram& datagram, TimePoint now);
   void handle_losses(const std::vector<SentDatagram>& lost, TimePoint now);
   void send_again(const SentDatagram& datagram, TimePoint now);  // if it can still arrive in time
   void handle_arrivals(const std::vector<Arrival>& arrived, TimePoint now);
 
-  bool feedback_, parity_;  // the features
+  bool feedback_, parity_, web_transport_;  // the features
   TimePoint newest_arrived_sent_{};
   TimePoint path_began_{};
   bool counts_from_here_;  // the client's counters in its next report are the base of those after it
@@ -128,6 +132,7 @@ class LinkSender {
 
   Pacer pacer_;
   LossDetection loss_detection_;
+  SentSlices sent_slices_;
   QueueDelay queue_delay_;
   RateController rate_;
   MtuDiscovery mtu_;

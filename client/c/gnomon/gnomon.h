@@ -44,7 +44,7 @@
 extern "C" {
 #endif
 
-typedef struct gnomon_client gnomon_client;  // a session with a server, which is reopened if it is lost
+typedef struct gnomon_client gnomon_client;  // a session, which is reopened if it is lost, and moves in a fleet
 typedef struct gnomon_mask gnomon_mask;      // the visibility of one camera's picture
 
 typedef enum gnomon_result {
@@ -117,6 +117,9 @@ typedef struct gnomon_options {
   // How long the server may say nothing before its first answer; 0: 15 seconds. While it loads the scene, it says so about
   // once a second.
   uint32_t open_timeout_ms;
+  // The name of the fleet of which `server` is the door, as "gnomon.example". The scene then leads to the server that has
+  // it, and certificates are to be good for that name. NULL: not said.
+  const char* fleet;
 } gnomon_options;
 
 // Begins to connect, and returns at once. On an error *client is set too, for use with gnomon_last_error and
@@ -287,6 +290,7 @@ typedef struct gnomon_statistics {
   // As the server last reported, about once a second.
   uint64_t server_frames;
   uint32_t server_queue_us, server_gpu_us, server_total_us;  // means of that second
+  uint64_t moved;  // sessions that another server of the fleet took over without a gap
 } gnomon_statistics;
 
 GNOMON_API gnomon_result gnomon_get_statistics(gnomon_client* client, gnomon_statistics* statistics);

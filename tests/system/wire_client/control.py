@@ -22,11 +22,13 @@ class Closed(Exception):
 
 
 class Control:
-    def __init__(self, host, port, pin, certificate=None, key=None, patience_s=10):
-        """`pin`: "sha256:" and 64 hexadecimal digits. `certificate`, `key`: files with the client's own."""
+    def __init__(self, host, port, pin, certificate=None, key=None, patience_s=10, alpn=ALPN, name=None):
+        """`pin`: "sha256:" and 64 hexadecimal digits. `certificate`, `key`: files with the client's own. `name`: what it
+        says in TLS whom it wants."""
         context = SSL.Context(SSL.TLS_CLIENT_METHOD)
         context.set_min_proto_version(SSL.TLS1_3_VERSION)
-        context.set_alpn_protos([ALPN])
+        context.set_alpn_protos([alpn])
+        self.alpn = alpn
         context.set_verify(SSL.VERIFY_NONE)  # the pin decides, whoever has signed
         if certificate:
             context.use_certificate_file(str(certificate))
@@ -36,6 +38,8 @@ class Control:
         self.socket.setblocking(False)
         self.tls = SSL.Connection(context, self.socket)
         self.tls.set_connect_state()
+        if name:
+            self.tls.set_tlsext_host_name(name.encode())
         self.received = bytearray()
         try:
             self._finish(self.tls.do_handshake, time.monotonic() + patience_s)
@@ -52,8 +56,8 @@ class Control:
         now = datetime.datetime.utcnow()
         if not certificate.not_valid_before <= now <= certificate.not_valid_after:
             raise NotTheServer("its certificate is not valid today")
-        if self.tls.get_alpn_proto_negotiated() != ALPN:
-            raise NotTheServer("it does not speak gnomon")
+        if self.tls.get_alpn_proto_negotiated() != self.alpn:
+            raise NotTheServer(f"it does not speak {self.alpn.decode()}")
 
     def _finish(self, operation, deadline):
         while True:

@@ -1,15 +1,17 @@
 """Control messages: those of a client are written, those of a server are read."""
+import hashlib
+import ipaddress
 import struct
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from fields import Reader, list_of, require, text, u8, unit_length
+from fields import Malformed, Reader, list_of, require, text, u8, unit_length
 
 VERSION = 2
 LONGEST = 1_048_572
 MOST_PIXELS_A_SIDE = 7680
 
-MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME, SIZES, PATHS, WAITING = (1 << bit for bit in range(8))  # features
+MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME, SIZES, PATHS, WAITING, _, FLEET = (1 << bit for bit in range(10))
 
 
 class Type(IntEnum):
@@ -166,6 +168,16 @@ class Manifest:
                         Camera.read(reader), reader.list(256, lambda: Light.read(reader)))
 
 
+def read_address(reader):
+    """IPv4 or IPv6, as text."""
+    words = reader.text(256)
+    try:
+        ipaddress.ip_address(words)
+    except ValueError:
+        raise Malformed(f"{words} is no address") from None
+    return words
+
+
 def read_size(reader):
     width, height = reader.u16(), reader.u16()
     require(1 <= width <= MOST_PIXELS_A_SIDE and 1 <= height <= MOST_PIXELS_A_SIDE, f"a size of {width}x{height}")
@@ -188,6 +200,9 @@ class Welcome:
     scene: Manifest
     lights_version: int = 0
     motions: list = field(default_factory=list)
+    data_host: str = ""
+    home_host: str = ""
+    home_port: int = 0
 
     @staticmethod
     def read(reader):
@@ -198,6 +213,10 @@ class Welcome:
         if welcome.features & MOMENTS:
             welcome.lights_version = reader.u32()
             welcome.motions = reader.list(256, lambda: Motion.read(reader))
+        if welcome.features & FLEET:
+            welcome.data_host, welcome.home_host = read_address(reader), read_address(reader)
+            welcome.home_port = reader.u16()
+            require(welcome.home_port, "no home port")
         return welcome
 
 
@@ -247,11 +266,14 @@ class Degraded:
 
 @dataclass
 class Draining:
-    deadline_ms: int
+    deadline_ms: int | None
+    move_now: bool = False
 
     @staticmethod
     def read(reader):
-        return Draining(reader.u32())
+        deadline_ms = reader.u32()
+        flags = reader.u8() if reader.data else 0
+        return Draining(None if deadline_ms == 0xFFFFFFFF else deadline_ms, bool(flags & 1))
 
 
 @dataclass
@@ -290,6 +312,11 @@ class Waiting:
         words, percent = reader.text(1024), reader.u8()
         require(percent <= 100 or percent == 255, f"{percent} percent")
         return Waiting(words, None if percent == 255 else percent)
+
+
+def server_name(scene, fleet):
+    """By which the door of a fleet sends those who ask for one scene to one server."""
+    return f"s-{hashlib.sha256(scene.encode()).hexdigest()[:16]}.{fleet}"
 
 
 FROM_SERVER = {Type.WELCOME: Welcome, Type.REFUSED: Refused, Type.SCENE_CHANGED: SceneChanged,

@@ -37,10 +37,14 @@ def now_us():
 
 
 class Session:
-    def __init__(self, host, port, pin, hello, certificate=None, key=None, patience_s=60):
-        self.connect = lambda: Control(host, port, pin, certificate, key)
+    def __init__(self, host, port, pin, hello, certificate=None, key=None, patience_s=60, fleet=None):
+        """`fleet`: its name, where `host` is its door."""
+        name = messages.server_name(hello.scene, fleet) if fleet else None
+        self.door = host, port
+        self.connect = lambda where=(host, port): self._connect(*where, pin, certificate, key, name)
         self.control = self.connect()
-        self.hello = replace(hello, features=hello.features | messages.PATHS | messages.WAITING)
+        features = hello.features | messages.PATHS | messages.WAITING
+        self.hello = replace(hello, features=features | (messages.FLEET if fleet else 0))
         self.udp = None
         self.counts = Counter()
         self.news = []  # messages after Welcome
@@ -62,6 +66,19 @@ class Session:
         self._begin_path()
 
     # ---- opening
+
+    @staticmethod
+    def _connect(host, port, pin, certificate, key, name):
+        return Control(host, port, pin, certificate, key, name=name)
+
+    def _connect_again(self):
+        """To the server itself where it has said how, as its door may know another one."""
+        if self.welcome.features & messages.FLEET:
+            try:
+                return self.connect((self.welcome.home_host, self.welcome.home_port))
+            except (OSError, Closed):
+                pass
+        return self.connect()
 
     def _answer(self, patience_s):
         deadline = time.monotonic() + patience_s
@@ -98,7 +115,7 @@ class Session:
 
     def resume(self, patience_s=60):
         """Goes on with the session on another control connection, whatever became of the one before."""
-        control = self.connect()
+        control = self._connect_again()
         challenge = control.exported(seal.CHALLENGE_LABEL, struct.pack("<Q", self.welcome.session))
         proof = hmac.new(self.resumption, challenge, hashlib.sha256).digest()
         before, self.control = self.control, control
@@ -121,12 +138,15 @@ class Session:
 
     def open_socket(self):
         """Anew where the client's address has changed: the session goes on."""
-        peer = self.control.socket.getpeername()
-        self.udp = socket.socket(self.control.socket.family, socket.SOCK_DGRAM)
+        host, family = self.control.socket.getpeername()[0], self.control.socket.family
+        if self.welcome.features & messages.FLEET:
+            host = self.welcome.data_host
+            family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        self.udp = socket.socket(family, socket.SOCK_DGRAM)
         self.udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
         self.udp.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self.udp.setblocking(False)
-        self.udp.connect((peer[0], self.welcome.data_port, *peer[2:]))
+        self.udp.connect((host, self.welcome.data_port))
 
     # ---- asking
 
@@ -311,7 +331,8 @@ class Session:
     def abandon(self):
         """Without a Bye."""
         self.control.close()
-        self.udp.close()
+        if self.udp:
+            self.udp.close()
 
     def __enter__(self):
         return self

@@ -58,6 +58,7 @@ def parsed(arguments):
     parser.add_argument("--token-file", type=pathlib.Path)
     parser.add_argument("--certificate", type=pathlib.Path, help="the client's own, PEM")
     parser.add_argument("--key", type=pathlib.Path)
+    parser.add_argument("--fleet", metavar="NAME", help="where the server is the door of this fleet")
     parser.add_argument("--scene", required=True)
     parser.add_argument("--size", default="320x180", metavar="WxH")
     parser.add_argument("--frames", type=int, default=1)
@@ -93,7 +94,7 @@ def main(arguments):
     host, _, port = options.server.rpartition(":")
     try:
         with Session(host.strip("[]"), int(port), pin.strip(), hello_for(options), options.certificate,
-                     options.key) as session:
+                     options.key, fleet=options.fleet) as session:
             fly(session, options)
             print(json.dumps({"session": session.welcome.session, "news": list(map(str, session.news)),
                               **session.counts}))

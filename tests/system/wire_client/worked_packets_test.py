@@ -23,8 +23,8 @@ from datagrams import PING, FrameParity, FrameSlice, Kind, age, camera_update, f
 from fields import Malformed, Reader
 from frame import Frame
 from mask_codecs import LIT, decode
-from messages import (MOMENTS, Bye, Camera, Hello, Light, Manifest, Motion, Refusal, Refused, Waiting, Welcome,
-                      take_message)
+from messages import (FLEET, MOMENTS, Bye, Camera, Draining, Hello, Light, Manifest, Motion, Refusal, Refused, Waiting, Welcome,
+                      server_name, take_message)
 from seal import AES_128_GCM, CHACHA20_POLY1305, Keys, Opener, Sealer
 
 WIRE = pathlib.Path(sys.argv.pop(1)).read_text()
@@ -61,9 +61,18 @@ class Packets(unittest.TestCase):
         scene = Manifest("temple", bytes(range(16)), 1000, (-1, 0, -1), (1, 2, 1), camera, [light])
         buffer = bytearray(packet("welcome"))
         self.assertEqual(take_message(buffer), Welcome(
-            2, MOMENTS, SESSION, 7600, AES_128_GCM, (1280, 640), 30, 1, ["shadows"], "bvh", 5000, scene, 3,
-            [Motion("fan", 0, (0, 1, 0), 2_000_000)]))
+            2, MOMENTS | FLEET, SESSION, 7600, AES_128_GCM, (1280, 640), 30, 1, ["shadows"], "bvh", 5000, scene, 3,
+            [Motion("fan", 0, (0, 1, 0), 2_000_000)], "192.0.2.7", "192.0.2.7", 7600))
         self.assertEqual(buffer, b"")
+
+    def test_addresses_of_a_fleet_are_numeric(self):
+        named = packet("welcome").replace(b"192.0.2.7", b"192.0.2.x")
+        with self.assertRaises(Malformed):
+            take_message(bytearray(named))
+
+    def test_server_names_of_a_fleet(self):
+        said = re.search(r"`(s-[0-9a-f]{16}\.gnomon\.example)` for `temple`", WIRE)
+        self.assertEqual(server_name("temple", "gnomon.example"), said[1])
 
     def test_path_validation(self):
         token = packet("path_token")
@@ -84,6 +93,15 @@ class Packets(unittest.TestCase):
             self.assertEqual(take_message(waiting[:-1] + bytes([percent])).percent, known)
         with self.assertRaises(Malformed):
             take_message(waiting[:-1] + bytes([101]))
+
+    def test_draining(self):
+        buffer = packet("draining")
+        self.assertEqual(take_message(bytearray(buffer)), Draining(40000, True))
+        self.assertEqual(take_message(bytearray(buffer[:-1] + b"\xfe")), Draining(40000, False), "other flags are ignored")
+        older = struct.pack("<I", len(buffer) - 5) + buffer[4:-1]
+        self.assertEqual(take_message(bytearray(older)), Draining(40000, False))
+        endless = buffer[:6] + b"\xff" * 4 + b"\1"
+        self.assertEqual(take_message(bytearray(endless)), Draining(None, True))
 
     def test_bye(self):
         buffer = packet("bye")

@@ -1,6 +1,9 @@
 // What a session's link sends, when, and what it retransmits.
 #include <gtest/gtest.h>
 
+#include <deque>
+#include <set>
+
 #include "daemon/link/link_sender.h"
 #include "tests/unit/link/made_frame.h"
 
@@ -42,6 +45,35 @@ Probed probe_up_to(LinkSender& link, size_t bytes) {
   return path;
 }
 
+// A scene in plain light has frames of some hundred bytes, which are spread at a pace at which a probe takes long.
+TEST(LinkSender, AProbeHoldsUpNoSmallFrames) {
+  LinkSender link(protocol::kFeatureFeedback);
+  TimePoint now = kStart;
+  Nanoseconds longest{};
+  uint64_t sent = 0, probes = 0;
+  std::deque<TimePoint> waiting;  // when the frames were added that have not gone
+  for (uint32_t frame = 1; frame <= 100; ++frame) {
+    const TimePoint added = now;
+    link.add(frame_of(frame, 1), TimePoint::max(), now);
+    waiting.push_back(added);
+    for (; now < added + 16ms; now += 1ms) {
+      while (const auto out = link.next(now)) {
+        if (out->kind == protocol::DatagramKind::probe) {
+          ++probes;
+        } else {
+          longest = std::max(longest, now - waiting.front());
+          waiting.pop_front();
+        }
+        link.sent(++sent, out->body.size() + protocol::kHeaderBytes + protocol::kTagBytes, now);
+        const auto now_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
+        EXPECT_EQ(link.on_feedback(all_arrived(sent, sent, now_us), now + 1ms), FeedbackVerdict::taken);
+      }
+    }
+  }
+  EXPECT_GE(probes, 5u);
+  EXPECT_LE(longest, 50ms) << "the longest probe at the rate of a link that has just begun";
+}
+
 TEST(LinkSender, WithoutFeedbackEverythingGoesAtOnce) {
   LinkSender link(0);
   link.add(frame_of(1, 50), TimePoint::max(), kStart);
@@ -49,6 +81,50 @@ TEST(LinkSender, WithoutFeedbackEverythingGoesAtOnce) {
   while (link.next(kStart)) link.sent(++sent, 200, kStart);
   EXPECT_EQ(sent, 50u);
   EXPECT_EQ(link.wake_at(kStart), TimePoint::max());
+  EXPECT_TRUE(link.may_request(kStart));
+}
+
+TEST(LinkSender, WhatQuicFindsLostIsSentAgainWhileItIsOfUse) {
+  LinkSender link(protocol::kFeatureWebTransport);
+  EXPECT_LE(link.slice_body_bytes(), LinkSender::kMostWebTransportBody);
+  link.add(frame_of(1, 3), TimePoint::max(), kStart);
+  std::vector<std::vector<uint8_t>> bodies;
+  uint64_t sent = 0;
+  while (const auto out = link.next(kStart)) {
+    bodies.emplace_back(out->body.begin(), out->body.end());
+    link.sent(++sent, 200, kStart);
+  }
+  ASSERT_EQ(sent, 3u);
+  link.on_outcome(1, true, kStart + 20ms);
+  link.on_outcome(2, false, kStart + 20ms);
+  link.on_outcome(2, false, kStart + 21ms);   // once is enough
+  link.on_outcome(77, false, kStart + 21ms);  // none was sent
+  const auto again = link.next(kStart + 21ms);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(std::vector<uint8_t>(again->body.begin(), again->body.end()), bodies[1]);
+  link.sent(++sent, 200, kStart + 21ms);
+  EXPECT_FALSE(link.next(kStart + 21ms));
+  link.on_outcome(3, false, kStart + 2s);
+  EXPECT_FALSE(link.next(kStart + 2s)) << "nobody waits for it any more";
+  EXPECT_EQ(link.counters().retransmitted, 1u);
+  EXPECT_EQ(link.counters().arrived, 1u);
+}
+
+TEST(LinkSender, WhatWaitsForRoomIsBoundedByTheFramesThatAreKept) {
+  LinkSender link(0);
+  for (uint32_t frame = 1; frame <= 100; ++frame) {
+    link.add(frame_of(frame, 50), TimePoint::max(), kStart);
+    link.next(kStart);  // is not sent
+    EXPECT_FALSE(link.may_request(kStart));
+  }
+  uint64_t sent = 0;
+  std::set<uint32_t> frames;
+  while (const auto out = link.next(kStart)) {
+    frames.insert(protocol::decode_frame_slice(out->body)->header.frame.value);
+    link.sent(++sent, 200, kStart);
+  }
+  EXPECT_EQ(frames, (std::set<uint32_t>{97, 98, 99, 100}));
+  EXPECT_EQ(link.counters().too_late, 96u * 50u);
   EXPECT_TRUE(link.may_request(kStart));
 }
 

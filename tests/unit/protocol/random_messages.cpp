@@ -112,6 +112,11 @@ Welcome welcome(Random& random) {
                            static_cast<uint32_t>(1 + below(random, 1u << 30))});
     }
   }
+  if (m.features & kFeatureFleet) {
+    m.data_host = text(random);
+    m.home_host = text(random);
+    m.home_port = static_cast<uint16_t>(1 + below(random, 65535));
+  }
   return m;
 }
 
@@ -178,6 +183,12 @@ Resume resume(Random& random) {
   return resume;
 }
 
+WebTransport web_transport(Random& random) {
+  WebTransport offered{side(random), "0123456789abcdef", std::vector<Bytes32>(random() % 3)};
+  for (Bytes32& hash : offered.hashes) hash.fill(static_cast<uint8_t>(random()));
+  return offered;
+}
+
 Message random_message(size_t type, Random& random) {
   switch (type) {
     case 0: return hello(random);
@@ -188,11 +199,12 @@ Message random_message(size_t type, Random& random) {
     case 5:
       return Degraded{side(random), side(random), number(random, 0, 240), text(random),
                       std::vector<uint16_t>(random() % 5, side(random))};
-    case 6: return Draining{static_cast<uint32_t>(random())};
+    case 6: return Draining{static_cast<uint32_t>(random()), static_cast<uint8_t>(random())};
     case 7: return stats(random);
     case 8: return Bye{text(random), static_cast<uint32_t>(random())};
     case 9: return data(random);
     case 10: return resume(random);
+    case 12: return web_transport(random);
     default:
       return Waiting{text(random), below(random, 3) ? static_cast<uint8_t>(below(random, 101)) : Waiting::kUnknown};
   }

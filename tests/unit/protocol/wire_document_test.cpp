@@ -126,7 +126,7 @@ TEST(WireDocument, KeysAreAsWorkedOut) {
 
 TEST(WireDocument, WelcomeIsAsWorkedOut) {
   Welcome welcome;
-  welcome.features = kFeatureMoments;
+  welcome.features = kFeatureMoments | kFeatureFleet;
   welcome.session = kSession;
   welcome.data_port = 7600;
   welcome.width = 1280;
@@ -145,6 +145,8 @@ TEST(WireDocument, WelcomeIsAsWorkedOut) {
   scene.lights = {{LightKind::spot, {0, 2, 0}, {0, -1, 0}, {1, 1, 0.5f}, 40, 8, 0.75f, 0.5f}};
   welcome.lights_version = 3;
   welcome.motions = {{"fan", 0, {0, 1, 0}, 2'000'000}};
+  welcome.data_host = welcome.home_host = "192.0.2.7";
+  welcome.home_port = 7600;
   expect_message(welcome, "welcome");
 }
 
@@ -152,6 +154,14 @@ TEST(WireDocument, RefusedIsAsWorkedOut) {
   expect_message(Refused{RefusalCode::over_capacity, "full", 640, 320, 15}, "refused");
   expect_message(Bye{"too far", 60'000}, "bye");
 }
+
+TEST(WireDocument, WebTransportIsAsWorkedOut) {
+  WebTransport offered{7600, "ticket001", {Bytes32{}}};
+  std::iota(offered.hashes[0].begin(), offered.hashes[0].end(), uint8_t{0});
+  expect_message(offered, "webtransport");
+}
+
+TEST(WireDocument, DrainingIsAsWorkedOut) { expect_message(Draining{40'000, Draining::kMoveNow}, "draining"); }
 
 TEST(WireDocument, WaitingIsAsWorkedOut) { expect_message(Waiting{"reading the scene", 40}, "waiting"); }
 

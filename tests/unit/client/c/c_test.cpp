@@ -1,4 +1,5 @@
 // What libgnomon gives an engine that links it, against a scripted server.
+#include <atomic>
 #include <cstring>
 #include <future>
 #include <thread>
@@ -44,6 +45,47 @@ TEST(C, SaysHelloAsTheOptionsHaveIt) {
   EXPECT_EQ((std::array{hello.width, hello.height, hello.border_x, hello.border_y}),
             (std::array<uint16_t, 4>{kGrid.width, kGrid.height, kBorder, kBorder}));
   EXPECT_EQ(std::get<protocol::Bye>(*bye).reason, "seen enough");
+}
+
+TEST(C, AClientOfAFleetSaysItsSceneAndMovesWithoutAGap) {
+  std::atomic<int> connections = 0;
+  std::atomic<bool> answered = false;
+  std::array<std::string, 2> names;
+  const auto sent = foliage(kGrid, 7);
+  {
+    FakeServer fleet(
+        [&](Peer& peer) {
+          const int number = ++connections;
+          names[static_cast<size_t>(number - 1)] = peer.asked_name();
+          peer.read();
+          peer.welcome(welcome());
+          if (number == 1) peer.write(protocol::Draining{0, protocol::Draining::kMoveNow});
+          const auto camera = peer.read_new_camera();
+          if (camera) peer.send_frame(camera->frame, sent.view());
+          answered = answered || number == 2;
+          peer.read();
+        },
+        2, FakeServer::usual_identity(), FakeServer::Turns::at_once);
+    Wanted wanted(fleet.address());
+    wanted.options.fleet = "gnomon.example";
+    Client client(wanted);
+    ASSERT_EQ(client.wait(), GNOMON_OK) << client.error();
+    gnomon_statistics figures{};
+    figures.size = sizeof figures;
+    for (int i = 0; i < 2000 && figures.moved == 0; ++i) {
+      const gnomon_camera camera = camera_at(static_cast<float>(i));
+      ASSERT_EQ(gnomon_look(client.handle, &camera, nullptr), GNOMON_OK) << client.error();
+      gnomon_mask* mask = nullptr;
+      if (gnomon_poll(client.handle, 5, &mask) == GNOMON_OK) gnomon_mask_free(mask);
+      EXPECT_EQ(client.state(), GNOMON_OPEN) << "all along";
+      ASSERT_EQ(gnomon_get_statistics(client.handle, &figures), GNOMON_OK);
+    }
+    EXPECT_EQ(figures.moved, 1u);
+    EXPECT_EQ(figures.reconnects, 0u);
+    EXPECT_EQ(gnomon_close(client.handle, ""), GNOMON_OK);
+  }
+  EXPECT_EQ(names[0], client::server_name({.fleet = "gnomon.example"}, "", "little"));
+  EXPECT_EQ(names[1], names[0]);
 }
 
 TEST(C, MasksAreBitForBitWhatTheServerSent) {

@@ -77,6 +77,11 @@ void Peer::hang_up() {
   stream_ = -1;
 }
 
+std::string Peer::asked_name() const {
+  const char* const name = tls_ ? SSL_get_servername(tls_, TLSEXT_NAMETYPE_host_name) : nullptr;
+  return name ? name : "";
+}
+
 std::optional<protocol::Message> Peer::read() {
   while (true) {
     auto next = reader_.next();
@@ -189,15 +194,21 @@ void Peer::send_frame(FrameId frame, const TileMaskView& mask) {
   for (size_t i = 0; i < encoded.slices.size(); ++i) send_slice(encoded.slices[i], encoded.payload(i));
 }
 
-FakeServer::FakeServer(Script script, int connections, const daemon::Identity& identity)
+FakeServer::FakeServer(Script script, int connections, const daemon::Identity& identity, Turns turns)
     : tls_(context_with(identity)), address_{"127.0.0.1", 0} {
   listener_ = bound_socket(SOCK_STREAM, address_.port);
   listen(listener_, 1);
-  thread_ = std::thread([this, connections, script = std::move(script)] {
+  thread_ = std::thread([this, connections, turns, script = std::move(script)] {
+    std::vector<std::thread> at_once;
     for (int i = 0; i < connections; ++i) {
-      Peer peer(listener_, tls_);
-      script(peer);
+      auto peer = std::make_unique<Peer>(listener_, tls_);
+      if (turns == Turns::at_once) {
+        at_once.emplace_back([&script, peer = std::move(peer)] { script(*peer); });
+      } else {
+        script(*peer);
+      }
     }
+    for (std::thread& each : at_once) each.join();
   });
 }
 

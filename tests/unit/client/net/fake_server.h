@@ -29,7 +29,8 @@ class Peer {
   std::optional<protocol::Message> read();
   void write(const protocol::Message& message);
   void write_bytes(std::span<const uint8_t> bytes);
-  void hang_up();  // without Bye
+  void hang_up();                  // without Bye
+  std::string asked_name() const;  // what the client said in TLS whom it wants; "": nothing
 
   // Fills in session and data port, and sends the Welcome.
   void welcome(protocol::Welcome message);
@@ -61,8 +62,11 @@ class FakeServer {
  public:
   using Script = std::function<void(Peer&)>;
 
-  // The script runs on a thread of its own, once for each of `connections` connections, one after the other.
-  explicit FakeServer(Script script, int connections = 1, const daemon::Identity& identity = usual_identity());
+  enum class Turns { one_after_the_other, at_once };
+
+  // The script runs on threads other than the caller's, once for each of `connections` connections.
+  explicit FakeServer(Script script, int connections = 1, const daemon::Identity& identity = usual_identity(),
+                      Turns turns = Turns::one_after_the_other);
   ~FakeServer();  // waits for the script's end
 
   const client::Address& address() const { return address_; }

@@ -47,6 +47,25 @@ TEST(FrameAssembler, GivesBackTheMaskInWhateverOrderSlicesArrive) {
   }
 }
 
+TEST(FrameAssembler, TakesSlicesThatWereDecodedElsewhere) {
+  const Sliced sliced(1, 3);
+  FrameAssembler assembler(kGrid);
+  for (size_t i = 0; i < sliced.count(); ++i) {
+    const auto& header = sliced.encoded.slices[i];
+    std::vector<uint64_t> own;
+    for (uint32_t light = header.first_light; light < header.first_light + header.light_count; ++light) {
+      const auto first = sliced.mask.words.begin() + light * kGrid.tile_count() + header.first_tile;
+      own.insert(own.end(), first, first + header.tile_count);
+    }
+    EXPECT_EQ(assembler.add_decoded(sliced.slice(i), std::span(own).first(own.size() - 1)),
+              SliceOutcome::malformed);
+    const bool last = i + 1 == sliced.count();
+    EXPECT_EQ(assembler.add_decoded(sliced.slice(i), own), last ? SliceOutcome::completed : SliceOutcome::stored);
+    EXPECT_EQ(assembler.add_decoded(sliced.slice(i), own), last ? SliceOutcome::late : SliceOutcome::duplicate);
+  }
+  EXPECT_EQ(assembler.take_finished()->words, sliced.mask.words);
+}
+
 TEST(FrameAssembler, NamesTheTilesOfALostSliceAndLeavesThemLit) {
   const Sliced sliced(1, 7);
   for (size_t lost = 0; lost < sliced.count(); ++lost) {
