@@ -1,0 +1,136 @@
+// The page's wire messages against the worked packets of protocol/WIRE.md.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { readFileSync } from 'node:fs';
+import { Malformed } from '../../web/wire/bytes.js';
+import * as messages from '../../web/wire/messages.js';
+
+const document = readFileSync(new URL('../../protocol/WIRE.md', import.meta.url), 'utf8');
+
+/** The bytes of the block that the document names so. */
+function packet(name) {
+  const block = new RegExp('```hex ' + name + '\\n([^`]*)```').exec(document);
+  assert.ok(block, `protocol/WIRE.md has no packet ${name}`);
+  const digits = block[1]
+    .split('\n')
+    .map((line) => line.replace(/#.*/, ''))
+    .join(' ')
+    .match(/\b[0-9a-f]{2}\b/g);
+  return Uint8Array.from(digits, (pair) => parseInt(pair, 16));
+}
+
+test('a Hello is that of the document but for its features', () => {
+  const hello = messages.encodeHello({
+    client: 'probe 1',
+    tenant: '',
+    token: '',
+    scene: 'temple',
+    width: 1984,
+    height: 1116,
+    borderX: 64,
+    borderY: 36,
+    rateHz: 60,
+    codecs: [messages.Codec.tiles_lz4],
+  });
+  const expected = packet('hello');
+  assert.equal(new DataView(expected.buffer).getBigUint64(10, true), 0n);
+  new DataView(expected.buffer).setBigUint64(10, 1n + 8n + 32n + 64n + 128n + 512n, true);
+  assert.deepEqual([...hello], [...expected]);
+});
+
+test('a Welcome is read', () => {
+  const welcome = messages.decode(packet('welcome'));
+  assert.equal(welcome.is, 'welcome');
+  assert.equal(welcome.session, '1122334455667788');
+  assert.deepEqual([welcome.width, welcome.height, welcome.rateHz, welcome.codec], [1280, 640, 30, 1]);
+  assert.deepEqual(welcome.passes, ['shadows']);
+  assert.equal(welcome.silenceTimeoutMs, 5000);
+  assert.equal(welcome.scene.contentHash, '000102030405060708090a0b0c0d0e0f');
+  assert.deepEqual(welcome.scene.defaultCamera.position, [1, 1.5, -2]);
+  assert.equal(welcome.scene.defaultCamera.near, 0.0625);
+  assert.equal(welcome.scene.lights[0].intensity, 40);
+  assert.equal(welcome.scene.lights[0].outerConeCos, 0.5);
+  assert.equal(welcome.lightsVersion, 3);
+  assert.deepEqual(welcome.motions, [{ node: 'fan', kind: 'spin', vector: [0, 1, 0], periodUs: 2_000_000 }]);
+});
+
+test('Refused, Waiting and Bye are read', () => {
+  assert.deepEqual(messages.decode(packet('refused')), {
+    is: 'refused',
+    code: 9,
+    text: 'full',
+    fitWidth: 640,
+    fitHeight: 320,
+    fitRateHz: 15,
+  });
+  assert.deepEqual(messages.decode(packet('waiting')), { is: 'waiting', text: 'reading the scene', percent: 40 });
+  assert.deepEqual(messages.decode(packet('bye')), { is: 'bye', reason: 'too far', stayOutMs: 60_000 });
+});
+
+test('the way to datagrams is read', () => {
+  const offered = messages.decode(packet('webtransport'));
+  assert.deepEqual([offered.is, offered.port, offered.ticket], ['webTransport', 7600, 'ticket001']);
+  assert.deepEqual(offered.hashes, [Uint8Array.from({ length: 32 }, (_, i) => i)]);
+});
+
+test('a camera update is that of the document, without its acknowledgement', () => {
+  const data = messages.cameraMessage({
+    frame: 7,
+    timeUs: 1_000_000,
+    deadlineUs: 50_000,
+    have: 0,
+    camera: {
+      position: [1, 1.5, -2],
+      orientation: [0, 0.6, 0, 0.8],
+      tanLeft: 0.75,
+      tanRight: 0.75,
+      tanUp: 0.5,
+      tanDown: 0.5,
+      near: 0.0625,
+    },
+  });
+  const body = packet('camera_update_body').slice(0, 64);
+  assert.deepEqual(
+    [...data.slice(0, 17)],
+    [...[80 + 4, 0, 0, 0, 10, 0, 1], ...Array(8).fill(0), 69, 0].map((byte, i) => (i === 0 ? data.length - 4 : byte)),
+  );
+  assert.deepEqual([...data.slice(17, 17 + 64)], [...body]);
+  assert.deepEqual([...data.slice(17 + 64)], [0, 0, 0, 0, 0]);
+});
+
+test('every shorter Welcome and every byte beyond is handled', () => {
+  const welcome = packet('welcome');
+  for (let size = 6; size < welcome.length; ++size) {
+    const cut = welcome.slice(0, size);
+    new DataView(cut.buffer).setUint32(0, size - 4, true);
+    assert.throws(() => messages.decode(cut), Malformed, `${size} bytes`);
+  }
+  const longer = new Uint8Array([...welcome, 1, 2, 3]);
+  new DataView(longer.buffer).setUint32(0, longer.length - 4, true);
+  assert.equal(messages.decode(longer).is, 'welcome');
+});
+
+test('values that the document forbids are malformed, unknown types are skipped', () => {
+  const refused = packet('refused');
+  const changed = (at, bytes) => {
+    const copy = refused.slice();
+    copy.set(bytes, at);
+    return copy;
+  };
+  const rate = refused.length - 4;
+  assert.throws(() => messages.decode(changed(rate, [0, 0, 0x80, 0x7f])), Malformed); // infinite
+  assert.throws(() => messages.decode(changed(rate, [0, 0, 0x80, 0xbf])), Malformed); // -1
+  assert.throws(() => messages.decode(changed(10, [0x07])), Malformed); // a control character
+  assert.throws(() => messages.decode(changed(0, [0x13])), Malformed); // another length
+  assert.equal(messages.decode(changed(4, [0xff, 0x7f])), null);
+});
+
+test('whether to move is read, and an older Draining has not said it', () => {
+  const draining = packet('draining');
+  assert.deepEqual(messages.decode(draining), { is: 'draining', deadlineMs: 40_000, moveNow: true });
+  const endless = draining.slice().fill(0xff, 6, 10);
+  assert.equal(messages.decode(endless).deadlineMs, Infinity);
+  const older = draining.slice(0, -1);
+  new DataView(older.buffer).setUint32(0, older.length - 4, true);
+  assert.deepEqual(messages.decode(older), { is: 'draining', deadlineMs: 40_000, moveNow: false });
+});

@@ -1,0 +1,73 @@
+// Masks on the device: a texel of two words for each tile, a layer for each light, as the words lie in memory.
+import { textureArray } from './gl.js';
+
+/**
+ * @typedef {{camera: import('./view.js').Camera, width: number, height: number, words: Uint32Array,
+ *   sceneTimeUs: number, lights?: number}} Masks the newest whole frame; two words per tile and light, the low one first
+ */
+
+export class MaskTexture {
+  constructor(/** @type {WebGL2RenderingContext} */ gl) {
+    this.gl = gl;
+    /** @type {import('./gl.js').Texture & {layers: number}} before there are any, of a size like that of masks */
+    this.texture = textureArray(gl, gl.RG32UI, 3, 3, 1);
+    /** @type {Uint32Array} what the texture holds */
+    this.held = new Uint32Array(0);
+  }
+
+  /** Uploads the rows of tiles that have changed. Returns how many of them. */
+  put(/** @type {Masks} */ masks) {
+    const { gl } = this;
+    if (this.held === masks.words) return 0;
+    const tilesX = Math.ceil(masks.width / 8),
+      tilesY = Math.ceil(masks.height / 8);
+    const lights = masks.words.length / (2 * tilesX * tilesY);
+    const { texture } = this;
+    const fits = texture.width === tilesX && texture.height === tilesY && texture.layers === lights;
+    if (!fits) {
+      gl.deleteTexture(texture.texture);
+      this.texture = textureArray(gl, gl.RG32UI, tilesX, tilesY, Math.max(1, lights));
+      this.held = new Uint32Array(0);
+    }
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texture.texture);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+    const row = 2 * tilesX;
+    let sent = 0;
+    for (let light = 0; light < lights; ++light) {
+      for (let y = 0; y < tilesY;) {
+        const first = y;
+        while (y < tilesY && this.differs(masks.words, (light * tilesY + y) * row, row)) ++y;
+        if (y > first)
+          gl.texSubImage3D(
+            gl.TEXTURE_2D_ARRAY,
+            0,
+            0,
+            first,
+            light,
+            tilesX,
+            y - first,
+            1,
+            gl.RG_INTEGER,
+            gl.UNSIGNED_INT,
+            masks.words,
+            (light * tilesY + first) * row,
+          );
+        sent += y - first;
+        ++y;
+      }
+    }
+    this.held = masks.words;
+    return sent;
+  }
+
+  dispose() {
+    this.gl.deleteTexture(this.texture.texture);
+  }
+
+  /** @private */
+  differs(/** @type {Uint32Array} */ words, /** @type {number} */ from, /** @type {number} */ count) {
+    if (this.held.length !== words.length) return true;
+    for (let i = from; i < from + count; ++i) if (this.held[i] !== words[i]) return true;
+    return false;
+  }
+}

@@ -1,0 +1,178 @@
+// Draws a picture: ids of what is seen, then a full-screen pass that shades them; with antialiasing 2x2 samples a pixel,
+// as gpu::Reprojection::shade.
+import { fill, framebuffer, texture2d } from './gl.js';
+import { LOOKUPS, VIEWS } from './shaders/shade.js';
+import { placeWithin, sameEye, seenUniforms } from './view.js';
+
+/**
+ * @typedef {import('./view.js').Camera} Camera
+ * @typedef {'exact' | 'none' | 'maps'} Shadows
+ * @typedef {{camera: Camera, width: number, height: number, sceneTimeUs?: number, lightsOn?: Uint8Array | null,
+ *   shadows?: Shadows, split?: {at: number, left: Shadows, right: Shadows} | null, exposure?: number,
+ *   ambient?: number | number[], tonemap?: 'filmic' | 'clamp', view?: 'shaded' | 'material' | 'normals',
+ *   onlyLight?: number, antialias?: boolean, eye?: string}} Wish what to draw; `view` and `onlyLight` are for tests
+ * @typedef {{framebuffer: WebGLFramebuffer | null, flipped: boolean}} Output where to
+ */
+
+/** The uniforms that say how radiance becomes a picture: gpu::ShadingUniforms. */
+export function shadingUniforms(
+  /** @type {any} */ surroundings,
+  /** @type {{ambient?: number | number[], exposure?: number, tonemap?: string,
+   * view?: string, onlyLight?: number}} */ {
+    ambient = 0,
+    exposure = 1,
+    tonemap = 'filmic',
+    view = 'shaded',
+    onlyLight = -1,
+  },
+) {
+  const more = typeof ambient === 'number' ? [ambient, ambient, ambient] : ambient;
+  const withMore = (/** @type {number[]} */ own) => own.map((value, i) => Math.fround(value + more[i]));
+  return {
+    ambient_above: withMore(surroundings.ambient_above),
+    ambient_below: withMore(surroundings.ambient_below),
+    has_sky: surroundings.has_sky,
+    sky_zenith: surroundings.sky_zenith,
+    sky_horizon: surroundings.sky_horizon,
+    sky_ground: surroundings.sky_ground,
+    sky_clouds: surroundings.sky_clouds,
+    background: [0, 0, 0],
+    exposure,
+    tonemap_filmic: tonemap === 'filmic',
+    view: VIEWS[/** @type {keyof typeof VIEWS} */ (view)],
+    only_light: onlyLight,
+  };
+}
+
+export class Picture {
+  constructor(/** @type {import('./stage.js').Stage} */ stage, /** @type {any} */ surroundings) {
+    this.stage = stage;
+    this.surroundings = surroundings;
+    /** @type {{texture: import('./gl.js').Texture, framebuffer: WebGLFramebuffer} | null} */
+    this.samples = null;
+  }
+
+  /**
+   * @param {Wish} wish
+   * @param {import('./masks.js').Masks | null} masks that fit the lights; already on the device
+   * @param {number} lightCount
+   * @param {Output} output of the wish's size
+   * @returns {boolean} whether masks of another camera were used
+   */
+  draw(wish, masks, lightCount, output) {
+    const each = wish.antialias ? 2 : 1;
+    const width = each * wish.width,
+      height = each * wish.height;
+    const place = masks && !wish.antialias ? placeWithin(wish.camera, wish, masks.camera, masks) : null;
+    const halves = halvesOf(wish, width);
+    const exact = halves.some((half) => half.shadows === 'exact') && masks !== null;
+    const direct = exact && place !== null;
+    const { stage } = this;
+    const shared = this.shared(wish, masks, lightCount, exact);
+    const { ids, view } =
+      masks && direct
+        ? this.seenIds(wish, masks)
+        : this.stage.idsOf(`shown ${wish.eye ?? ''}`, wish.camera, width, height, false);
+    const into = wish.antialias ? this.samplesOf(width, height) : output;
+    stage.timing.measure('shade', () => {
+      for (const half of halves) {
+        const masked = half.shadows === 'exact' && exact;
+        const lookup = half.shadows === 'maps' ? LOOKUPS.MAPS : masked && !direct ? LOOKUPS.SEEN : LOOKUPS.MASKS;
+        const first = place && direct ? place : [0, 0];
+        this.shade(lookup, half, width, height, into, { ...shared, ...view, ids, masked, first_pixel: first });
+      }
+    });
+    if (wish.antialias) this.average(wish, output);
+    return exact && !direct && !(wish.antialias && masks !== null && sameEye(wish.camera, masks.camera));
+  }
+
+  /** Uniforms of all halves. @private */
+  shared(
+    /** @type {Wish} */ wish,
+    /** @type {import('./masks.js').Masks | null} */ masks,
+    /** @type {number} */ lightCount,
+    /** @type {boolean} */ exact,
+  ) {
+    const { stage } = this;
+    return {
+      ...stage.sceneUniforms,
+      ...stage.maps.uniforms,
+      ...shadingUniforms(this.surroundings, wish),
+      masks: stage.masksOf(wish.eye).texture,
+      ...(masks && exact ? this.seen(wish, masks) : {}),
+      lights: stage.lights.texture,
+      light_count: lightCount,
+    };
+  }
+
+  /** The view of the masks. Its ids are drawn only where they are looked up. @private */
+  seen(/** @type {Wish} */ wish, /** @type {import('./masks.js').Masks} */ masks) {
+    const { ids, view } = this.seenIds(wish, masks);
+    const eye = Boolean(wish.antialias) && sameEye(wish.camera, masks.camera);
+    return { ...seenUniforms(view), seen_ids: ids, same_eye: eye };
+  }
+
+  /** @private */
+  seenIds(/** @type {Wish} */ { eye = '' }, /** @type {import('./masks.js').Masks} */ masks) {
+    return this.stage.idsOf(`seen ${eye}`, masks.camera, masks.width, masks.height, true);
+  }
+
+  /** @private */
+  shade(
+    /** @type {number} */ lookup,
+    /** @type {{from: number, to: number}} */ half,
+    /** @type {number} */ width,
+    /** @type {number} */ height,
+    /** @type {Output} */ into,
+    /** @type {Record<string, any>} */ uniforms,
+  ) {
+    const { gl, array } = this.stage;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into.framebuffer);
+    gl.bindVertexArray(array);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(half.from, 0, half.to - half.from, height);
+    this.stage.programs.shade(lookup).use({ ...uniforms, flipped_height: into.flipped ? height : 0 });
+    fill(gl, width, height);
+    gl.disable(gl.SCISSOR_TEST);
+  }
+
+  /** @private */
+  average(/** @type {Wish} */ wish, /** @type {Output} */ output) {
+    const { gl, array } = this.stage;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, output.framebuffer);
+    gl.bindVertexArray(array);
+    this.stage.programs
+      .average()
+      .use({ samples: this.samples?.texture, flipped_height: output.flipped ? wish.height : 0 });
+    fill(gl, wish.width, wish.height);
+  }
+
+  /** @private */
+  samplesOf(/** @type {number} */ width, /** @type {number} */ height) {
+    const { gl } = this.stage;
+    if (!this.samples || this.samples.texture.width !== width || this.samples.texture.height !== height) {
+      this.dropSamples();
+      const texture = texture2d(gl, gl.RGBA8, width, height);
+      this.samples = { texture, framebuffer: framebuffer(gl, texture, null) };
+    }
+    return { framebuffer: this.samples.framebuffer, flipped: false };
+  }
+
+  dropSamples() {
+    if (!this.samples) return;
+    this.stage.gl.deleteFramebuffer(this.samples.framebuffer);
+    this.stage.gl.deleteTexture(this.samples.texture.texture);
+    this.samples = null;
+  }
+}
+
+/** @returns {{shadows: Shadows, from: number, to: number}[]} columns of samples */
+function halvesOf(/** @type {Wish} */ wish, /** @type {number} */ width) {
+  const { split, shadows = 'exact' } = wish;
+  if (!split) return [{ shadows, from: 0, to: width }];
+  const middle = Math.max(0, Math.min(width, Math.round(split.at * width)));
+  return [
+    { shadows: split.left, from: 0, to: middle },
+    { shadows: split.right, from: middle, to: width },
+  ].filter((half) => half.to > half.from);
+}
