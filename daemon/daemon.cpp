@@ -1,5 +1,6 @@
 #include "daemon/daemon.h"
 
+#include "daemon/scenes/scene_clock.h"
 #include "daemon/service/supervisor.h"
 #include "daemon/session/credentials.h"
 
@@ -125,7 +126,7 @@ Daemon::Daemon(Options options, SceneCatalog catalog)
       metrics_(names_of(options_.config.tenants), names_of(options_.config.scenes.list), options_.version,
                options_.make_renderers.size()),
       session_limits_(options_.config, options_.make_renderers.size()),
-      devices_(options_.make_renderers.size(), metrics_, health_),
+      devices_(options_.make_renderers.size(), options_.config.fleet.assumed_rate_hz, metrics_, health_),
       certificates_(metrics_),
       reload_audit_(options_.config) {
   catalog_.publish(std::move(catalog));
@@ -149,7 +150,7 @@ Result<void> Daemon::bring_up() {
   if (const auto why = strangers_access(options_.config.server, options_.config.tenants); !why.empty()) {
     log::warning("strangers are served", {{"why", why}});
   }
-  if (auto opened = certificates_.open(options_.config.server); !opened) return opened;
+  if (auto opened = certificates_.open(options_.config.server, options_.config.web.listen); !opened) return opened;
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
   scenes_ = std::make_unique<SceneHost>(
       *catalog_.get(), devices_, metrics_, options_.read_scene,
@@ -157,6 +158,10 @@ Result<void> Daemon::bring_up() {
   auto store = open_store(options_.config.server);
   if (!store) return store.error();
   store_ = std::move(*store);
+  if (options_.config.web.listen) {
+    web_ = std::make_unique<WebService>(options_.config.web);
+    packs_ = std::make_unique<ScenePacks>(*scenes_);
+  }
   auto server = Server::open({.config = options_.config,
                               .tenants = tenant_directory_,
                               .tracer = tracer_,
@@ -168,7 +173,9 @@ Result<void> Daemon::bring_up() {
                               .kept_out = kept_out_,
                               .store = *store_,
                               .devices = devices_,
-                              .metrics = metrics_});
+                              .metrics = metrics_,
+                              .web = web_.get(),
+                              .packs = packs_.get()});
   if (!server) return server.error();
   server_ = std::move(*server);
   if (auto opened = open_admin(); !opened) return opened;
@@ -205,7 +212,9 @@ Result<void> Daemon::open_admin() {
 
 Result<void> Daemon::open_devices() {
   const ScenesConfig& scenes = options_.config.scenes;
-  const SceneMotion::Settings motion{scenes.clock_hz, scenes.light_rest, Clock::now()};
+  const SceneMotion::Settings motion{
+      scenes.clock_hz, scenes.light_rest,
+      scene_clock_start(options_.config, Clock::now(), std::chrono::system_clock::now())};
   const auto failed = [this](const Error& why) {
     if (options_.on_failure) options_.on_failure(why);
   };
@@ -318,6 +327,7 @@ void Daemon::stop() {
   if (server_) server_->stop();
   if (store_) store_->close();
   admin_.reset();
+  packs_.reset();
   scenes_.reset();
 }
 

@@ -63,7 +63,7 @@ class Daemon final : private FrameSink {
   void choose_codec(SessionId session, protocol::CodecId codec) { devices_.choose_codec({session, codec}); }
 
   uint16_t control_port() const { return server_->control_port(); }
-  std::vector<uint16_t> data_ports() const { return server_->data_ports(); }
+  const Server& server() const { return *server_; }  // its further ports
   const Admin& admin() const { return *admin_; }
   // Of the certificate for new connections.
   protocol::Pin pin() const { return (*certificates_.published().get())->pin; }
@@ -98,9 +98,11 @@ class Daemon final : private FrameSink {
   Published<TenantDirectory> tenant_directory_;
   std::string tracer_;
   DaemonCertificates certificates_;
+  std::unique_ptr<WebService> web_;  // nullptr: browsers are not served
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
   std::unique_ptr<SceneHost> scenes_;
+  std::unique_ptr<ScenePacks> packs_;  // nullptr: browsers are not served
   std::unique_ptr<Operations> operations_;
   std::unique_ptr<Admin> admin_;
   ReloadAudit reload_audit_;

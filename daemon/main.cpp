@@ -115,7 +115,7 @@ std::string bracketed(const std::string& address) {
 
 void print_ready_line(const Daemon& daemon, const Config& config) {
   std::string data;
-  for (const uint16_t port : daemon.data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
+  for (const uint16_t port : daemon.server().data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
   const Admin& admin = daemon.admin();
   const std::string socket = admin.socket().empty() ? "" : " socket=" + admin.socket().string();
   std::printf("gnomond ready control=%s:%u data=%s admin=%s://%s:%u pin=%s%s\n",

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/security/allowed_hosts.h"
+
 namespace gnomon::daemon {
 
 // A process of this machine, as the kernel knows it.
@@ -22,10 +24,8 @@ struct Caller {
   std::optional<PeerCredentials> process = {};
   std::string address = {};  // "127.0.0.1:40100", "[::1]:40100"
   std::string network = {};  // by which wrong tokens are counted: the IPv4 address, or the /64 of an IPv6 address
-  std::string reached = {};  // our address, at which it came in: "127.0.0.1", "::1"
-  uint16_t reached_port = 0;
+  ReachedAt reached = {};
   bool on_loopback = false;  // both ends
-  bool encrypted = false;
 };
 
 struct HttpRequest {

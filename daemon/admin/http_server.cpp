@@ -149,10 +149,8 @@ std::optional<Caller> HttpServer::Impl::caller_over_tcp(const HttpConnection::So
   return Caller{.process = {},
                 .address = text_of(remote, from.port()),
                 .network = network_of(remote),
-                .reached = local.to_string(),
-                .reached_port = to.port(),
-                .on_loopback = remote.is_loopback() && local.is_loopback(),
-                .encrypted = tls != nullptr};
+                .reached = {local.to_string(), to.port(), tls != nullptr},
+                .on_loopback = remote.is_loopback() && local.is_loopback()};
 }
 
 // Connections that wait for our answer are not closed, as the delay is ours.

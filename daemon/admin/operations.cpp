@@ -88,10 +88,13 @@ Page Operations::set_draining(bool draining) {
   if (parts_.health.draining.exchange(draining) != draining) {
     log::info(draining ? "nobody is admitted any more" : "clients are admitted again",
               {{"sessions", parts_.server.sessions().size()}});
+    parts_.server.ask_to_move(draining);
   }
   return {200, kText,
-          draining ? "draining: nobody is admitted, who is here is served on; undrain takes it back\n"
-                   : "clients are admitted\n"};
+          draining
+              ? "draining: nobody is admitted, who is here is served on, and clients of a fleet are asked to move; "
+                "undrain takes it back\n"
+              : "clients are admitted\n"};
 }
 
 Page Operations::begin_stop() {
@@ -202,7 +205,7 @@ Admin::Pages Operations::pages() {
       {"/readyz", [this] { return readiness(); }},
       {"/metrics",
        [this] {
-         parts_.metrics.operation().ready(parts_.health.ready());
+         parts_.metrics.operation().ready(parts_.health.ready(), !parts_.health.admits());
          const auto scenes = parts_.scenes.memory();
          const SessionMemory sessions = parts_.limits.memory();
          parts_.metrics.operation().memory({scenes.bytes, scenes.limit_bytes},

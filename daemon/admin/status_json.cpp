@@ -51,9 +51,9 @@ json to_json(const SceneUnderWay& scene, TimePoint now) {
 }
 
 json to_json(const PooledDevice& device) {
-  return {{"name", device.name},        {"driver", device.driver}, {"tracer", device.tracer},
-          {"raster", device.raster},    {"up", device.up},         {"drained", device.drained},
-          {"sessions", device.sessions}};
+  return {{"name", device.name},         {"driver", device.driver}, {"tracer", device.tracer},
+          {"raster", device.raster},     {"up", device.up},         {"drained", device.drained},
+          {"sessions", device.sessions}, {"load", device.load}};
 }
 
 json to_json(const TenantTotals& totals) {
@@ -73,6 +73,7 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
   return {{"id", std::to_string(session.id.value)},
           {"tenant", tenant},
           {"scene", session.scene},
+          {"transport", to_string(session.transport)},
           {"address", session.address},
           {"width", session.width},
           {"height", session.height},

@@ -27,11 +27,11 @@ Page TcpAccess::refused(const HttpRequest& request, Fault fault, int status, con
 }
 
 std::optional<Page> TcpAccess::refuse(const HttpRequest& request, TimePoint now) {
-  if (!hosts_.allows_host(request.host, request.caller)) {
+  if (!hosts_.allows_host(request.host, request.caller.reached)) {
     return refused(request, Fault::admin_host, 403,
                    "this server does not go by the name in Host; admin.hosts lists further ones");
   }
-  if (!request.origin.empty() && !hosts_.allows_origin(request.origin, request.caller)) {
+  if (!request.origin.empty() && !hosts_.allows_origin(request.origin, request.caller.reached)) {
     return refused(request, Fault::admin_origin, 403, "pages of other servers may not ask here");
   }
   if (request.changes) return refuse_without_token(request, now);

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "common/published.h"
-#include "daemon/admin/allowed_hosts.h"
 #include "daemon/admin/http_message.h"
 #include "daemon/admin/token_backoff.h"
 #include "daemon/metrics/metrics.h"
+#include "daemon/security/allowed_hosts.h"
 #include "daemon/security/tokens.h"
 
 namespace gnomon::daemon {

@@ -117,6 +117,8 @@ void check_together(ConfigReading& reading) {
   check({"server.tls.client_crl", "server.tls.client_ca"},
         !server.tls.client_crl.empty() && server.tls.client_ca.empty(),
         "server.tls.client_crl: without server.tls.client_ca there is no authority that could revoke anything");
+  check({"web.webtransport", "web.listen"}, config.web.webtransport && !config.web.listen,
+        "web.webtransport: true, where web.listen is false; allowed: with web.listen: true, whose page uses it");
   const auto safe = check_access(server, config.tenants);
   check({"server.listen", "server.mode", "server.insecure_listen", "tenants"}, !safe,
         safe ? "" : safe.error().message);

@@ -48,6 +48,8 @@ struct ServerConfig {
   uint32_t connections_per_s = 100;         // of an address, in the long run; max_sessions_per_address in a burst
   bool require_path_validation = true;      // clients without the feature are refused
   std::chrono::seconds max_session_age{0};  // then the client has to authenticate anew; 0: no limit
+  std::string public_address = {};  // numeric, where clients reach this node itself; empty: as their door says
+  std::vector<std::string> proxies = {};  // addresses and networks whose connections begin with a PROXY header
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
 
@@ -56,6 +58,15 @@ struct AdminTlsConfig {
   std::filesystem::path certificate;
   std::filesystem::path key;
   friend bool operator==(const AdminTlsConfig&, const AdminTlsConfig&) = default;
+};
+
+// Browsers as clients, on server.control_port.
+struct WebConfig {
+  bool listen = false;
+  std::vector<std::string> hosts = {};  // further names, "node7" or "node7:443", by which browsers may reach us
+  bool webtransport = false;            // beside WebSockets, on the UDP ports of the data channel
+  std::chrono::milliseconds progress_timeout{15000};  // see daemon/web/progress.h
+  friend bool operator==(const WebConfig&, const WebConfig&) = default;
 };
 
 inline constexpr const char* kUsualAdminSocket = "auto";
@@ -87,15 +98,19 @@ struct SceneFile {
   friend bool operator==(const SceneFile&, const SceneFile&) = default;
 };
 
+// Where animations begin: with the daemon, with the wall clock, or by the wall clock where the node is one of a fleet.
+enum class SceneClock : uint8_t { by_fleet, start, wall };
+
 struct ScenesConfig {
   std::vector<SceneFile> list;
   std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
   uint32_t clock_hz = 60;                          // steps of the clock that animations play on
-  std::chrono::milliseconds light_rest{2000};      // then the buffers of changed lights are rebuilt
-  uint32_t worker_memory_mb = 8192;                // address space of the process that reads a scene, MiB
-  std::chrono::seconds worker_time{120};           // its processor time
-  std::chrono::seconds build_time{1800};           // that of the process that builds what traces a scene
-  uint32_t max_memory_mb = 0;                      // of all scenes, MiB; 0: half of what the process may use
+  SceneClock clock = SceneClock::by_fleet;
+  std::chrono::milliseconds light_rest{2000};  // then the buffers of changed lights are rebuilt
+  uint32_t worker_memory_mb = 8192;            // address space of the process that reads a scene, MiB
+  std::chrono::seconds worker_time{120};       // its processor time
+  std::chrono::seconds build_time{1800};       // that of the process that builds what traces a scene
+  uint32_t max_memory_mb = 0;                  // of all scenes, MiB; 0: half of what the process may use
   friend bool operator==(const ScenesConfig&, const ScenesConfig&) = default;
 };
 
@@ -157,6 +172,14 @@ struct TenantConfig {
   friend bool operator==(const TenantConfig&, const TenantConfig&) = default;
 };
 
+// What a door, such as HAProxy, is told of this node; see daemon/net/door_port.h.
+struct FleetConfig {
+  std::string door_listen = {};   // address of the door port; empty: there is none
+  uint16_t door_port = 7602;      // TCP; 0: a free one
+  uint32_t assumed_rate_hz = 60;  // of sessions that named no rate, when the load is counted
+  friend bool operator==(const FleetConfig&, const FleetConfig&) = default;
+};
+
 struct LogConfig {
   log::Level level = log::Level::info;
   log::Format format = log::Format::key_value;
@@ -168,11 +191,13 @@ inline constexpr const char* kDefaultTenant = "default";
 
 struct Config {
   ServerConfig server;
+  WebConfig web;
   AdminConfig admin;
   ScenesConfig scenes;
   RenderConfig render;
   EncodeConfig encode;
   SchedulerConfig scheduler;
+  FleetConfig fleet;
   std::vector<TenantConfig> tenants{{.name = kDefaultTenant}};  // TenantId is the index
   LogConfig log;
   ConfigValues values = {};  // what the file and the overrides say, for changes_between()

@@ -1,6 +1,8 @@
 #include "daemon/config/config_keys.h"
 
 #include <asio/ip/address.hpp>
+#include <asio/ip/network_v4.hpp>
+#include <asio/ip/network_v6.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -58,6 +60,20 @@ std::optional<std::string> parse_address(const YAML::Node& node) {
   asio::error_code error;
   if (text) asio::ip::make_address(*text, error);
   return text && !error ? text : std::nullopt;
+}
+
+std::optional<std::string> parse_address_or_network(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  if (!text || text->find('/') == std::string::npos) return parse_address(node);
+  asio::error_code not_v4, not_v6;
+  asio::ip::make_network_v4(*text, not_v4);
+  asio::ip::make_network_v6(*text, not_v6);
+  return !not_v4 || !not_v6 ? text : std::nullopt;
+}
+
+std::optional<std::string> parse_address_or_none(const YAML::Node& node) {
+  auto text = any_scalar(node);
+  return text && text->empty() ? text : parse_address(node);
 }
 
 template <class T>
@@ -163,6 +179,20 @@ Keys<ServerConfig> server_keys() {
       integer("connections_per_s", &S::connections_per_s, 1, 1'000'000),
       choice("require_path_validation", &S::require_path_validation, {{"false", false}, {"true", true}}),
       integer("max_session_age_s", &S::max_session_age, 0, kYearS, " (0: no limit)"),
+      scalar("public_address", &S::public_address, "an IPv4 or IPv6 address, or '' for none",
+             parse_address_or_none),
+      scalars("proxies", &S::proxies, "a list of IPv4 or IPv6 addresses, or networks as in 10.0.0.0/8",
+              parse_address_or_network),
+  };
+}
+
+Keys<WebConfig> web_keys() {
+  using W = WebConfig;
+  return {
+      choice("listen", &W::listen, {{"false", false}, {"true", true}}),
+      choice("webtransport", &W::webtransport, {{"false", false}, {"true", true}}),
+      scalars("hosts", &W::hosts, "a list of host names, each with or without a colon and a port", parse_text),
+      integer("progress_timeout_ms", &W::progress_timeout, 100, kHourMs),
   };
 }
 
@@ -201,6 +231,8 @@ Keys<ScenesConfig> scenes_keys() {
       sections("list", &ScenesConfig::list, std::move(item), finish_scene),
       scalars("allow_files", &ScenesConfig::allow_files, "a list of folders", parse_path),
       integer("clock_hz", &ScenesConfig::clock_hz, 1, 1000),
+      choice("clock", &ScenesConfig::clock,
+             {{"auto", SceneClock::by_fleet}, {"start", SceneClock::start}, {"wall", SceneClock::wall}}),
       integer("light_rest_ms", &ScenesConfig::light_rest, 0, kHourMs),
       integer("worker_memory_mb", &ScenesConfig::worker_memory_mb, 256, 1 << 20),
       integer("worker_time_s", &ScenesConfig::worker_time, 1, 86'400),
@@ -237,6 +269,16 @@ Keys<EncodeConfig> encode_keys() {
              {{"tiles_lz4", CodecId::tiles_lz4},
               {"tiles_context", CodecId::tiles_context},
               {"raw32_lz4", CodecId::raw32_lz4}}),
+  };
+}
+
+Keys<FleetConfig> fleet_keys() {
+  using F = FleetConfig;
+  return {
+      scalar("door_listen", &F::door_listen, "an IPv4 or IPv6 address of this machine, or '' for none",
+             parse_address_or_none),
+      port("door_port", &F::door_port),
+      integer("assumed_rate_hz", &F::assumed_rate_hz, 1, 1000),
   };
 }
 
@@ -299,11 +341,13 @@ Keys<Config> all_keys() {
   };
   return {
       section("server", &Config::server, server_keys()),
+      section("web", &Config::web, web_keys()),
       section("admin", &Config::admin, admin_keys()),
       section("scenes", &Config::scenes, scenes_keys()),
       section("render", &Config::render, render_keys()),
       section("encode", &Config::encode, encode_keys()),
       section("scheduler", &Config::scheduler, std::move(scheduler)),
+      section("fleet", &Config::fleet, fleet_keys()),
       sections("tenants", &Config::tenants, std::move(tenant), finish_tenant),
       section("log", &Config::log, log_keys()),
   };

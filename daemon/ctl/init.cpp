@@ -109,6 +109,8 @@ class Installation {
     const bool v6 = host.find(':') != std::string::npos;
     return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(request_.port);
   }
+  bool serves_browsers() const { return request_.browsers.value_or(false); }
+  std::string words_about_browsers() const;
   // What the daemon reads is root's, and where the folder has a group of its own, that group's too.
   mode_t credential_mode() const { return geteuid() == 0 ? 0640 : 0600; }
 
@@ -159,6 +161,7 @@ Result<void> Installation::write_config() {
   for (const SceneEntry& scene : scenes_) {
     text << "    - name: " << quoted(scene.name) << "\n      file: " << quoted(scene.file) << "\n";
   }
+  if (serves_browsers()) text << "web:\n  listen: true\n";
   text << "tenants:\n";
   for (const std::string& tenant : request_.tenants) {
     text << "  - name: " << quoted(tenant)
@@ -185,6 +188,16 @@ Result<void> Installation::write_drop_in() {
                     0644);
 }
 
+std::string Installation::words_about_browsers() const {
+  if (!serves_browsers()) {
+    return "Browsers are not served; `web: {listen: true}` in " + config().string() +
+           ", or --browsers here, turns the viewer on.\n";
+  }
+  return "   A browser opens the scene, once it trusts the folder's ca.pem as an authority, at\n     https://" +
+         reached_at() + "/#scene=" + scenes_.front().name + "&tenant=" + request_.tenants.front() +
+         "\n   and asks for the token, which stays in that tab.\n";
+}
+
 std::string Installation::next_steps() const {
   const std::string port = std::to_string(request_.port);
   const std::string checks = "gnomond --config " + config().string() + " --check-config";
@@ -208,9 +221,11 @@ std::string Installation::next_steps() const {
       << "   Within it, a client is started with\n     gnomon-client --server " << reached_at()
       << " --ca ca.pem --tenant " << request_.tenants.front() << " --token-file token --scene "
       << scenes_.front().name << " --size 960x540\n"
-      << "4. Move " << (private_folder() / "ca-key.pem").string()
+      << (serves_browsers() ? words_about_browsers() : "") << "4. Move "
+      << (private_folder() / "ca-key.pem").string()
       << " off this machine: it makes certificates for anybody. `gnomonctl init` needs it there to make another one"
-      << " before " << request_.days << " days are over.\n";
+      << " before " << request_.days << " days are over.\n"
+      << (serves_browsers() ? "" : "\n" + words_about_browsers());
   for (const SceneEntry& scene : scenes_) {
     for (const char* hidden : kHidden) {
       if (packaged() && scene.file.starts_with(hidden)) {
@@ -250,6 +265,13 @@ void ask_for_missing(InitRequest& request, std::istream& in, std::ostream& out) 
   ask(request.hosts, "Names and addresses by which clients reach this machine", host_name(), in, out);
   ask(request.tenants, "Tenants, whose clients are served", "default", in, out);
   ask(request.scenes, "Scenes: living_room, temple, NAME=FILE or FILE", "living_room temple", in, out);
+  if (request.browsers) return;
+  std::vector<std::string> answer;
+  ask(answer,
+      "Serve browsers too, at https://" + request.hosts.front() + ":" + std::to_string(request.port) +
+          "/ (yes, no)",
+      "no", in, out);
+  request.browsers = answer.front() == "yes" || answer.front() == "y";
 }
 
 Result<std::string> init(const InitRequest& asked) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct InitRequest {
   std::vector<std::string> scenes = {};   // NAME of a built-in one, NAME=FILE or FILE; empty: the built-in ones
   std::string listen = "0.0.0.0";         // address of the clients' ports
   uint16_t port = 7600;
-  uint32_t days = 365;  // how long the server's certificate lasts
+  uint32_t days = 365;                // how long the server's certificate lasts
+  std::optional<bool> browsers = {};  // whether they are served too (`web.listen`); unsaid: they are not
   std::filesystem::path systemd =
       {};  // for the socket's drop-in; empty: the system's for /etc/gnomon, else below `out`
 };

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "daemon/ctl/admin_client.h"
+#include "daemon/ctl/fleet.h"
+#include "daemon/ctl/fleet_nodes.h"
 #include "daemon/ctl/init.h"
 #include "daemon/ctl/scene_load.h"
 #include "daemon/ctl/secrets.h"
@@ -31,6 +33,10 @@ struct Arguments {
   uint32_t count = 0;
   CertsRequest certs;
   InitRequest init;
+  DoorRequest door;
+  std::string fleet, node;
+  uint32_t light = 0;
+  nlohmann::json light_change = nlohmann::json::object();
 };
 
 using Command = std::function<Result<void>(const Arguments&)>;
@@ -38,13 +44,20 @@ using View = std::string (*)(const nlohmann::json&);
 
 void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
 
-Result<AdminClient> client(const Arguments& arguments) {
+Result<AdminAccess> access_of(const Arguments& arguments) {
   AdminAccess access = arguments.admin;
   if (!arguments.token_file.empty()) {
     std::ifstream file(arguments.token_file);
     if (!std::getline(file, access.token)) return Error{arguments.token_file + ": cannot be read"};
   }
-  return AdminClient(std::move(access));
+  return access;
+}
+
+Result<AdminClient> client(const Arguments& arguments) {
+  if (!arguments.fleet.empty()) return Error{"--fleet: allowed with status, drain, undrain and scene light"};
+  auto access = access_of(arguments);
+  if (!access) return access.error();
+  return AdminClient(std::move(*access));
 }
 
 // ASCII alone, as others chose the names in it.
@@ -71,6 +84,67 @@ Result<void> post(const Arguments& arguments, const std::string& path,
   if (!answer) return answer.error();
   print(arguments.json ? json_text({{"answer", *answer}}, -1) : *answer + "\n");
   return {};
+}
+
+// The nodes that answer are shown even if others do not, which the exit status says.
+Result<void> show_fleet(const Arguments& arguments) {
+  const auto nodes = fleet_nodes(arguments.fleet);
+  if (!nodes) return nodes.error();
+  const auto access = access_of(arguments);
+  if (!access) return access.error();
+  const auto fleet = status_of(*nodes, *access);
+  print(arguments.json ? json_text(fleet_json(fleet), 2) : fleet_text(fleet));
+  std::string missing;
+  for (const NodeStatus& node : fleet) {
+    if (!node.status) missing += (missing.empty() ? "" : "\n") + node.name + ": " + node.status.error().message;
+  }
+  if (!missing.empty()) return Error{missing};
+  return {};
+}
+
+// Prints what each has answered.
+Result<void> post_to_fleet(const Arguments& arguments, const std::vector<FleetNode>& nodes,
+                           const AdminAccess& access, const std::string& path, const nlohmann::json& body) {
+  std::string failed;
+  auto answers = nlohmann::json::array();
+  for (const NodeAnswer& node : post_to(nodes, access, path, body)) {
+    if (!node.answer) {
+      failed += (failed.empty() ? "" : "\n") + node.name + ": " + node.answer.error().message;
+    } else if (arguments.json) {
+      answers.push_back({{"node", node.name}, {"answer", *node.answer}});
+    } else {
+      print(node.name + ": " + *node.answer + "\n");
+    }
+  }
+  if (arguments.json) print(json_text(answers, -1));
+  if (!failed.empty()) return Error{failed};
+  return {};
+}
+
+Command drains(const char* path) {
+  return [path](const Arguments& arguments) -> Result<void> {
+    if (arguments.fleet.empty()) return post(arguments, path);
+    const auto nodes = fleet_nodes(arguments.fleet);
+    if (!nodes) return nodes.error();
+    const auto node = node_named(*nodes, arguments.node);
+    if (!node) return node.error();
+    const auto access = access_of(arguments);
+    if (!access) return access.error();
+    return post_to_fleet(arguments, {*node}, *access, path, nlohmann::json::object());
+  };
+}
+
+Result<void> change_light(const Arguments& arguments) {
+  const std::string path = "/scenes/" + arguments.scene + "/lights/" + std::to_string(arguments.light);
+  if (arguments.light_change.empty()) return Error{"nothing is to be changed; --help says what can be"};
+  if (arguments.fleet.empty()) return post(arguments, path, arguments.light_change);
+  const auto nodes = fleet_nodes(arguments.fleet);
+  if (!nodes) return nodes.error();
+  const auto access = access_of(arguments);
+  if (!access) return access.error();
+  const auto having = nodes_with(*nodes, status_of(*nodes, *access), arguments.scene);
+  if (!having) return having.error();
+  return post_to_fleet(arguments, *having, *access, path, arguments.light_change);
 }
 
 Result<void> kick(const Arguments& arguments) {
@@ -112,6 +186,29 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   CLI::App* scene = add(app, chosen, "scene", "List, load or unload scenes", nullptr);
   scene->require_subcommand(1);
   add(*scene, chosen, "list", "The scenes on the device", show(scenes_text, "scenes"));
+  CLI::App* light =
+      add(*scene, chosen, "light", "Change a light of a scene; with --fleet on every node", change_light);
+  light->add_option("NAME", arguments.scene, "As clients ask for it")->required()->type_name("SCENE");
+  light->add_option("NUMBER", arguments.light, "Its place in the scene's list, from 0")->required();
+  nlohmann::json& change = arguments.light_change;
+  light->add_flag_callback(
+      "--on", [&change] { change["on"] = true; }, "As bright as in its file");
+  light
+      ->add_flag_callback(
+          "--off", [&change] { change["on"] = false; }, "Dark")
+      ->excludes("--on");
+  light
+      ->add_option_function<double>(
+          "--intensity", [&change](double to) { change["intensity"] = to; }, "Candela, or lux of a directional one")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
+  light
+      ->add_option_function<std::vector<double>>(
+          "--color", [&change](const auto& to) { change["color"] = to; },
+          "Linear, three numbers from 0 to 1 with commas")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("R,G,B");
   CLI::App* both[] = {
       add(*scene, chosen, "load", "Bring a scene of the configuration to the device; shows how far it is", load),
       add(*scene, chosen, "unload",
@@ -134,7 +231,8 @@ void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
 }
 
 void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
-  add(app, chosen, "status", "Devices, scenes and tenants", show(status_text, ""));
+  add(app, chosen, "status", "Devices, scenes and tenants; with --fleet the nodes",
+      [](const Arguments& a) { return a.fleet.empty() ? show(status_text, "")(a) : show_fleet(a); });
   add(app, chosen, "sessions", "Open sessions with their latencies", show(sessions_text, "sessions"));
   CLI::App* top_command = add(app, chosen, "top", "A live table of tenants and sessions", live);
   top_command->add_option("--interval", arguments.interval_s, "Seconds between two tables")
@@ -144,9 +242,12 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
       ->type_name("N");
   add(app, chosen, "reload", "Read the configuration again; no session is dropped",
       [](const Arguments& a) { return post(a, "/reload"); });
-  add(app, chosen, "drain", "Admit nobody, and serve those who are here on",
-      [](const Arguments& a) { return post(a, "/drain"); });
-  add(app, chosen, "undrain", "Admit clients again", [](const Arguments& a) { return post(a, "/undrain"); });
+  CLI::App* both[] = {
+      add(app, chosen, "drain", "Admit nobody, serve those who are here on, and ask clients of a fleet to move",
+          drains("/drain")),
+      add(app, chosen, "undrain", "Admit clients again", drains("/undrain"))};
+  for (CLI::App* each : both)
+    each->add_option("--node", arguments.node, "With --fleet: which one")->type_name("NAME");
   add(app, chosen, "stop", "Admit nobody, tell the clients, then end the daemon",
       [](const Arguments& a) { return post(a, "/stop"); });
   CLI::App* kick_command = add(app, chosen, "kick", "Close a session and keep its client out for a time", kick);
@@ -193,8 +294,32 @@ void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
   command->add_option("--days", request.days, "How long the server's certificate lasts")
       ->check(CLI::Range(1u, 3650u))
       ->type_name("DAYS");
+  command->add_flag("--browsers,!--no-browsers", request.browsers,
+                    "Serve the viewer for browsers too (web.listen)");
   command->add_option("--systemd", request.systemd, "Folder of units, for the socket's drop-in; else the system's")
       ->type_name("DIR");
+}
+
+void add_fleet_commands(CLI::App& app, Command& chosen, DoorRequest& door) {
+  CLI::App* fleet = add(app, chosen, "fleet", "Make what a fleet of many nodes needs", nullptr);
+  fleet->require_subcommand(1);
+  CLI::App* haproxy = add(*fleet, chosen, "haproxy", "Write the configuration of HAProxy, which is its door",
+                          [](const Arguments& a) -> Result<void> {
+                            const auto text = haproxy_text(a.door);
+                            if (!text) return text.error();
+                            print(*text);
+                            return {};
+                          });
+  haproxy->add_option("--node", door.nodes, "A node's name and control address; several in turn")
+      ->required()
+      ->type_name("NAME=HOST[:PORT]");
+  haproxy->add_option("--listen", door.listen, "Where clients come")->type_name("[ADDRESS]:PORT");
+  haproxy->add_option("--door-port", door.door_port, "The nodes' fleet.door_port")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("N");
+  haproxy->add_option("--max-connections", door.max_connections, "Sessions and those that are on their way to one")
+      ->check(CLI::Range(1u, 1'000'000u))
+      ->type_name("N");
 }
 
 void add_secret_commands(CLI::App& app, Command& chosen, CertsRequest& request) {
@@ -209,6 +334,8 @@ void add_secret_commands(CLI::App& app, Command& chosen, CertsRequest& request) 
   certs->add_option("--host", request.hosts, "Name or address by which clients reach the server")
       ->required()
       ->type_name("HOST");
+  certs->add_option("--fleet", request.fleet, "Fleet that the server is of: its name, and those of its scenes")
+      ->type_name("NAME");
   certs->add_option("--client", request.tenants, "Tenant whose clients get a certificate, in the place of a token")
       ->type_name("NAME");
   certs->add_option("--days", request.days, "How long they last")->check(CLI::Range(1u, 3650u))->type_name("DAYS");
@@ -236,12 +363,18 @@ int run(int argc, char** argv) {
                  "Who signed its certificate, for https; else whom the system trusts")
       ->type_name("FILE")
       ->envname("GNOMON_ADMIN_CA");
+  app.add_option(
+         "--fleet", arguments.fleet,
+         "The nodes of a fleet, in the place of --admin: a file with lines NAME ADDRESS, or NAME=ADDRESS,...")
+      ->type_name("FILE|NODES")
+      ->envname("GNOMON_FLEET");
   app.add_flag("--json", arguments.json, "For programs");
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);
   add_commands(app, chosen, arguments);
   add_init_command(app, chosen, arguments.init);
   add_secret_commands(app, chosen, arguments.certs);
+  add_fleet_commands(app, chosen, arguments.door);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& ended) {

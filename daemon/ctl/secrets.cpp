@@ -35,7 +35,9 @@ class Folder {
 
   Result<void> fill() {
     if (auto done = open_authority(); !done) return done;
-    if (auto done = make("server", {.name = request_.hosts.front(), .hosts = request_.hosts}); !done) return done;
+    std::vector<std::string> hosts = request_.hosts;
+    if (!request_.fleet.empty()) hosts.insert(hosts.end(), {request_.fleet, "*." + request_.fleet});
+    if (auto done = make("server", {.name = hosts.front(), .hosts = hosts}); !done) return done;
     for (const std::string& tenant : request_.tenants) {
       if (auto done = make(tenant, {.name = tenant, .hosts = {}, .use = Use::client}); !done) return done;
     }

@@ -12,8 +12,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, kSessionColumns> kTitles = {"SESSION", "TENANT",    "SCENE",   ">SIZE",
-                                                              ">VBPS",   ">QUEUE ms", ">GPU ms", ">TOTAL ms"};
+constexpr std::array<const char*, kSessionColumns> kTitles = {
+    "SESSION", "TENANT", "SCENE", "TRANSPORT", ">SIZE", ">VBPS", ">QUEUE ms", ">GPU ms", ">TOTAL ms"};
 
 struct Rated {
   const json* session;
@@ -57,6 +57,7 @@ const char* name_key(SessionColumn column) {
     case SessionColumn::session: return "id";
     case SessionColumn::tenant: return "tenant";
     case SessionColumn::scene: return "scene";
+    case SessionColumn::transport: return "transport";
     default: return nullptr;
   }
 }
@@ -104,8 +105,8 @@ std::vector<std::string> session_lines(const std::vector<Rated>& rows, const Ses
   for (const Rated& each : rows) {
     const json& s = *each.session;
     if (!is_shown(s, order.filter)) continue;
-    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), fixed(each.vbps, 1),
-               in_ms(s, "queue_us"), in_ms(s, "gpu_us"), in_ms(s, "total_us")});
+    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), text(s, "transport"), size_of(s),
+               fixed(each.vbps, 1), in_ms(s, "queue_us"), in_ms(s, "gpu_us"), in_ms(s, "total_us")});
   }
   return lines_of(table);
 }

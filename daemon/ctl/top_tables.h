@@ -8,8 +8,8 @@
 namespace gnomon::ctl {
 
 // Columns of sessions, in their order. Rows are sorted by one of them.
-enum class SessionColumn { session, tenant, scene, size, vbps, queue, device, total };
-inline constexpr size_t kSessionColumns = 8;
+enum class SessionColumn { session, tenant, scene, transport, size, vbps, queue, device, total };
+inline constexpr size_t kSessionColumns = 9;
 
 // Which sessions are shown, and in which order.
 struct SessionOrder {

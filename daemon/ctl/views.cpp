@@ -68,12 +68,13 @@ std::string scenes_text(const json& status) {
 }
 
 std::string sessions_text(const json& status) {
-  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", "ADDRESS", ">FRAMES", ">COALESCED", ">QUEUE ms", ">GPU ms",
-               ">TOTAL ms"});
+  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", "TRANSPORT", "ADDRESS", ">FRAMES", ">COALESCED", ">QUEUE ms",
+               ">GPU ms", ">TOTAL ms"});
   for (const json& s : list(status, "sessions")) {
-    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), text(s, "address"),
-               whole(s, "frames"), whole(s, "coalesced"), fixed(number(s, "queue_us") / 1000, 1),
-               fixed(number(s, "gpu_us") / 1000, 1), fixed(number(s, "total_us") / 1000, 1)});
+    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), text(s, "transport"),
+               text(s, "address"), whole(s, "frames"), whole(s, "coalesced"),
+               fixed(number(s, "queue_us") / 1000, 1), fixed(number(s, "gpu_us") / 1000, 1),
+               fixed(number(s, "total_us") / 1000, 1)});
   }
   return table.text();
 }

@@ -22,6 +22,7 @@ class DeviceMetrics {
   void busy(uint32_t device, Nanoseconds gpu_time);
   void lost(uint32_t device);
   void up(uint32_t device, bool up);
+  void load(uint32_t device, double load);            // 1 is all of the device
   void sessions(uint32_t device, uint32_t sessions);  // no series where there is one device
 
  private:
@@ -29,6 +30,7 @@ class DeviceMetrics {
     prometheus::Counter& busy;
     prometheus::Gauge& up;
     prometheus::Counter& losses;
+    prometheus::Gauge& load;
     prometheus::Gauge* sessions;  // nullptr where there is one device
   };
   std::vector<Series> devices_;

@@ -21,6 +21,8 @@ struct Health {
   // When every render thread was last found alive; max: not checked yet.
   std::atomic<TimePoint> alive_at{TimePoint::max()};
 
+  // Whether frames are answered, those of sessions that there are if no others are let in.
+  bool serves(TimePoint now) const { return scenes_loaded && device_up && !hangs(now); }
   bool admits() const { return !draining && !stopping; }
   bool ready() const { return scenes_loaded && device_up && admits(); }
   bool hangs(TimePoint now) const { return now > alive_at.load() && now - alive_at.load() > kHung; }

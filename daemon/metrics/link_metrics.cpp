@@ -23,7 +23,8 @@ const Histogram::BucketBoundaries kDelays{0.005, 0.02, 0.1, 0.5};
 }  // namespace
 
 LinkMetrics::LinkMetrics(prometheus::Registry& registry)
-    : sent_(counter(registry, "gnomon_datagrams_sent_total", "Datagrams sent to clients.")),
+    : transports(registry),
+      sent_(counter(registry, "gnomon_datagrams_sent_total", "Datagrams sent to clients.")),
       lost_(counter(registry, "gnomon_datagrams_lost_total", "Of these, lost by what the clients report.")),
       retransmitted_(counter(registry, "gnomon_datagrams_retransmitted_total", "Datagrams that were sent again.")),
       parity_(counter(registry, "gnomon_datagrams_parity_total", "Datagrams of parity sent.")),

@@ -7,6 +7,7 @@
 #include <prometheus/registry.h>
 
 #include "daemon/metrics/link_report.h"
+#include "daemon/metrics/transport_metrics.h"
 
 namespace gnomon::daemon {
 
@@ -16,6 +17,8 @@ class LinkMetrics {
   explicit LinkMetrics(prometheus::Registry& registry);
 
   void count(const LinkReport& report);
+
+  TransportMetrics transports;
 
  private:
   prometheus::Counter &sent_, &lost_, &retransmitted_, &parity_, &recovered_, &incomplete_;

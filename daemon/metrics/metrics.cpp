@@ -118,7 +118,7 @@ void Metrics::dropped(TenantId tenant, SessionId session, Fault fault, const std
 
 void Metrics::degraded(bool down) { (down ? families_->degraded : families_->restored).Increment(); }
 
-void Metrics::link(const LinkReport& report) { families_->links.count(report); }
+LinkMetrics& Metrics::links() { return families_->links; }
 
 void Metrics::refused(TenantId tenant, std::string_view limit) {
   const prometheus::Labels labels{{"tenant", families_->names[tenant.value]}, {"limit", std::string(limit)}};

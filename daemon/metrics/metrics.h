@@ -13,6 +13,7 @@
 #include "daemon/frame/frame.h"
 #include "daemon/metrics/device_metrics.h"
 #include "daemon/metrics/faults.h"
+#include "daemon/metrics/link_metrics.h"
 #include "daemon/metrics/link_report.h"
 #include "daemon/metrics/operation_metrics.h"
 #include "daemon/metrics/scene_metrics.h"
@@ -60,7 +61,7 @@ class Metrics {
   const std::string& name(TenantId tenant) const;
   void shares(const ShareReport& report);
   void degraded(bool down);
-  void link(const LinkReport& report);
+  LinkMetrics& links();
   void refused(TenantId tenant, std::string_view limit);
 
   TenantTotals totals(TenantId tenant) const;

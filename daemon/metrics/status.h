@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/ids.h"
+#include "daemon/metrics/transport_metrics.h"
 #include "gpu/renderer.h"
 #include "protocol/messages.h"
 #include "scheduler/cost_model.h"
@@ -39,7 +40,8 @@ struct SessionStatus {
   SessionId id;
   TenantId tenant;
   std::string scene;
-  std::string address;  // of its datagrams; empty until a valid one has arrived
+  Transport transport = Transport::udp;
+  std::string address;  // where frames go; empty until a valid datagram has arrived from there
   uint32_t width = 0;
   uint32_t height = 0;
   protocol::Stats stats;

@@ -7,6 +7,7 @@
 
 #include "common/within_memory.h"
 #include "daemon/net/answer.h"
+#include "daemon/net/web_exchange.h"
 #include "daemon/net/words_for_clients.h"
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/credentials.h"
@@ -33,9 +34,9 @@ Admission::Admission(const NetShared& shared, uint16_t data_port, asio::io_conte
                      PendingConnections& pending)
     : shared_(shared), data_port_(data_port), io_(io), control_(control), pending_(pending) {}
 
-void Admission::on_accept(asio::ip::tcp::socket socket) {
+void Admission::on_accept(asio::ip::tcp::socket socket, const asio::ip::address& client) {
   const std::shared_ptr<Tls> tls = *shared_.tls.get();
-  auto stream = std::make_shared<ControlStream>(std::move(socket), tls->context, kMaxClientMessageBytes);
+  auto stream = std::make_shared<ControlStream>(std::move(socket), client, tls->context, kMaxClientMessageBytes);
   const auto deadline = Clock::now() + shared_.config.server.handshake_timeout;
   if (const PendingConnection pushed_out = pending_.add(stream, deadline); pushed_out.stream) {
     if (!pushed_out.leaving) {
@@ -49,13 +50,18 @@ void Admission::on_accept(asio::ip::tcp::socket socket) {
         on_first_message(from, std::move(message));
       },
       std::stop_source(std::nostopstate));
+  if (shared_.web) {
+    stream->listen_to_browser(std::make_shared<WebExchange>(shared_, io_, pending_, *stream));
+  }
   stream->start();
 }
 
 void Admission::close_overdue(TimePoint now) {
   for (const PendingConnection& connection : pending_.expire(now)) {
-    if (!connection.leaving) {
-      shared_.metrics.report(Fault::handshake_timeout, {{"address", connection.stream->peer().to_string()}});
+    const bool leaves = connection.leaving || connection.stream->is_idle_browser();
+    if (!leaves) {
+      const Fault fault = connection.stream->is_browser() ? Fault::web_stalled : Fault::handshake_timeout;
+      shared_.metrics.report(fault, {{"address", connection.stream->peer().to_string()}});
     }
     connection.stream->close();
   }
@@ -192,7 +198,7 @@ asio::awaitable<void> Admission::tell_what_it_waits_for(StreamPtr stream, std::s
     timer.expires_after(pause);
     co_await timer.async_wait(asio::use_awaitable);
     if (!pending_.is_waiting(stream.get())) co_return;
-    stream->send(protocol::Waiting{what_is_waited_for(shared_.health, shared_.scenes.under_way(scene))});
+    stream->send(protocol::Waiting{what_is_waited_for(shared_.health, under_way(shared_.scenes, scene))});
   }
 }
 
@@ -275,6 +281,8 @@ Admission::Verdict Admission::open(Applicant& applicant) {
                                           .scene_use = std::move(applicant.scene.use)},
                                          applicant.stream);
   send_welcome(*applicant.stream, session, applicant.scene);
+  control_.offer_web_transport(session);
+  if (shared_.health.draining) control_.ask_to_move(id, true);  // it has missed that while it was away
   const SessionGrant& grant = session.grant();
   log::info(resumed ? "session resumed" : "session opened",
             {{"session", id.value},
@@ -330,6 +338,10 @@ void Admission::send_welcome(ControlStream& stream, const Session& session,
   welcome.scene.lights = gpu::to_wire(update.lights);
   welcome.lights_version = update.version;
   welcome.motions = gpu::to_wire(shared_.catalog.get()->motions(grant.scene_name));
+  if (grant.has(protocol::kFeatureFleet)) {
+    welcome.data_host = welcome.home_host = shared_.config.server.public_address;
+    welcome.home_port = stream.reached().port();
+  }
   stream.send(welcome);
 }
 
@@ -342,7 +354,7 @@ void Admission::listen(const StreamPtr& stream, OnMessage on_message, std::stop_
       },
       [this, weak, departure](Fault fault, const std::string& why) {
         const auto from = weak.lock();
-        if (from && pending_.remove(from.get())) {
+        if (from && pending_.remove(from.get()) && !from->is_idle_browser()) {
           shared_.metrics.report(fault, {{"why", why}, {"address", from->peer().to_string()}});
         }
         departure.request_stop();

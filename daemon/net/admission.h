@@ -31,8 +31,9 @@ class Admission {
   Admission(const NetShared& shared, uint16_t data_port, asio::io_context& io, SessionControl& control,
             PendingConnections& pending);
 
-  void on_accept(asio::ip::tcp::socket socket);  // its executor is that of `io`
-  void close_overdue(TimePoint now);             // connections that have not become a session in time
+  // The socket's executor is that of `io`. `client`: who is at its other end, or at that of a proxy.
+  void on_accept(asio::ip::tcp::socket socket, const asio::ip::address& client);
+  void close_overdue(TimePoint now);  // connections that have not become a session in time
 
  private:
   using StreamPtr = std::shared_ptr<ControlStream>;

@@ -5,8 +5,8 @@
 
 namespace gnomon::daemon {
 
-Result<void> DaemonCertificates::open(const ServerConfig& config) {
-  auto tls = open_tls(config);
+Result<void> DaemonCertificates::open(const ServerConfig& config, bool browsers) {
+  auto tls = open_tls(config, browsers);
   if (!tls) return tls.error();
   if ((*tls)->expires <= wall_now()) {
     log::error("no client will connect",

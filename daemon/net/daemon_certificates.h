@@ -16,7 +16,7 @@ class DaemonCertificates {
  public:
   explicit DaemonCertificates(Metrics& metrics) : metrics_(metrics) {}
 
-  Result<void> open(const ServerConfig& config);
+  Result<void> open(const ServerConfig& config, bool browsers);
   // Returns what stays as it was, and why.
   std::vector<Error> reopen(const ServerConfig& config);
 

@@ -24,9 +24,11 @@ class DataSocket {
   static Result<std::unique_ptr<DataSocket>> open(asio::io_context& io, const asio::ip::udp::endpoint& local);
 
   uint16_t port() const { return port_; }
+  asio::ip::udp::endpoint local() const { return socket_.local_endpoint(); }
 
-  // Called for each datagram, which is valid during the call. A datagram longer than kMaxDatagramBytes is truncated to
-  // kMaxDatagramBytes + 1, so that the callee can recognise it.
+  // Called for each datagram, which is valid during the call. A datagram longer than kLongestBytes is truncated to that.
+  static constexpr size_t kLongestBytes =
+      1500;  // as long as QUIC's may be (daemon/quic/connection.cpp); ours are shorter
   using OnDatagram = std::function<void(std::span<const uint8_t>, const asio::ip::udp::endpoint& from)>;
   void start(OnDatagram on_datagram);
   void close();
@@ -53,7 +55,7 @@ class DataSocket {
   uint16_t port_ = 0;
   bool segments_ = false;
   OnDatagram on_datagram_;
-  std::array<std::array<uint8_t, protocol::kMaxDatagramBytes + 1>, kBatch> buffers_;
+  std::array<std::array<uint8_t, kLongestBytes>, kBatch> buffers_;
 };
 
 }  // namespace gnomon::daemon

@@ -42,6 +42,10 @@ std::vector<Error> check_listening(const Config& config) {
     add("server.listen", server.listen, "server.data_port", given ? uint16_t{0} : server.data_port,
         try_bind<asio::ip::udp>);
   }
+  if (!config.fleet.door_listen.empty()) {
+    add("fleet.door_listen", config.fleet.door_listen, "fleet.door_port", config.fleet.door_port,
+        try_bind<asio::ip::tcp>);
+  }
   add("admin.listen", config.admin.listen, "admin.port", config.admin.port, try_bind<asio::ip::tcp>);
   return errors;
 }

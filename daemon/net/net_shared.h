@@ -12,8 +12,10 @@
 #include "daemon/metrics/health.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/net/tls.h"
+#include "daemon/net/web_service.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/scenes/scene_host.h"
+#include "daemon/scenes/scene_packs.h"
 #include "daemon/session/credentials.h"
 #include "daemon/session/kept_out.h"
 #include "daemon/session/session_limits.h"
@@ -35,6 +37,8 @@ struct NetShared {
   SessionStore& store;
   DevicePool& devices;
   Metrics& metrics;
+  const WebService* web = nullptr;  // nullptr: browsers are not served
+  ScenePacks* packs = nullptr;      // set where `web` is
 };
 
 // What an operator closes a session with.

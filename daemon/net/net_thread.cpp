@@ -83,6 +83,7 @@ void NetThread::review(TimePoint now) {
   control_.close_silent(now);
   if (now >= next_review_) {
     control_.close_unwelcome();
+    links_.web_transport().review(now);
     next_review_ = now + kReview;
   }
   if (index_ == 0) shared_.store.expire(now);
@@ -90,8 +91,10 @@ void NetThread::review(TimePoint now) {
   statistics_.tick(now);
 }
 
-void NetThread::adopt(asio::ip::tcp::socket socket) {
-  asio::post(io_, [this, socket = std::move(socket)]() mutable { admission_->on_accept(std::move(socket)); });
+void NetThread::adopt(asio::ip::tcp::socket socket, const asio::ip::address& client) {
+  asio::post(io_, [this, client, socket = std::move(socket)]() mutable {
+    admission_->on_accept(std::move(socket), client);
+  });
 }
 
 void NetThread::deliver(EncodedFrame frame) {
@@ -125,6 +128,10 @@ bool NetThread::kick(SessionId id, const Kick& kick) {
 
 void NetThread::announce_drain(std::chrono::milliseconds deadline) {
   asio::post(io_, [this, deadline] { control_.announce_drain(deadline); });
+}
+
+void NetThread::ask_to_move(bool move) {
+  asio::post(io_, [this, move] { control_.ask_to_move(move); });
 }
 
 void NetThread::announce_lights(const LightsUpdate& update) {

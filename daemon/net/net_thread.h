@@ -35,11 +35,13 @@ class NetThread {
   void run();  // starts the thread
 
   // Any thread; the blocking calls any thread but this one.
-  void adopt(asio::ip::tcp::socket socket);  // the socket's executor is that of io()
-  void deliver(EncodedFrame frame);          // dropped and counted if too many frames wait
+  // The socket's executor is that of io(). `client`: who is at its other end, or at that of a proxy.
+  void adopt(asio::ip::tcp::socket socket, const asio::ip::address& client);
+  void deliver(EncodedFrame frame);  // dropped and counted if too many frames wait
   void notify(const SessionDegraded& session);
   bool kick(SessionId id, const Kick& kick);  // false if the session is not here. Blocks
   void announce_drain(std::chrono::milliseconds deadline);
+  void ask_to_move(bool move);                       // the clients of a fleet: to another node of it
   void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
   void close_unwelcome();                            // at once the sessions that may not go on after a reload
   // Ends the thread; blocks until it has ended. `for_good`: every session is closed; otherwise those that can be

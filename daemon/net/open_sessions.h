@@ -40,7 +40,16 @@ class OpenSessions {
 
   // Whether frames can be sent to the client now: over the control connection or to its UDP address.
   bool is_reachable(Session& session) const {
-    return session.by_control() ? stream_of(session.id()) != nullptr : session.path().current().has_value();
+    if (session.way() == Way::web_transport) return true;  // while it is its way, there is a connection
+    return session.way() == Way::control ? stream_of(session.id()) != nullptr
+                                         : session.path().current().has_value();
+  }
+
+  Transport transport_of(Session& session) const {
+    if (session.way() == Way::web_transport) return Transport::webtransport;
+    const ControlStream* const stream = session.way() == Way::control ? stream_of(session.id()) : nullptr;
+    if (!stream) return Transport::udp;
+    return stream->is_browser() ? Transport::websocket : Transport::tcp;
   }
 
   const SessionTable& table() const { return table_; }

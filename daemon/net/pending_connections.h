@@ -40,6 +40,12 @@ class PendingConnections {
     connections_.at(stream).deadline = TimePoint::max();
   }
 
+  // Until when the connection may stay, if it is waiting as a stranger.
+  void set_deadline(const ControlStream* stream, TimePoint deadline) {
+    const auto found = connections_.find(stream);
+    if (found != connections_.end() && !found->second.leaving) found->second.deadline = deadline;
+  }
+
   // Lets the client read the last messages and close the connection, for at most a second. Precondition: the connection
   // is not pending.
   void close_gracefully(const std::shared_ptr<ControlStream>& stream, TimePoint now) {

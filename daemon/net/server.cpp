@@ -39,6 +39,8 @@ Result<std::unique_ptr<tcp::acceptor>> listen(asio::io_context& io, const Server
 
 Server::Server(const NetShared& shared)
     : metrics_(shared.metrics),
+      proxies_(shared.config.server.proxies),
+      patience_(shared.config.server.handshake_timeout),
       rate_(shared.config.server.max_sessions_per_address, shared.config.server.connections_per_s) {}
 
 Result<std::unique_ptr<Server>> Server::open(const NetShared& shared) {
@@ -53,6 +55,9 @@ Result<std::unique_ptr<Server>> Server::open(const NetShared& shared) {
   made->acceptor_ = std::move(*acceptor);
   made->retry_ = std::make_unique<asio::steady_timer>(made->threads_.front()->io());
   made->control_port_ = made->acceptor_->local_endpoint().port();
+  auto door = DoorPort::open(shared, made->threads_.front()->io());
+  if (!door) return door.error();
+  made->door_ = std::move(*door);
   return made;
 }
 
@@ -60,6 +65,7 @@ Server::~Server() { stop(); }
 
 void Server::run() {
   accept();
+  if (door_) door_->accept();
   for (const auto& thread : threads_) thread->run();
 }
 
@@ -77,11 +83,32 @@ void Server::accept() {
 
 void Server::take(NetThread& owner, tcp::socket socket) {
   asio::error_code gone;
-  const auto from = socket.remote_endpoint(gone);
-  if (!gone && !rate_.admit(network_of(from.address()), Clock::now())) {
-    return metrics_.report(Fault::connection_rate, {{"address", from.address().to_string()}});
+  const auto from = socket.remote_endpoint(gone).address();
+  if (gone) return;
+  if (proxies_.contains(from)) return take_from_proxy(owner, std::move(socket), from);
+  hand_on(owner, std::move(socket), from);
+}
+
+// The header is read on the thread that will own the connection; what counts connections belongs to the first one.
+void Server::take_from_proxy(NetThread& owner, tcp::socket socket, const asio::ip::address& proxy) {
+  read_proxy_greeting(
+      std::move(socket), patience_,
+      [this, &owner, proxy](tcp::socket greeted, const Result<asio::ip::address>& client) {
+        if (!client) {
+          return metrics_.report(Fault::proxy_header,
+                                 {{"why", client.error().message}, {"address", proxy.to_string()}});
+        }
+        asio::post(threads_.front()->io(), [this, &owner, client = *client, socket = std::move(greeted)]() mutable {
+          done_or_dropped("a connection", [&] { hand_on(owner, std::move(socket), client); });
+        });
+      });
+}
+
+void Server::hand_on(NetThread& owner, tcp::socket socket, const asio::ip::address& client) {
+  if (!rate_.admit(network_of(client), Clock::now())) {
+    return metrics_.report(Fault::connection_rate, {{"address", client.to_string()}});
   }
-  owner.adopt(std::move(socket));
+  owner.adopt(std::move(socket), client);
 }
 
 // Most likely there are no file descriptors left. Waiting clients stay in the kernel's queue until some are free.
@@ -105,6 +132,10 @@ bool Server::kick(SessionId id, const Kick& kick) {
 
 void Server::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& thread : threads_) thread->announce_drain(deadline);
+}
+
+void Server::ask_to_move(bool move) {
+  for (const auto& thread : threads_) thread->ask_to_move(move);
 }
 
 void Server::announce_lights(const LightsUpdate& update) {

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "daemon/net/connection_rate.h"
+#include "daemon/net/door_port.h"
 #include "daemon/net/net_thread.h"
+#include "daemon/net/proxy_greeting.h"
 
 namespace gnomon::daemon {
 
@@ -19,8 +21,9 @@ class Server {
   ~Server();  // stop()
 
   uint16_t control_port() const { return control_port_; }
-  std::vector<uint16_t> data_ports() const;  // of each net thread
-  void run();                                // starts the net threads
+  std::vector<uint16_t> data_ports() const;                         // of each net thread
+  uint16_t door_port() const { return door_ ? door_->port() : 0; }  // 0: there is none
+  void run();                                                       // starts the net threads
 
   // Any thread.
   void deliver(EncodedFrame frame) {
@@ -30,6 +33,7 @@ class Server {
   void notify(const SessionDegraded& session);
   bool kick(SessionId id, const Kick& kick);  // false if there is no such session. Blocks; not a net thread
   void announce_drain(std::chrono::milliseconds deadline);
+  void ask_to_move(bool move);  // the clients of a fleet: to another node of it
   void announce_lights(const LightsUpdate& update);
   void close_unwelcome();
   std::vector<SessionStatus> sessions() const;
@@ -43,13 +47,18 @@ class Server {
   void accept();
   void accept_later(asio::error_code error);
   void take(NetThread& owner, asio::ip::tcp::socket socket);
+  void take_from_proxy(NetThread& owner, asio::ip::tcp::socket socket, const asio::ip::address& proxy);
+  void hand_on(NetThread& owner, asio::ip::tcp::socket socket, const asio::ip::address& client);
   void stop(bool for_good);
 
   Metrics& metrics_;
-  ConnectionRate rate_;  // used by the first net thread, as are the acceptor, the timer and next_
+  const ProxyAddresses proxies_;
+  const Nanoseconds patience_;  // with a proxy, until its header is there
+  ConnectionRate rate_;         // used by the first net thread, as are the acceptor, the timer and next_
   std::vector<std::unique_ptr<NetThread>> threads_;
   std::unique_ptr<asio::ip::tcp::acceptor> acceptor_;
   std::unique_ptr<asio::steady_timer> retry_;
+  std::unique_ptr<DoorPort> door_;  // nullptr: there is none; of the first net thread
   uint16_t control_port_ = 0;
   size_t next_ = 0;  // net thread that gets the next connection, modulo their number
 };

@@ -24,6 +24,7 @@ const Session& SessionControl::open(SessionParts parts, const std::shared_ptr<Co
   const Session& session = sessions_.add(std::make_unique<Session>(std::move(parts), Clock::now()), stream);
   stream->listen([this, id](const Result<protocol::Message>& message) { on_control_message(id, message); },
                  [this, id](Fault, const std::string& why) { on_control_lost(id, why); });
+  stream->when_room([this, id] { links_.on_room(id); });
   shared_.devices.open({.session = id,
                         .grant = session.grant(),
                         .net_thread = net_thread_,
@@ -35,7 +36,10 @@ const Session& SessionControl::open(SessionParts parts, const std::shared_ptr<Co
 
 void SessionControl::on_control_message(SessionId id, const Result<protocol::Message>& message) {
   if (!message) return close(id, message.error().message);
-  if (std::holds_alternative<protocol::Bye>(*message)) return close(id, "the client said Bye");
+  if (std::holds_alternative<protocol::Bye>(*message)) {
+    if (moving_.erase(id) > 0) shared_.metrics.operation().moved(SessionMove::left);
+    return close(id, "the client said Bye");
+  }
   if (const auto* data = std::get_if<protocol::Data>(&*message)) return links_.receive(*sessions_.find(id), *data);
   close(id, "the client sent a message that only servers send");
 }
@@ -81,6 +85,7 @@ void SessionControl::leave(SessionId id, const std::string& why) {
 std::shared_ptr<ControlStream> SessionControl::drop(SessionId id, const std::string& why) {
   Session& session = *sessions_.find(id);
   const TenantId tenant = session.grant().tenant;
+  if (moving_.erase(id) > 0) shared_.metrics.operation().moved(SessionMove::stayed);
   const protocol::Stats totals = session.totals().take_stats();
   log::info("session closed", {{"session", id.value},
                                {"tenant", shared_.tenants.get()->name(tenant)},
@@ -89,8 +94,8 @@ std::shared_ptr<ControlStream> SessionControl::drop(SessionId id, const std::str
                                {"coalesced", totals.coalesced}});
   shared_.metrics.session_closed(tenant);
   shared_.devices.close(id);
-  shared_.metrics.link(session.take_link_report());
-  links_.pause(id);
+  shared_.metrics.links().count(session.take_link_report());
+  links_.forget(id);
   auto stream = sessions_.take_stream(id);
   sessions_.remove(id);
   return stream;
@@ -134,11 +139,33 @@ void SessionControl::notify(const SessionDegraded& degraded) {
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {
   for (const auto& [id, stream] : sessions_.streams()) {
-    stream->send(protocol::Draining{static_cast<uint32_t>(deadline.count())});
+    tell_to_go(id, *stream, {static_cast<uint32_t>(deadline.count()), protocol::Draining::kMoveNow});
   }
   for (const SessionId id : sessions_.table().not_resumed(TimePoint::max() - 1ns)) {
     close(id, "without a control connection when the server went away");
   }
+}
+
+void SessionControl::ask_to_move(bool move) {
+  for (const auto& [id, stream] : sessions_.streams()) ask_to_move(id, move);
+}
+
+void SessionControl::ask_to_move(SessionId id, bool move) {
+  ControlStream* const stream = sessions_.stream_of(id);
+  if (!stream || !sessions_.find(id)->grant().has(protocol::kFeatureFleet)) return;
+  const uint8_t flags = move ? protocol::Draining::kMoveNow : 0;
+  tell_to_go(id, *stream, {protocol::Draining::kNoDeadline, flags});
+}
+
+// Only a client of a fleet is asked to move: others have no door to ask, and do not know the flag.
+void SessionControl::tell_to_go(SessionId id, ControlStream& stream, protocol::Draining message) {
+  if (!sessions_.find(id)->grant().has(protocol::kFeatureFleet)) message.flags = 0;
+  if (!message.move_now()) {
+    if (moving_.erase(id) > 0) shared_.metrics.operation().moved(SessionMove::kept);
+  } else if (moving_.insert(id).second) {
+    shared_.metrics.operation().moved(SessionMove::asked);
+  }
+  stream.send(message);
 }
 
 void SessionControl::announce_lights(const LightsUpdate& update) {

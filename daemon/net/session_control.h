@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <unordered_set>
 
 #include "daemon/net/pending_connections.h"
 #include "daemon/net/session_links.h"
@@ -21,6 +22,9 @@ class SessionControl {
 
   // Starts to serve the session, controlled by `stream`. Precondition: `stream` is no longer pending.
   const Session& open(SessionParts parts, const std::shared_ptr<ControlStream>& stream);
+
+  // Tells its client, once it has its Welcome, of a way beside the control connection.
+  void offer_web_transport(const Session& session) { links_.web_transport().offer(session); }
 
   // Ends the session for good and sends its client a Bye with the reason and the time for which it is not let in again
   // (0: it may come back). No effect if there is no such session.
@@ -39,12 +43,16 @@ class SessionControl {
   // Messages to clients, over their control connections. Notifications that carry an older generation are ignored.
   void notify(const SessionDegraded& session);
   void announce_drain(std::chrono::milliseconds deadline);
+  // To those with kFeatureFleet: whether they are to move to another node of their fleet.
+  void ask_to_move(bool move);
+  void ask_to_move(SessionId id, bool move);
   void announce_lights(const LightsUpdate& update);  // to the sessions of its scene
 
  private:
   void on_control_message(SessionId id, const Result<protocol::Message>& message);
   void on_control_lost(SessionId id, const std::string& why);
   void leave(SessionId id, const std::string& why);
+  void tell_to_go(SessionId id, ControlStream& stream, protocol::Draining message);
   std::shared_ptr<ControlStream> drop(SessionId id, const std::string& why);
 
   const NetShared& shared_;
@@ -53,6 +61,7 @@ class SessionControl {
   OpenSessions& sessions_;
   SessionLinks& links_;
   PendingConnections& pending_;
+  std::unordered_set<SessionId> moving_;  // whose clients were asked to move
 };
 
 }  // namespace gnomon::daemon

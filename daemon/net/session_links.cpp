@@ -17,18 +17,25 @@ Result<void> SessionLinks::open(const asio::ip::udp::endpoint& local) {
   auto socket = DataSocket::open(io_, local);
   if (!socket) return socket.error();
   data_ = std::move(*socket);
-  return {};
+  web_transport_.listen(
+      {[this](Session& session, const protocol::Data& data) { receive(session, data, Way::web_transport); },
+       [this](Session& session) { serve(session); }});
+  return web_transport_.open(*data_);
 }
 
 void SessionLinks::start() {
   data_->start([this](auto datagram, const auto& from) { receive(datagram, from); });
 }
 
-void SessionLinks::close() { data_->close(); }
+void SessionLinks::close() {
+  web_transport_.close();
+  data_->close();
+}
 
 void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from) {
   Metrics& metrics = shared_.metrics;
   metrics.datagram_received();
+  if (web_transport_.receive(datagram, from)) return;
   if (datagram.size() > protocol::kMaxDatagramBytes) return metrics.report(Fault::datagram_too_long);
   const auto header = protocol::decode_header(datagram);
   if (!header) return metrics.report(Fault::datagram_header);
@@ -43,8 +50,8 @@ void SessionLinks::receive(std::span<const uint8_t> datagram, const asio::ip::ud
   serve(*session);
 }
 
-void SessionLinks::receive(Session& session, const protocol::Data& data) {
-  const DatagramOutcome received = session.receive(data, Clock::now());
+void SessionLinks::receive(Session& session, const protocol::Data& data, Way way) {
+  const DatagramOutcome received = session.receive(data, Clock::now(), way);
   handle_fault(session, received);
   if (received.ends_session()) return;
   if (received.view) request(session, *received.view);
@@ -56,6 +63,10 @@ void SessionLinks::handle_fault(const Session& session, const DatagramOutcome& r
   if (!received.fault) return;
   shared_.metrics.report(session.grant().tenant, session.id(), *received.fault);
   if (received.ends_session() && ends_) ends_(session.id(), row_of(*received.fault).event);
+}
+
+void SessionLinks::on_room(SessionId id) {
+  if (Session* const session = sessions_.find(id)) serve(*session);
 }
 
 void SessionLinks::request(const Session& session, const ViewRequest& view) {
@@ -81,18 +92,31 @@ void SessionLinks::send(EncodedFrame& frame) {
 // the time of the next call.
 void SessionLinks::serve(Session& session) {
   const TimePoint now = Clock::now();
-  ControlStream* const stream = session.by_control() ? sessions_.stream_of(session.id()) : nullptr;
   sender_.send_challenges(session, *data_, now);
   if (session.path().take_failure(now)) {
     shared_.metrics.report(session.grant().tenant, session.id(), Fault::path_unproven);
   }
   if (!sessions_.is_reachable(session)) return wake(session.id(), session.path().wake_at());
-  const auto fault = stream ? send_over_control(session, *stream, now) : sender_.send(session, *data_, now);
-  if (fault) shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
+  const bool has_room = send_what_waits(session, now);
   while (const auto ended = session.under_way().take_ended()) finish(session, *ended, now);
   if (const auto view = session.views().take(now)) request(session, *view);
-  wake(session.id(),
-       std::min({session.link().wake_at(now), session.views().take_at(now), session.path().wake_at()}));
+  // Without room, the link and what is held back for it are served when there is some.
+  const TimePoint link =
+      has_room ? std::min(session.link().wake_at(now), session.views().take_at(now)) : TimePoint::max();
+  wake(session.id(), std::min(link, session.path().wake_at()));
+}
+
+// False if the way takes no more for now. Precondition: the session is reachable.
+bool SessionLinks::send_what_waits(Session& session, TimePoint now) {
+  switch (session.way()) {
+    case Way::control: return send_over_control(session, *sessions_.stream_of(session.id()), now);
+    case Way::web_transport: return web_transport_.send(session, now);
+    case Way::datagrams: break;
+  }
+  if (const auto fault = sender_.send(session, *data_, now)) {
+    shared_.metrics.dropped(session.grant().tenant, session.id(), *fault);
+  }
+  return true;
 }
 
 void SessionLinks::wake(SessionId id, TimePoint when) {
@@ -107,6 +131,7 @@ void SessionLinks::finish(Session& session, const FramesUnderWay::Ended& ended, 
   shared_.devices.sent(meta.route.device, {tenant, meta.route.scene, meta.spec.traced_bits(), bytes});
   if (!ended.complete) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
   session.totals().add(meta, now);
+  shared_.metrics.links().transports.sent(sessions_.transport_of(session), bytes);
   shared_.metrics.frame_sent(tenant, session.grant().scene_name, meta, now, bytes);
 }
 

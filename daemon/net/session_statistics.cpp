@@ -13,6 +13,8 @@ std::string text_of(const std::optional<asio::ip::udp::endpoint>& address) {
   return text.str();
 }
 
+std::string text_of(const ControlStream& stream) { return stream.peer().to_string(); }
+
 }  // namespace
 
 void SessionStatistics::tick(TimePoint now) {
@@ -23,21 +25,30 @@ void SessionStatistics::tick(TimePoint now) {
 
 void SessionStatistics::report() {
   std::vector<SessionStatus> all;
+  std::array<int, kTransports> by_transport{};
   for (const auto& [id, session] : sessions_.table()) {
     const protocol::Stats stats = session->totals().take_stats();
-    shared_.metrics.link(session->take_link_report());
+    shared_.metrics.links().count(session->take_link_report());
     const LinkWindow window = session->views().take_window();
     if (window.offered > 0) shared_.devices.review({id, window});
-    if (ControlStream* const stream = sessions_.stream_of(id)) stream->send(stats);
+    ControlStream* const stream = sessions_.stream_of(id);
+    if (stream) stream->send(stats);
+    const Transport transport = sessions_.transport_of(*session);
+    ++by_transport[static_cast<size_t>(transport)];
     const SessionGrant& grant = session->grant();
     all.push_back({.id = id,
                    .tenant = grant.tenant,
                    .scene = grant.scene_name,
-                   .address = text_of(session->path().current()),
+                   .transport = transport,
+                   .address = transport == Transport::udp ? text_of(session->path().current()) : text_of(*stream),
                    .width = grant.width,
                    .height = grant.height,
                    .stats = stats});
   }
+  for (size_t i = 0; i < kTransports; ++i) {
+    shared_.metrics.links().transports.sessions(static_cast<Transport>(i), by_transport[i] - by_transport_[i]);
+  }
+  by_transport_ = by_transport;
   published_.publish(std::move(all));
 }
 

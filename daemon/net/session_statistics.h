@@ -2,6 +2,7 @@
 // operators, the links' figures are added to the metrics, and the devices learn how many views each link had room for.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -26,6 +27,7 @@ class SessionStatistics {
   const NetShared& shared_;
   const OpenSessions& sessions_;
   TimePoint next_{};
+  std::array<int, kTransports> by_transport_{};  // sessions, at the last report
   Published<std::vector<SessionStatus>> published_;
 };
 

@@ -2,6 +2,10 @@
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
+#include <openssl/x509v3.h>
+
+#include <algorithm>
+#include <asio/ip/address.hpp>
 
 #include "common/log.h"
 #include "daemon/net/demo_certificate.h"
@@ -22,7 +26,16 @@ Error library_error(const std::string& what) {
   return Error{what + ": " + (reason ? reason : "cannot be read")};
 }
 
-void harden(SSL_CTX* context) {
+// In order of preference.
+struct Protocols {
+  const unsigned char* names;
+  unsigned bytes;
+};
+constexpr unsigned char kWithBrowsers[] = "\6gnomon\10http/1.1";
+constexpr Protocols kClients{protocol::kAlpn.data(), protocol::kAlpn.size()};
+constexpr Protocols kClientsAndBrowsers{kWithBrowsers, sizeof kWithBrowsers - 1};
+
+void harden(SSL_CTX* context, bool browsers) {
   SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION);
   SSL_CTX_set_ciphersuites(context, kCiphers);
   SSL_CTX_set1_groups_list(context, kGroups);
@@ -35,14 +48,14 @@ void harden(SSL_CTX* context) {
   SSL_CTX_set_alpn_select_cb(
       context,
       [](SSL*, const unsigned char** chosen, unsigned char* size, const unsigned char* offered,
-         unsigned offered_size, void*) {
+         unsigned offered_size, void* ours) {
+        const auto& spoken = *static_cast<const Protocols*>(ours);
         unsigned char* match = nullptr;
-        const int found = SSL_select_next_proto(&match, size, protocol::kAlpn.data(), protocol::kAlpn.size(),
-                                                offered, offered_size);
+        const int found = SSL_select_next_proto(&match, size, spoken.names, spoken.bytes, offered, offered_size);
         *chosen = match;
         return found == OPENSSL_NPN_NEGOTIATED ? SSL_TLSEXT_ERR_OK : SSL_TLSEXT_ERR_ALERT_FATAL;
       },
-      nullptr);
+      const_cast<Protocols*>(browsers ? &kClientsAndBrowsers : &kClients));  // it is only read
 }
 
 Result<void> use_identity(SSL_CTX* context, const TlsConfig& tls) {
@@ -103,16 +116,50 @@ std::string expiry(const fs::path& certificate) {
          " has expired: clients refuse it; make another with gnomonctl make-certs";
 }
 
-std::shared_ptr<Tls> hardened() {
+std::shared_ptr<Tls> hardened(bool browsers) {
   auto tls = std::make_shared<Tls>();
-  harden(tls->context.native_handle());
+  harden(tls->context.native_handle(), browsers);
+  tls->browsers = browsers;
   return tls;
+}
+
+std::string address_of(const ASN1_OCTET_STRING* address) {
+  const unsigned char* const bytes = ASN1_STRING_get0_data(address);
+  asio::ip::address_v4::bytes_type v4;
+  asio::ip::address_v6::bytes_type v6;
+  const auto size = static_cast<size_t>(ASN1_STRING_length(address));
+  if (size == v4.size()) {
+    std::copy_n(bytes, v4.size(), v4.begin());
+    return asio::ip::address_v4(v4).to_string();
+  }
+  if (size != v6.size()) return {};
+  std::copy_n(bytes, v6.size(), v6.begin());
+  return asio::ip::address_v6(v6).to_string();
+}
+
+// The names and addresses that the certificate is for (RFC 9525: subjectAltName alone).
+std::vector<std::string> hosts_of(X509* certificate) {
+  std::vector<std::string> hosts;
+  auto* const names =
+      static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
+  for (int i = 0; i < sk_GENERAL_NAME_num(names); ++i) {
+    const GENERAL_NAME* const name = sk_GENERAL_NAME_value(names, i);
+    if (name->type == GEN_IPADD) hosts.push_back(address_of(name->d.iPAddress));
+    if (name->type != GEN_DNS) continue;
+    const ASN1_STRING* const text = name->d.dNSName;
+    hosts.emplace_back(reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
+                       static_cast<size_t>(ASN1_STRING_length(text)));
+  }
+  GENERAL_NAMES_free(names);
+  std::erase(hosts, "");
+  return hosts;
 }
 
 // Notes what others ask of a complete context.
 void describe(Tls& tls) {
   SSL_CTX* const context = tls.context.native_handle();
   tls.pin = protocol::pin_of(SSL_CTX_get0_certificate(context));
+  tls.names = hosts_of(SSL_CTX_get0_certificate(context));
   tls.expires = end_of(SSL_CTX_get0_certificate(context));
   tls.authorities = authorities_in(SSL_CTX_get_cert_store(context));
 }
@@ -134,10 +181,10 @@ Result<TlsConfig> files_of(const ServerConfig& config) {
 
 }  // namespace
 
-Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config) {
+Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config, bool browsers) {
   const auto files = files_of(config);
   if (!files) return files.error();
-  auto tls = hardened();
+  auto tls = hardened(browsers);
   SSL_CTX* const context = tls->context.native_handle();
   if (auto used = use_identity(context, *files); !used) return used.error();
   if (auto asked = ask_clients(context, *files); !asked) return asked.error();
@@ -147,10 +194,10 @@ Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config) {
 
 ReopenedTls reopen_tls(const ServerConfig& config, const Tls& before) {
   SSL_CTX* const old = const_cast<Tls&>(before).context.native_handle();  // it is only read
-  ReopenedTls reopened{hardened(), {}};
+  ReopenedTls reopened{hardened(before.browsers), {}};
   const auto keep_identity = [&](const Error& why) {
     reopened.kept.push_back(why);
-    reopened.tls = hardened();  // without what was read of another one
+    reopened.tls = hardened(before.browsers);  // without what was read of another one
     use_identity_of(reopened.tls->context.native_handle(), old);
   };
   const auto files = files_of(config);

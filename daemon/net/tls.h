@@ -5,6 +5,7 @@
 #include <asio/ssl/context.hpp>
 #include <chrono>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "common/published.h"
@@ -19,13 +20,15 @@ struct Tls {
   asio::ssl::context context{asio::ssl::context::tls_server};
   protocol::Pin pin{};                 // of the server's certificate
   std::chrono::sys_seconds expires{};  // the server's certificate
+  std::vector<std::string> names;      // hosts and addresses that the server's certificate is for
+  bool browsers = false;               // may choose HTTP in the handshake (ALPN)
   ClientAuthorities authorities;       // of clients' certificates; none if clients are not asked for one
 };
 
 // Reads the certificate and key that the configuration names; in demo mode without them, the demo certificate. The
 // error names the configuration key, the file and the remedy, for example if others may read the private key. A
 // certificate that has expired is used, as a daemon that runs can be given another one; its clients refuse it.
-Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config);
+Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config, bool browsers = false);
 
 // For a reload: as open_tls(), but the certificate and what is accepted of clients each stay as they are in `before` if
 // they cannot be read or, for the certificate, if it has expired; `kept` says which and why.

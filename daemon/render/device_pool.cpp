@@ -22,8 +22,9 @@ bool any_up(const std::vector<std::unique_ptr<DeviceThread>>& devices) {
 
 }  // namespace
 
-DevicePool::DevicePool(size_t count, Metrics& metrics, Health& health)
-    : metrics_(metrics),
+DevicePool::DevicePool(size_t count, double assumed_rate_hz, Metrics& metrics, Health& health)
+    : assumed_rate_hz_(assumed_rate_hz),
+      metrics_(metrics),
       health_(health),
       devices_([&] {
         std::vector<std::unique_ptr<DeviceThread>> devices;
@@ -51,10 +52,12 @@ void DevicePool::stop() {
 }
 
 std::vector<PooledDevice> DevicePool::report() const {
+  const CostModels known = costs();
   std::lock_guard lock(mutex_);
+  const std::vector<double> loads = places_.loads(known, assumed_rate_hz_);
   std::vector<PooledDevice> all;
   for (uint32_t i = 0; i < devices_.size(); ++i)
-    all.push_back({devices_[i]->info(), devices_[i]->up(), places_.drained(i), places_.sessions(i)});
+    all.push_back({devices_[i]->info(), devices_[i]->up(), places_.drained(i), places_.sessions(i), loads[i]});
   return all;
 }
 
@@ -195,9 +198,11 @@ void DevicePool::device_failed(uint32_t device, const Error& why) {
 void DevicePool::device_reported() {
   metrics_.shares(shares());
   for (const auto& [id, scene] : scenes()) metrics_.scenes().built(scene);
-  if (devices_.size() == 1) return;
-  std::lock_guard lock(mutex_);
-  for (uint32_t i = 0; i < devices_.size(); ++i) metrics_.devices().sessions(i, places_.sessions(i));
+  const std::vector<PooledDevice> devices = report();
+  for (uint32_t i = 0; i < devices.size(); ++i) {
+    metrics_.devices().sessions(i, devices[i].sessions);
+    metrics_.devices().load(i, devices[i].load);
+  }
 }
 
 }  // namespace gnomon::daemon

@@ -17,12 +17,14 @@ struct PooledDevice : gpu::DeviceInfo {
   bool up = false;
   bool drained = false;
   uint32_t sessions = 0;
+  double load = 0;  // device seconds a second that its sessions are predicted to need; 1 is all of the device
 };
 
 // Any thread.
 class DevicePool final : private DeviceThread::Owner {
  public:
-  DevicePool(size_t count, Metrics& metrics, Health& health);
+  // `assumed_rate_hz`: of sessions that named no rate, where the load is counted.
+  DevicePool(size_t count, double assumed_rate_hz, Metrics& metrics, Health& health);
 
   // Called on the main thread, before any other call. `factories`: one for each device. `sink` outlives the pool's
   // threads. `failed` is called once, on a render thread, when the last device is beyond repair. Error if a device
@@ -69,6 +71,7 @@ class DevicePool final : private DeviceThread::Owner {
   void device_failed(uint32_t device, const Error& why) override;
   void device_reported() override;
 
+  const double assumed_rate_hz_;
   Metrics& metrics_;
   Health& health_;
   std::function<void(const Error&)> failed_;

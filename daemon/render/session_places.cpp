@@ -49,6 +49,20 @@ RenderInbox& SessionPlaces::inbox_of(SessionId session) const {
   return devices_[placement_.device_of(session).value_or(0)]->inbox();
 }
 
+std::vector<double> SessionPlaces::loads(const CostModels& known, double assumed_rate_hz) const {
+  std::vector<double> all(devices_.size());
+  for (const auto& [id, placed] : sessions_) {
+    const SessionGrant& grant = placed.opened.grant;
+    const auto model = known.find(grant.scene);
+    const auto device = placement_.device_of(id);
+    if (!device || model == known.end() || !model->second.knows()) continue;
+    const uint64_t pixels = uint64_t{grant.width} * grant.height;
+    const double rate_hz = grant.rate_hz > 0 ? double{grant.rate_hz} : assumed_rate_hz;
+    all[*device] += rate_hz * to_seconds(model->second.predict({pixels, pixels * grant.lights, true}).total());
+  }
+  return all;
+}
+
 std::vector<RenderInbox*> SessionPlaces::open_inboxes() const {
   std::vector<RenderInbox*> open;
   for (uint32_t i = 0; i < devices_.size(); ++i)

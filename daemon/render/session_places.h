@@ -32,6 +32,9 @@ class SessionPlaces {
   bool drained(uint32_t device) const { return drained_[device]; }
   bool any_other_open(uint32_t device) const;  // whether another device takes sessions
   uint32_t sessions(uint32_t device) const { return placement_.sessions(device); }
+  // For each device: the seconds a second that its sessions' frames are predicted to need, by what they were granted. A
+  // scene of which nothing is known yet counts nothing, a session without a rate `assumed_rate_hz`.
+  std::vector<double> loads(const CostModels& known, double assumed_rate_hz) const;
   std::vector<RenderInbox*> open_inboxes() const;  // of the devices that take sessions
 
  private:

@@ -27,6 +27,10 @@ class SceneAccount {
 
   void add(const std::string& name, SceneAsker asker, uint64_t bytes) { scenes_[name] = {asker, bytes, ++now_}; }
   void remove(const std::string& name) { scenes_.erase(name); }
+  // What is kept beside a scene that is here. It may take the account beyond its limits until others leave.
+  void grow(const std::string& name, uint64_t bytes) {
+    if (const auto found = scenes_.find(name); found != scenes_.end()) found->second.bytes += bytes;
+  }
   void used(const std::string& name) {
     if (const auto found = scenes_.find(name); found != scenes_.end()) found->second.last_use = ++now_;
   }

@@ -1,5 +1,6 @@
 #include "daemon/scenes/scene_host.h"
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
 
@@ -131,7 +132,7 @@ FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker)
     std::unique_lock lock(mutex_);
     id.value = ++last_fetch_;
     if (const auto found = resident_.find(name); found != resident_.end()) {
-      SceneForUse scene{found->second.scene.loaded, SceneUse(found->second.uses)};
+      SceneForUse scene{found->second.scene.loaded, SceneUse(found->second.uses), found->second.pack};
       account_.used(name);
       lock.unlock();
       ready(std::move(scene));
@@ -244,7 +245,7 @@ void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
   hosted.on_device = *on_device;
   hosted.lights = {name, 0, scene.scene->lights};
   const Resident& kept = resident_.try_emplace(name, Resident{std::move(hosted)}).first->second;
-  SceneForUse for_use{kept.scene.loaded, SceneUse(kept.uses)};
+  SceneForUse for_use{kept.scene.loaded, SceneUse(kept.uses), kept.pack};
   lock.unlock();
   log::info("scene resident", {{"scene", name},
                                {"device_bytes", on_device->memory_bytes},
@@ -298,6 +299,14 @@ std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name) 
   return answer->result.get_future();
 }
 
+void SceneHost::keep_pack(const std::string& name, std::shared_ptr<const ScenePack> pack, uint64_t bytes) {
+  std::lock_guard lock(mutex_);
+  const auto found = resident_.find(name);
+  if (found == resident_.end() || found->second.pack) return;
+  found->second.pack = std::move(pack);
+  account_.grow(name, bytes);
+}
+
 void SceneHost::keep_lights(const LightsUpdate& update) {
   std::lock_guard lock(mutex_);
   const auto found = resident_.find(update.scene);
@@ -336,11 +345,11 @@ std::vector<SceneUnderWay> SceneHost::under_way() const {
   return all;
 }
 
-std::optional<SceneUnderWay> SceneHost::under_way(const std::string& name) const {
-  std::lock_guard lock(mutex_);
-  const auto found = under_way_.find(name);
-  if (found == under_way_.end()) return std::nullopt;
-  return SceneUnderWay{name, stage(name), found->second.since};
+std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name) {
+  const auto all = host.under_way();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const SceneUnderWay& scene) { return scene.name == name; });
+  return found == all.end() ? std::nullopt : std::optional(*found);
 }
 
 SceneHost::MemoryInUse SceneHost::memory() const {

@@ -25,9 +25,12 @@
 
 namespace gnomon::daemon {
 
+struct ScenePack;  // scene_packs.h
+
 // A resident scene for one user. It is not unloaded while `use` exists.
 struct SceneForUse : scenes::LoadedScene {
   SceneUse use;
+  std::shared_ptr<const ScenePack> pack = nullptr;  // nullptr if none was kept with it yet
 };
 
 struct HostedScene {
@@ -93,7 +96,6 @@ class SceneHost {
   std::map<std::string, HostedScene> resident() const;
   // Any thread. In the order of their names.
   std::vector<SceneUnderWay> under_way() const;
-  std::optional<SceneUnderWay> under_way(const std::string& name) const;
 
   // Any thread. The predicted memory of all scenes, and its limit (0: none).
   struct MemoryInUse {
@@ -101,6 +103,10 @@ class SceneHost {
   };
   MemoryInUse memory() const;
   void set_memory_limits(SceneMemoryLimits limits);
+
+  // Any thread. Keeps the pack with a resident scene, as long as that stays, and counts its bytes as the scene's.
+  // Precondition: the scene is in use.
+  void keep_pack(const std::string& name, std::shared_ptr<const ScenePack> pack, uint64_t bytes);
 
   // Any thread. The current lights of a resident scene, for sessions that are opened later.
   void keep_lights(const LightsUpdate& update);
@@ -142,6 +148,7 @@ class SceneHost {
   struct Resident {
     HostedScene scene;
     std::shared_ptr<SceneUses> uses = std::make_shared<SceneUses>(0);  // incremented only under the mutex
+    std::shared_ptr<const ScenePack> pack = nullptr;
   };
   std::map<std::string, Resident> resident_;  // guarded by mutex_
   std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
@@ -158,6 +165,9 @@ class SceneHost {
   bool ending_ = false;                        // guarded by mutex_
   std::vector<std::thread> loaders_;
 };
+
+// The one of this name; nullopt if it is not under way. Any thread.
+std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name);
 
 // As SceneHost::fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
 // Precondition: the render threads run.

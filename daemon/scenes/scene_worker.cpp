@@ -72,6 +72,7 @@ SceneWorkerOptions worker_options(const Config& config, std::filesystem::path pr
           .max_memory_bytes = uint64_t{config.scenes.worker_memory_mb} << 20,
           .max_time = config.scenes.worker_time,
           .max_build_time = config.scenes.build_time,
+          .colours = config.web.listen ? scenes::Colours::encoded : scenes::Colours::none,
           .log_level = config.log.level,
           .log_format = config.log.format};
 }
@@ -79,7 +80,7 @@ SceneWorkerOptions worker_options(const Config& config, std::filesystem::path pr
 Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const scenes::SceneSource& source,
                                         const scenes::LoadLimits& limits, std::stop_token stop) {
   WorkerTask task = task_of(options, options.max_time);
-  task.work = scenes::LoadTask{source.file, source.motions, limits};
+  task.work = scenes::LoadTask{source.file, source.motions, limits, options.colours};
   const auto outcome = run_worker(options.program, task, {.time = 2 * options.max_time, .stop = std::move(stop)});
   if (!outcome) return outcome.error();
   return within_memory([&] { return scenes::read_outcome(outcome->bytes(), limits); });

@@ -19,9 +19,10 @@ namespace gnomon::daemon {
 struct SceneWorkerOptions {
   std::filesystem::path program;                  // gnomon-scene-worker
   uint64_t max_memory_bytes = uint64_t{4} << 30;  // of address space
-  std::chrono::seconds max_time{120};          // of processor time, and of twice as much real time, to read a scene
-  std::chrono::seconds max_build_time{1800};   // the same to build what traces it
-  log::Level log_level = log::Level::warning;  // of what the worker writes to standard error
+  std::chrono::seconds max_time{120};         // of processor time, and of twice as much real time, to read a scene
+  std::chrono::seconds max_build_time{1800};  // the same to build what traces it
+  scenes::Colours colours = scenes::Colours::none;  // encoded: browsers get their scenes from this daemon
+  log::Level log_level = log::Level::warning;       // of what the worker writes to standard error
   log::Format log_format = log::Format::key_value;
 };
 

@@ -16,6 +16,12 @@ constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFee
                                protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes |
                                protocol::kFeaturePaths | protocol::kFeatureWaiting;
 
+// Those that this server has.
+uint64_t features_of(const Config& config) {
+  return kFeatures | (config.web.webtransport ? protocol::kFeatureWebTransport : 0) |
+         (config.server.public_address.empty() ? 0 : protocol::kFeatureFleet);
+}
+
 // Text from a client, quoted and cut to 80 bytes.
 std::string shown(const std::string& text) {
   std::string quoted(1, '\'');
@@ -106,7 +112,7 @@ std::variant<SessionGrant, Refused> check_hello(const Hello& hello, TenantId ten
                       .codec = choose_codec(hello, config.encode),
                       .dense_codec = densest_codec(hello, config.encode),
                       .cipher = choose_cipher(hello.ciphers),
-                      .features = hello.features & kFeatures};
+                      .features = hello.features & features_of(config)};
 }
 
 }  // namespace gnomon::daemon

@@ -67,17 +67,17 @@ DatagramOutcome Session::receive(std::span<const uint8_t> datagram, const asio::
   DatagramOutcome received = on_body(kind, opened->body, now);
   if (!is_sound(received)) return received;
   path_.received(from, datagram.size(), newest, streams, now);
-  if (streams && newest && path_.current() == from) by_control_ = false;
+  if (streams && newest && path_.current() == from) way_ = Way::datagrams;
   return release(std::move(received), now);
 }
 
-DatagramOutcome Session::receive(const protocol::Data& data, TimePoint now) {
+DatagramOutcome Session::receive(const protocol::Data& data, TimePoint now, Way way) {
   using protocol::DatagramKind;
   const bool streams = data.kind == DatagramKind::camera_update || data.kind == DatagramKind::feedback;
   if (!streams) return {std::nullopt, Fault::datagram_kind};
   const DatagramOutcome received = on_body(data.kind, data.body, now);
   if (!is_sound(received)) return received;
-  by_control_ = true;
+  if (received.fault != Fault::view_out_of_order) way_ = way;  // what is older may have been overtaken
   return release(received, now);
 }
 
@@ -87,7 +87,7 @@ DatagramOutcome Session::receive(const protocol::Data& data, TimePoint now) {
 DatagramOutcome Session::release(DatagramOutcome received, TimePoint now) {
   if (!received.view) return received;
   const ViewRequest view = *std::exchange(received.view, std::nullopt);
-  if (!by_control_ && !path_.current() && std::exchange(asked_early_, true)) {
+  if (way_ == Way::datagrams && !path_.current() && std::exchange(asked_early_, true)) {
     views_.hold(view);
   } else {
     received.view = views_.offer(view, now);
@@ -118,7 +118,7 @@ DatagramOutcome Session::on_body(protocol::DatagramKind kind, std::span<const ui
       const auto move = path_.answered(*token);
       // The path to another host is another path; behind another port it most likely is the same (RFC 9000, 9.4).
       if (move && move->other_host) link_.begin_path(now);
-      if (move && move->streams) by_control_ = false;
+      if (move && move->streams) way_ = Way::datagrams;
       if (move) moved_ = !first;
       return {};
     }

@@ -40,6 +40,9 @@ struct DatagramOutcome {
   bool ends_session() const { return fault == Fault::feedback_invented; }
 };
 
+// Which way a client's views come, and its frames go.
+enum class Way : uint8_t { datagrams, control, web_transport };
+
 // What a session is made of.
 struct SessionParts {
   SessionId id{};
@@ -70,14 +73,15 @@ class Session {
   // for a datagram.
   void omit_number();
 
-  // Whether the client's last view or feedback came over its control connection; frames are sent over it then.
-  bool by_control() const { return by_control_; }
+  // The way that the client's last view or feedback came; frames are sent the same. Set to another one where that is no
+  // more.
+  Way& way() { return way_; }
 
   // Where datagrams go. After each datagram that was received, challenges may be due.
   PathValidation& path() { return path_; }
 
-  // Receives a message that replaces a datagram.
-  DatagramOutcome receive(const protocol::Data& data, TimePoint now);
+  // Receives what replaces a datagram: a message, or a datagram of WebTransport.
+  DatagramOutcome receive(const protocol::Data& data, TimePoint now, Way way = Way::control);
 
   DatagramOutcome receive(std::span<const uint8_t> datagram, const asio::ip::udp::endpoint& from, TimePoint now);
 
@@ -116,7 +120,7 @@ class Session {
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
   PathValidation path_;
-  bool by_control_ = false;
+  Way way_ = Way::datagrams;
   bool asked_early_ = false;  // a view was rendered before the client had an address
   bool moved_ = false;        // since then no view came again: its frame may have gone to the address before
   std::optional<FrameId> newest_;

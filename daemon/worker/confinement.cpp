@@ -32,18 +32,6 @@ Result<void> limit(int resource, const char* what, uint64_t most) {
   return {};
 }
 
-Result<void> limit_resources(const Confinement& to) {
-  if (auto done = limit(RLIMIT_CORE, "limiting core dumps", 0); !done) return done;
-  if (to.max_memory_bytes > 0) {
-    if (auto done = limit(RLIMIT_AS, "limiting memory", to.max_memory_bytes); !done) return done;
-  }
-  if (to.max_cpu_seconds > 0) {
-    if (auto done = limit(RLIMIT_CPU, "limiting processor time", to.max_cpu_seconds); !done) return done;
-  }
-  if (to.max_file_bytes > 0) return limit(RLIMIT_FSIZE, "limiting files", to.max_file_bytes);
-  return {};
-}
-
 // Everything that the first version of Landlock knows, so that the ruleset works with every kernel that has it.
 constexpr uint64_t kAllAccess =
     LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_READ_FILE |
@@ -160,6 +148,18 @@ Result<void> allow_calls() {
 }
 
 }  // namespace
+
+Result<void> limit_resources(const Confinement& to) {
+  if (auto done = limit(RLIMIT_CORE, "limiting core dumps", 0); !done) return done;
+  if (to.max_memory_bytes > 0) {
+    if (auto done = limit(RLIMIT_AS, "limiting memory", to.max_memory_bytes); !done) return done;
+  }
+  if (to.max_cpu_seconds > 0) {
+    if (auto done = limit(RLIMIT_CPU, "limiting processor time", to.max_cpu_seconds); !done) return done;
+  }
+  if (to.max_file_bytes > 0) return limit(RLIMIT_FSIZE, "limiting files", to.max_file_bytes);
+  return {};
+}
 
 Result<void> confine(const Confinement& to) {
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return because("giving up privileges", errno);

@@ -22,4 +22,7 @@ struct Confinement {
 // it ends in SIGXCPU. Error: the kernel refused a part of it, named in the message.
 Result<void> confine(const Confinement& to);
 
+// The limits alone, for builds with sanitizers: their runtimes read /proc and call what the filter refuses.
+Result<void> limit_resources(const Confinement& to);
+
 }  // namespace gnomon::daemon

@@ -33,13 +33,17 @@ Result<WorkerTask> take_task() {
   return task;
 }
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
 Confinement confinement_of(const WorkerTask& task) {
   Confinement to;
   if (const auto* load = std::get_if<scenes::LoadTask>(&task.work)) to.folder = load->file.parent_path();
   to.max_cpu_seconds = task.max_cpu_seconds;
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these map terabytes
-  to.max_memory_bytes = task.max_memory_bytes;
-#endif
+  if (!kSanitized) to.max_memory_bytes = task.max_memory_bytes;  // their runtimes map terabytes
   to.max_file_bytes = task.max_memory_bytes;
   return to;
 }
@@ -47,7 +51,7 @@ Confinement confinement_of(const WorkerTask& task) {
 Result<void> done(const scenes::LoadTask& task, std::FILE* exchange) {
   Result<scenes::ScenePtr> scene = Error{task.file.string() + ": reading it takes more memory than there may be"};
   try {
-    scene = scenes::load_with_geometry(task.file, task.limits, task.motions);
+    scene = scenes::load_with_geometry(task.file, task.limits, task.motions, task.colours);
   } catch (const std::bad_alloc&) {  // the reason stands already
   }
   return scenes::write_outcome(scene, exchange);
@@ -86,7 +90,8 @@ Result<void> run() {
   log::configure(task->log_level, task->log_format);
   std::FILE* exchange = fdopen(kExchange, "r+b");
   if (!exchange) return Error{"its descriptor is no file"};
-  if (const auto confined = confine(confinement_of(*task)); !confined) {
+  const Confinement to = confinement_of(*task);
+  if (const auto confined = kSanitized ? limit_resources(to) : confine(to); !confined) {
     const Error why{"its reader cannot be confined: " + confined.error().message};
     return scenes::write_outcome(why, exchange);  // a reason is written alike for all kinds of work
   }

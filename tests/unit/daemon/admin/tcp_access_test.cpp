@@ -17,21 +17,16 @@ class TcpAccessTest : public testing::Test {
   static Caller local() {
     return {.address = "127.0.0.1:40000",
             .network = "127.0.0.1",
-            .reached = "127.0.0.1",
-            .reached_port = 7601,
+            .reached = {"127.0.0.1", 7601, false},
             .on_loopback = true};
   }
   static Caller remote() {
-    return {.address = "192.0.2.9:40000",
-            .network = "192.0.2.9",
-            .reached = "192.0.2.1",
-            .reached_port = 7601,
-            .encrypted = true};
+    return {.address = "192.0.2.9:40000", .network = "192.0.2.9", .reached = {"192.0.2.1", 7601, true}};
   }
   static HttpRequest get(const std::string& path, Caller caller = local()) {
     return {.changes = false,
             .path = path,
-            .host = caller.reached + ":7601",
+            .host = caller.reached.address + ":7601",
             .origin = {},
             .content_type = {},
             .authorization = {},
@@ -77,7 +72,7 @@ TEST_F(TcpAccessTest, ItAnswersToItsOwnNamesAlone) {
 
 TEST_F(TcpAccessTest, AnAddressOfIpv6StandsInBrackets) {
   Caller caller = local();
-  caller.reached = "::1";
+  caller.reached.address = "::1";
   HttpRequest request = get("/status", caller);
   request.host = "[::1]:7601";
   EXPECT_EQ(status_of(request), 0);

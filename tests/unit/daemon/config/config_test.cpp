@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"repeated_key", "log:\n  level: info\n  level: debug\n", {"edge.yaml:3: log.level: given twice"}},
         Wrong{"repeated_section", "log: {}\nserver: {}\nlog: {}\n", {"edge.yaml:3: log: given twice"}},
         Wrong{"no_yaml", "server:\n  listen: [\n", {"edge.yaml:3: not YAML"}},
-        Wrong{"not_a_map", "- a\n- b\n", {"edge.yaml:1: a list", "server, admin, scenes"}}),
+        Wrong{"not_a_map", "- a\n- b\n", {"edge.yaml:1: a list", "server, web, admin, scenes"}}),
     [](const auto& instance) { return instance.param.name; });
 
 TEST(Config, EmptyTextGivesTheDefaults) {

@@ -112,13 +112,35 @@ TEST_F(Init, RefusesWhatItCannotMake) {
 TEST_F(Init, AsksForWhatWasNotSaidAndProposesTheUsual) {
   InitRequest request;
   request.tenants = {"lab"};
-  std::istringstream answers("edge.example 192.0.2.7\n\n");
+  std::istringstream answers("edge.example 192.0.2.7\n\nyes\n");
   std::ostringstream questions;
   ask_for_missing(request, answers, questions);
   EXPECT_EQ(request.hosts, (std::vector<std::string>{"edge.example", "192.0.2.7"}));
   EXPECT_EQ(request.tenants, (std::vector<std::string>{"lab"}));
   EXPECT_EQ(request.scenes, (std::vector<std::string>{"living_room", "temple"}));
   EXPECT_EQ(questions.str().find("Tenants"), std::string::npos) << "it was said";
+  EXPECT_NE(questions.str().find("browsers too, at https://edge.example:7600/"), std::string::npos);
+  EXPECT_EQ(request.browsers, true);
+  std::istringstream silence;
+  for (const bool said : {true, false}) {
+    InitRequest unsaid;
+    if (said) unsaid.browsers = true;
+    ask_for_missing(unsaid, silence, questions);
+    EXPECT_EQ(unsaid.browsers, said) << "an empty answer serves no browsers";
+  }
+}
+
+TEST_F(Init, BrowsersAreServedWhereThatIsSaid) {
+  const auto without = init(request_);
+  ASSERT_TRUE(without);
+  EXPECT_FALSE(daemon::read_config(request_.out / "gnomond.yaml", {})->web.listen);
+  EXPECT_NE(without->find("Browsers are not served; `web: {listen: true}`"), std::string::npos) << *without;
+  request_.browsers = true;
+  const auto with = init(request_);
+  ASSERT_TRUE(with);
+  EXPECT_TRUE(daemon::read_config(request_.out / "gnomond.yaml", {})->web.listen);
+  EXPECT_NE(with->find("https://edge.example:7600/#scene=show&tenant=lab"), std::string::npos) << *with;
+  EXPECT_EQ(with->find("Browsers are not served"), std::string::npos);
 }
 
 }  // namespace

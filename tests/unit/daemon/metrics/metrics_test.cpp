@@ -149,8 +149,8 @@ TEST(Metrics, LinksAreSummedUp) {
   report.rate = 1.5e6;
   report.rtt = 30ms;
   report.queue = 3ms;
-  metrics.link(report);
-  metrics.link({.counted = {.sent = 1}});  // without a round-trip time no histogram is updated
+  metrics.links().count(report);
+  metrics.links().count({.counted = {.sent = 1}});  // without a round-trip time no histogram is updated
   const std::string text = metrics.text();
   for (const char* line : {"gnomon_datagrams_sent_total 101", "gnomon_datagrams_lost_total 10",
                            "gnomon_datagrams_retransmitted_total 8", "gnomon_datagrams_parity_total 5",

@@ -22,7 +22,7 @@ class Link {
   Link(const Daemon& daemon, const netsim::Profile& each_way) {
     netsim::RelayOptions options;
     options.tcp_ports = {daemon.control_port()};
-    options.udp_ports = daemon.data_ports();
+    options.udp_ports = daemon.server().data_ports();
     options.up = options.down = {{.from = {}, .profile = each_way}};
     auto opened = netsim::Relay::open(io_, options);
     EXPECT_TRUE(opened) << opened.error().message;

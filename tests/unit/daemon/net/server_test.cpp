@@ -13,7 +13,7 @@ TEST_F(Served, WelcomesAndAnswersWithTheMasksOfTheCameraAskedFor) {
   ASSERT_TRUE(c.join(TestClient::hello(kScene)));
   EXPECT_EQ(c.welcome().width, 32);
   EXPECT_EQ(c.welcome().height, 24);
-  EXPECT_EQ(c.welcome().data_port, daemon_->data_ports()[0]);
+  EXPECT_EQ(c.welcome().data_port, daemon_->server().data_ports()[0]);
   EXPECT_EQ(c.welcome().scene.name, kScene);
   EXPECT_EQ(c.welcome().scene.triangles, 1u);
   EXPECT_EQ(c.welcome().scene.lights.size(), 1u);
@@ -32,7 +32,7 @@ TEST_F(Served, WelcomesAndAnswersWithTheMasksOfTheCameraAskedFor) {
 TEST_F(Served, ServesManyClientsOverSeveralNetThreads) {
   config_.server.net_threads = 3;
   start();
-  EXPECT_EQ(daemon_->data_ports().size(), 3u);
+  EXPECT_EQ(daemon_->server().data_ports().size(), 3u);
   std::vector<std::unique_ptr<TestClient>> clients;
   for (int i = 0; i < 12; ++i) {
     clients.push_back(std::make_unique<TestClient>(daemon_->control_port()));
@@ -359,8 +359,9 @@ TEST_F(Served, PortsInUseAreAnErrorThatNamesTheKey) {
   EXPECT_NE(
       refused([&](Config& c) { c.server.control_port = daemon_->control_port(); }).find("server.control_port"),
       std::string::npos);
-  EXPECT_NE(refused([&](Config& c) { c.server.data_port = daemon_->data_ports()[0]; }).find("server.data_port"),
-            std::string::npos);
+  EXPECT_NE(
+      refused([&](Config& c) { c.server.data_port = daemon_->server().data_ports()[0]; }).find("server.data_port"),
+      std::string::npos);
   EXPECT_NE(refused([&](Config& c) {
               c.admin.port = daemon_->admin().port();
               c.admin.socket.clear();

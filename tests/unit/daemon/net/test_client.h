@@ -26,12 +26,14 @@ inline constexpr std::chrono::seconds kPatience{20};
 
 class TestClient {
  public:
-  // Accepts any certificate. `prepare` may change the TLS options before the handshake.
-  explicit TestClient(uint16_t control_port, const std::function<void(SSL*)>& prepare = {})
+  // Accepts any certificate. `prepare` may change the TLS options before the handshake, `greeting` goes before it.
+  explicit TestClient(uint16_t control_port, const std::function<void(SSL*)>& prepare = {},
+                      const std::vector<uint8_t>& greeting = {})
       : control_(io_, tls_), data_(io_) {
     SSL_set_alpn_protos(control_.native_handle(), protocol::kAlpn.data(), protocol::kAlpn.size());
     if (prepare) prepare(control_.native_handle());
     control_.next_layer().connect({asio::ip::address_v4::loopback(), control_port});
+    asio::write(control_.next_layer(), asio::buffer(greeting));
     asio::error_code refused;
     control_.handshake(asio::ssl::stream_base::client, refused);
     shook_hands_ = !refused;

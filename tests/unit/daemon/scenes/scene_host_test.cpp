@@ -73,7 +73,7 @@ struct Host {
   SceneCatalog catalog;
   Metrics metrics{{"default", "other"}, {"a"}, "test", 1};
   Health health;
-  DevicePool devices{1, metrics, health};
+  DevicePool devices{1, 30.0, metrics, health};
   std::optional<SceneHost> host;
 };
 

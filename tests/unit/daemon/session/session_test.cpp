@@ -83,6 +83,26 @@ TEST_F(SessionTest, RepeatedFramesAreLifeButNoNewsAndOldOnesAreDropped) {
   EXPECT_EQ(session.receive(view(1, 4), here_, kStart).fault, Fault::view_out_of_order);
 }
 
+TEST_F(SessionTest, FramesGoTheWayOfTheNewestView) {
+  Session& session = add(1, kStart, protocol::kFeaturePaths);
+  const auto data = [](uint32_t frame) {
+    protocol::CameraUpdate update;
+    update.frame = FrameId{frame};
+    protocol::Data made;
+    protocol::append_camera_update(made.body, update);
+    return made;
+  };
+  EXPECT_TRUE(session.receive(data(1), kStart).view);
+  EXPECT_EQ(session.way(), Way::control);
+  EXPECT_TRUE(session.receive(data(2), kStart, Way::web_transport).view);
+  EXPECT_EQ(session.way(), Way::web_transport);
+  EXPECT_TRUE(session.receive(data(4), kStart).view);
+  EXPECT_EQ(session.receive(data(3), kStart, Way::web_transport).fault, Fault::view_out_of_order);
+  EXPECT_EQ(session.way(), Way::control) << "what was overtaken says nothing";
+  session.receive(data(4), kStart, Way::web_transport);
+  EXPECT_EQ(session.way(), Way::web_transport) << "a sign of life does";
+}
+
 TEST_F(SessionTest, FrameNumbersMayWrap) {
   Session& session = add(1, kStart);
   EXPECT_TRUE(session.receive(view(1, 0xfffffffe), here_, kStart).view);

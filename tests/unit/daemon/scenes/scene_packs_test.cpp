@@ -1,0 +1,82 @@
+// Packs are made once for all who wait. What makes them is the test's; the devices never start.
+#include "daemon/scenes/scene_packs.h"
+
+#include <gtest/gtest.h>
+
+#include <latch>
+#include <semaphore>
+
+namespace gnomon::daemon {
+namespace {
+
+struct Packs {
+  explicit Packs(ScenePacks::Make make) : packs(host, std::move(make)) {}
+
+  static SceneForUse scene(uint32_t id) {
+    SceneForUse use;
+    use.id = SceneId{id};
+    use.scene = std::make_shared<const scenes::Scene>();
+    return use;
+  }
+
+  SceneCatalog catalog;
+  Metrics metrics{{"default"}, {"a"}, "test", 1};
+  Health health;
+  DevicePool devices{1, 30.0, metrics, health};
+  SceneHost host{catalog, devices, metrics, scenes::read_here};
+  ScenePacks packs;
+};
+
+ScenePack pack_of(const std::string& sha256) {
+  return {sha256, 3, std::make_shared<const std::vector<uint8_t>>(2)};
+}
+
+TEST(ScenePacks, AreMadeOnceForAllWhoWait) {
+  std::binary_semaphore go{0};
+  std::atomic<int> made = 0;
+  Packs to([&](const scenes::Scene&) -> Result<ScenePack> {
+    go.acquire();
+    ++made;
+    return pack_of("ab");
+  });
+  std::latch answered(3);
+  for (int i = 0; i < 3; ++i) {
+    to.packs.get("a", Packs::scene(1), [&](const Result<ScenePackPtr>& pack) {
+      EXPECT_TRUE(pack && (*pack)->sha256 == "ab");
+      answered.count_down();
+    });
+  }
+  go.release();
+  answered.wait();
+  EXPECT_EQ(made, 1);
+}
+
+TEST(ScenePacks, OneThatIsKeptWithItsSceneIsNotMadeAgain) {
+  Packs to([](const scenes::Scene&) -> Result<ScenePack> { return Error{"made again"}; });
+  SceneForUse scene = Packs::scene(1);
+  scene.pack = std::make_shared<const ScenePack>(pack_of("cd"));
+  bool there = false;
+  to.packs.get("a", std::move(scene),
+               [&](const Result<ScenePackPtr>& pack) { there = pack && (*pack)->sha256 == "cd"; });
+  EXPECT_TRUE(there);
+}
+
+TEST(ScenePacks, WhatCannotBeMadeIsSaidAndTriedAgain) {
+  int tries = 0;
+  Packs to([&](const scenes::Scene&) -> Result<ScenePack> {
+    if (++tries == 2) throw std::bad_alloc();
+    return Error{"no pack"};
+  });
+  for (const char* why : {"no pack", "there is not enough memory for it", "no pack"}) {
+    std::binary_semaphore answered{0};
+    to.packs.get("a", Packs::scene(1), [&](const Result<ScenePackPtr>& pack) {
+      ASSERT_FALSE(pack);
+      EXPECT_EQ(pack.error().message, why);
+      answered.release();
+    });
+    answered.acquire();
+  }
+}
+
+}  // namespace
+}  // namespace gnomon::daemon
