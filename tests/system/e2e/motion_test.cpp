@@ -134,6 +134,19 @@ TEST(Motion, EveryFrameIsTheSceneAtTheMomentItNames) {
   }
 }
 
+TEST(Motion, ByTheWallClockNodesShowOneMoment) {
+  using WallClock = std::chrono::system_clock;
+  Hall hall("clock: wall\n  clock_hz: 1000");
+  client::Loop loop;
+  Fliers fliers;
+  fliers.push_back(hall.flier(loop, "studio"));
+  const auto before = std::chrono::duration_cast<scenes::SceneTime>(WallClock::now().time_since_epoch());
+  ASSERT_TRUE(all_progress(loop, fliers, 1));
+  const auto after = std::chrono::duration_cast<scenes::SceneTime>(WallClock::now().time_since_epoch());
+  const scenes::SceneTime shown(fliers[0]->frames()[0].moment.scene_time_us), step(1000);
+  EXPECT_LE(scenes::within_period(*hall.scene, shown - before + step), after - before + step);
+}
+
 TEST(Motion, APictureIsThatOfTheSceneStopped) {
   Hall hall("clock_hz: 20");
   client::Loop loop;

@@ -5,13 +5,17 @@ documents name only what these scrapes have.
 
     alerts_test.py BUILD
 """
+import http.client
 import json
 import os
 import re
 import shutil
 import signal
+import socket
+import ssl
 import subprocess
 import sys
+import threading
 import time
 import unittest
 import urllib.error
@@ -47,6 +51,37 @@ class Happens(unittest.TestCase):
     def flying(self, **labels):
         served = self.frames(**labels)
         eventually(lambda: self.frames(**labels) > served + 2, "frames")
+
+    def start_in_fleet(self, **config):
+        """A node of a fleet. A door asks for it all the time, until what is returned is called."""
+        fleet = {"door_listen": "127.0.0.1", "door_port": 0, **config.pop("fleet", {})}
+        self.start(fleet=fleet, server={"public_address": "127.0.0.1"}, **config)
+        port = int(re.search(r"door port open .*port=(\d+)", self.node.log_text())[1])
+        silent = threading.Event()
+
+        def ask():
+            while not silent.wait(0.2):
+                with socket.create_connection(("127.0.0.1", port)) as door:
+                    door.sendall(b"agent\n")
+                    door.recv(100)
+        asking = threading.Thread(target=ask)
+        asking.start()
+
+        def stop():
+            silent.set()
+            asking.join()
+        self.addCleanup(stop)
+        return stop
+
+    def browse(self, path):
+        """As a browser that takes any certificate."""
+        context = ssl._create_unverified_context()
+        context.set_alpn_protocols(["http/1.1"])
+        host, port = self.node.control.rsplit(":", 1)
+        connection = http.client.HTTPSConnection(host, int(port), context=context)
+        connection.request("GET", path)
+        self.assertEqual(connection.getresponse().status, 200)
+        connection.close()
 
     def scrapes(self, happen=lambda: None, window_s=WINDOW_S, settled=False, shows=lambda scrape: True):
         """Two of the calm before, and one after that `shows` it, as gauges of a second do now and then on a busy machine;
@@ -90,7 +125,8 @@ class Alerts(Happens):
         self.raises("GnomonDown", self.node.stop, window_s=0)
 
     def test_a_daemon_that_drains(self):
-        self.start()
+        self.start(web={"listen": True})
+        self.browse("/")
         self.load({"studio": 1})
         self.flying()
         self.raises("GnomonNotReady", lambda: self.assertEqual(self.node.ctl("drain")[0], 0))
@@ -220,6 +256,31 @@ class Alerts(Happens):
         self.raises("GnomonMemoryGrows", grow, also=("GnomonLinkDead",), for_s=10800, interval_s=60,
                     trending=("process_resident_memory_bytes",))
 
+    def test_a_door_that_does_not_ask(self):
+        """The node is ready, and nobody is sent to it."""
+        self.raises("GnomonDoorSilent", self.start_in_fleet(), settled=True)
+
+    def test_sessions_that_find_no_other_node(self):
+        self.start_in_fleet()
+        self.load({"studio": 1})
+        self.flying()
+
+        def drain():
+            self.assertEqual(self.node.ctl("drain")[0], 0)
+            eventually(lambda: self.node.metric("gnomon_refusals_total", reason="draining") > 0, "no other node")
+        self.raises("GnomonDrainStuck", drain, also=("GnomonNotReady",))
+
+    def test_nodes_that_are_nearly_full(self):
+        self.start_in_fleet(fleet={"assumed_rate_hz": 1000})
+
+        def fill():
+            self.load({"studio": 1}, size="320x180", rate=0)
+            self.flying()
+
+        def booked(scrape):
+            return scrape.value("gnomon_load_ratio") > 0.6
+        self.raises("GnomonFleetFull", fill, also=("GnomonFramesLate", "GnomonTenantFloods"), shows=booked)
+
     def test_a_certificate_about_to_end_and_a_cache_that_is_full(self):
         """A production node, whose clients show tokens; its light buffers find no room on the disk."""
         scratch = Node(BUILD)
@@ -303,8 +364,10 @@ class Told(unittest.TestCase):
             for label in grouping.split(", "):
                 self.assertTrue(any(label in known for known in self.labels.values()), label)
 
-    def test_the_dashboard_names_what_is_exported(self):
-        panels = json.loads((ROOT / "deploy/grafana/gnomon.json").read_text())["panels"]
+    def test_the_dashboards_name_what_is_exported(self):
+        files = sorted((ROOT / "deploy/grafana").glob("*.json"))
+        self.assertGreater(len(files), 1)
+        panels = [panel for file in files for panel in json.loads(file.read_text())["panels"]]
         queries = [(target["expr"], target["legendFormat"]) for panel in panels for target in panel["targets"]]
         self.assertGreater(len(queries), 20)
         for expression, legend in queries:

@@ -1,5 +1,6 @@
 """Headless Chromium over its debugging pipe: one page, what it logs, what scripts say, pictures."""
 import base64
+import hashlib
 import json
 import os
 import pathlib
@@ -8,28 +9,53 @@ import subprocess
 import tempfile
 
 
+# WebGL2 on Mesa's llvmpipe, whose grid of 1/256 of a pixel is the server's; SwiftShader's is coarser.
+LLVMPIPE = ("--use-angle=gl-egl", "--ignore-gpu-blocklist")
+SWIFTSHADER = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+NO_GPU = ("--disable-gpu",)
+
+
+def trusting(key):
+    """The argument by which a server's certificate is taken though nobody has signed it; of key_hash()."""
+    return f"--ignore-certificate-errors-spki-list={key}"
+
+
+def key_hash(host, port):
+    """What trusting() wants, of the server that listens there."""
+    got = subprocess.run(["openssl", "s_client", "-connect", f"{host}:{port}", "-alpn", "http/1.1"], input=b"",
+                         capture_output=True, check=False).stdout
+    key = subprocess.run(["openssl", "x509", "-pubkey", "-noout"], input=got, capture_output=True, check=True).stdout
+    der = subprocess.run(["openssl", "pkey", "-pubin", "-outform", "der"], input=key, capture_output=True,
+                         check=True).stdout
+    return base64.b64encode(hashlib.sha256(der).digest()).decode()
+
+
 def find():
-    return shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    return shutil.which("chromium") or shutil.which("chromium-headless-shell") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 class Chromium:
-    def __init__(self, program):
+    """`arguments`: beside those that every test needs, as LLVMPIPE."""
+
+    def __init__(self, program, arguments=NO_GPU):
         self.folder = tempfile.TemporaryDirectory(prefix="gnomon-chromium-", ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
         command = (f'exec "$@" 3<&{to_browser} 4>&{from_browser}')
         self.process = subprocess.Popen(
-            ["bash", "-c", command, "bash", program, "--headless=new", "--no-sandbox", "--disable-gpu",
+            ["bash", "-c", command, "bash", program, "--headless=new", "--no-sandbox", *arguments,
              "--no-first-run", "--disable-background-networking", "--disable-component-update",
              f"--user-data-dir={self.folder.name}", "--remote-debugging-pipe", "about:blank"],
             pass_fds=(to_browser, from_browser), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
-        self.number, self.buffer, self.errors = 0, b"", []
+        self.number, self.buffer, self.errors, self.requests = 0, b"", [], []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(domain + ".enable")
+        # Workers are targets of their own; each waits until it is listened to.
+        self.call("Target.setAutoAttach", autoAttach=True, waitForDebuggerOnStart=True, flatten=True)
 
     def receive(self):
         while b"\0" not in self.buffer:
@@ -42,9 +68,20 @@ class Chromium:
         self.note(message.get("method"), message.get("params", {}))
         return message
 
+    def tell(self, session, method):
+        """Without waiting for an answer, which is not read."""
+        os.write(self.out, json.dumps({"id": 0, "sessionId": session, "method": method}).encode() + b"\0")
+
     def note(self, method, params):
+        if method == "Target.attachedToTarget" and getattr(self, "session", None):
+            for told in ("Runtime.enable", "Log.enable", "Network.enable", "Runtime.runIfWaitingForDebugger"):
+                self.tell(params["sessionId"], told)
         if method == "Page.loadEventFired":
             self.loaded = True
+        if method == "Network.requestWillBeSent":
+            self.requests.append(params["request"]["url"])
+        if method == "Network.webSocketCreated":
+            self.requests.append(params["url"])
         if method == "Runtime.exceptionThrown":
             self.errors.append(json.dumps(params["exceptionDetails"])[:500])
         if method == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning", "assert"):
@@ -65,8 +102,10 @@ class Chromium:
                     raise AssertionError(f"{method}: {answer['error']}")
                 return answer["result"]
 
-    def open(self, url, width=1280, height=900):
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+    def open(self, url, width=1280, height=900, mobile=False):
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
+        if mobile:
+            self.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
         self.loaded = False
         self.call("Page.navigate", url=url)
         while not self.loaded:

@@ -238,7 +238,7 @@ class AsQuadletStartsIt(Containers):
 
 
 class AsKubernetesStartsIt(Containers):
-    """What podman 4.3 knows of it: the pod of the daemon set. Neither does it know that a device is to be requested,
+    """What podman 4.3 knows of it: the pod of a node. Neither does it know that a device is to be requested,
     nor does it give a secret's files the mode and the group that they are to have."""
 
     def manifest(self):
@@ -261,9 +261,11 @@ class AsKubernetesStartsIt(Containers):
     def place_credentials(self):
         """As a kubelet does it with defaultMode and fsGroup."""
         place = self.podman.volume("gnomon-credentials")
-        for name, source in (("tls.crt", "server.pem"), ("tls.key", "server-key.pem")):
+        (self.folder / "admin-token").write_text("an operator's token\n")
+        for name, source in (("tls.crt", "certs/server.pem"), ("tls.key", "certs/server-key.pem"),
+                             ("admin-token", "admin-token")):
             file = place / name
-            shutil.copy(self.folder / "certs" / source, file)
+            shutil.copy(self.folder / source, file)
             shutil.chown(file, 0, NOBODY)
             file.chmod(0o440)
 

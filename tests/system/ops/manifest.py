@@ -1,4 +1,4 @@
-"""The Kubernetes manifest as data, and what Kubernetes' own API has to say of it: Debian's python3-kubernetes, whose
+"""The Kubernetes manifests as data, and what Kubernetes' own API has to say of them: Debian's python3-kubernetes, whose
 classes are made from its schema."""
 import json
 import pathlib
@@ -12,21 +12,34 @@ except ModuleNotFoundError as error:
     print(f"skipped: Debian's python3-kubernetes is missing ({error.name}): deploy/install-packages containers")
     sys.exit(77)
 
-FILE = pathlib.Path(__file__).resolve().parents[3] / "deploy/container/kubernetes.yaml"
+FOLDER = pathlib.Path(__file__).resolve().parents[3] / "deploy/kubernetes"
+BASE, OVERLAY = FOLDER / "base", FOLDER / "two-gpus"
 QUANTITY = parse_quantity
+# Debian's library is of Kubernetes 1.22, which had these fields under the name before the last.
+CLASSES = {"V2HorizontalPodAutoscaler": "V2beta2HorizontalPodAutoscaler"}
 
 
-def documents():
-    """By kind."""
-    return {document["kind"]: document for document in yaml.safe_load_all(FILE.read_text())}
+def load(text):
+    return yaml.safe_load(text)
 
 
 def dump(documents):
     return yaml.safe_dump_all(documents)
 
 
-def load(text):
-    return yaml.safe_load(text)
+def kustomization(folder):
+    return load((folder / "kustomization.yaml").read_text())
+
+
+def documents():
+    """Those of the base, by kind and name."""
+    all_of_them = [document for resource in kustomization(BASE)["resources"]
+                   for document in yaml.safe_load_all((BASE / resource).read_text())]
+    return by_name(all_of_them)
+
+
+def by_name(all_of_them):
+    return {f"{document['kind']}/{document['metadata']['name']}": document for document in all_of_them}
 
 
 class Answer:
@@ -38,6 +51,6 @@ class Answer:
 
 def understood(document):
     """As much of it as the schema knows; an error if something that must stand there does not."""
-    version = document["apiVersion"].split("/")[-1]
+    name = document["apiVersion"].split("/")[-1].capitalize() + document["kind"]
     api = client.ApiClient()
-    return api.sanitize_for_serialization(api.deserialize(Answer(document), version.capitalize() + document["kind"]))
+    return api.sanitize_for_serialization(api.deserialize(Answer(document), CLASSES.get(name, name)))

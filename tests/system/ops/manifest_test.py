@@ -1,30 +1,35 @@
 #!/usr/bin/python3
-"""The Kubernetes manifest by Kubernetes' schema, and what no schema says: that its parts fit each other, the image and
+"""The Kubernetes manifests by Kubernetes' schema, and what no schema says: that its parts fit each other, the image and
 the daemon. container_test runs it.
 
     manifest_test.py SOURCE BUILD
 """
 import copy
+import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
 import manifest
+from node import Node
 
 SOURCE, BUILD = pathlib.Path(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1)).resolve()
 CONTAINERFILE = (SOURCE / "deploy/container/Containerfile").read_text()
 QUADLET = (SOURCE / "deploy/container/gnomond.container").read_text()
 # Below these a manifest may name what it likes.
-OPEN = ("labels", "matchLabels", "requests", "limits", "data")
+OPEN = ("labels", "matchLabels", "annotations", "requests", "limits")
 
 
 def keys(node, path=()):
     """The path of every key that the schema knows."""
     if isinstance(node, dict):
         for key, value in node.items():
+            if "/" in key:  # a label's
+                continue
             yield (*path, key)
             if key not in OPEN:
                 yield from keys(value, (*path, key))
@@ -44,8 +49,10 @@ def misspelt(document, path):
 
 class Schema(unittest.TestCase):
     def test_kubernetes_knows_all_of_it(self):
-        self.assertEqual(sorted(manifest.documents()), ["ConfigMap", "DaemonSet"])
-        for document in manifest.documents().values():
+        documents = manifest.documents()
+        self.assertGreaterEqual(set(documents), {"Deployment/gnomon", "Deployment/gnomon-door", "Service/gnomon",
+                                                 "HorizontalPodAutoscaler/gnomon", "PodDisruptionBudget/gnomon"})
+        for document in documents.values():
             self.assertEqual(manifest.understood(document), document)
 
     def test_a_misspelt_key_is_noticed_wherever_it_is(self):
@@ -62,34 +69,126 @@ class Schema(unittest.TestCase):
                 self.assertFalse(same, path)
                 noticed += 1
         print(f"{noticed} keys")
-        self.assertGreater(noticed, 60)
+        self.assertGreater(noticed, 200)
+
+
+class Assembly(unittest.TestCase):
+    """What kustomize makes of the folders."""
+
+    def test_every_file_is_used(self):
+        for folder in (manifest.BASE, manifest.OVERLAY):
+            made = manifest.kustomization(folder)
+            used = {"kustomization.yaml", *made["resources"], *(patch["path"] for patch in made.get("patches", []))}
+            for each in made["configMapGenerator"]:
+                used |= set(each["files"])
+            self.assertEqual(used - {"../base"}, {file.name for file in folder.iterdir()})
+
+    def test_maps_are_those_that_pods_mount(self):
+        made = {each["name"] for each in manifest.kustomization(manifest.BASE)["configMapGenerator"]}
+        mounted = {volume["configMap"]["name"] for document in manifest.documents().values()
+                   if document["kind"] == "Deployment"
+                   for volume in document["spec"]["template"]["spec"]["volumes"] if "configMap" in volume}
+        self.assertEqual(made, mounted)
+
+    def test_the_overlay_has_as_many_devices_as_it_asks_for(self):
+        base, overlay = (manifest.load((folder / "gnomond.yaml").read_text())
+                         for folder in (manifest.BASE, manifest.OVERLAY))
+        devices = overlay["render"].pop("devices")
+        self.assertEqual(base, overlay)
+        patch = manifest.load((manifest.OVERLAY / "nodes.yaml").read_text())
+        self.assertIn(f"Deployment/{patch['metadata']['name']}", manifest.documents())
+        container, = patch["spec"]["template"]["spec"]["containers"]
+        for resources in container["resources"].values():
+            self.assertEqual(int(resources["nvidia.com/gpu"]), len(devices))
+
+    @unittest.skipUnless(shutil.which("kubectl"), "there is no kubectl")
+    def test_kubectl_assembles_it(self):
+        for folder, gpus in ((manifest.BASE, "1"), (manifest.OVERLAY, "2")):
+            text = subprocess.run(["kubectl", "kustomize", folder], check=True, text=True, stdout=subprocess.PIPE).stdout
+            made = manifest.by_name(manifest.yaml.safe_load_all(text))
+            for document in made.values():
+                self.assertEqual(manifest.understood(document), document)
+            pod = made["Deployment/gnomon"]["spec"]["template"]["spec"]
+            self.assertEqual(pod["containers"][0]["resources"]["limits"]["nvidia.com/gpu"], gpus)
+            name, = (volume["configMap"]["name"] for volume in pod["volumes"] if "configMap" in volume)
+            self.assertRegex(name, "^gnomon-[a-z0-9]+$")
+            self.assertIn("gnomond.yaml", made[f"ConfigMap/{name}"]["data"])
+
+
+class Fleet(unittest.TestCase):
+    """Doors, services, budgets and the autoscaler are those of the nodes."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.documents = manifest.documents()
+        cls.doors = (manifest.BASE / "haproxy.cfg").read_text()
+
+    def test_all_select_the_pods_they_are_for(self):
+        for name in ("gnomon", "gnomon-door"):
+            labels = self.documents[f"Deployment/{name}"]["spec"]["template"]["metadata"]["labels"]
+            budget = self.documents[f"PodDisruptionBudget/{name}"]["spec"]["selector"]["matchLabels"]
+            for wanted in (self.documents[f"Service/{name}"]["spec"]["selector"], budget,
+                           self.documents[f"Deployment/{name}"]["spec"]["selector"]["matchLabels"]):
+                self.assertEqual({**labels, **wanted}, labels)
+        target = self.documents["HorizontalPodAutoscaler/gnomon"]["spec"]["scaleTargetRef"]
+        self.assertEqual(self.documents["Deployment/gnomon"]["apiVersion"], target["apiVersion"])
+        self.assertEqual((target["kind"], target["name"]), ("Deployment", "gnomon"))
+        self.assertNotIn("replicas", self.documents["Deployment/gnomon"]["spec"], "that is the autoscaler's")
+
+    def test_doors_find_nodes_by_the_headless_service(self):
+        service = self.documents["Service/gnomon"]
+        self.assertEqual(service["spec"]["clusterIP"], "None")
+        self.assertTrue(service["spec"]["publishNotReadyAddresses"], "who drains keeps its connections")
+        port, = service["spec"]["ports"]
+        self.assertRegex(self.doors, rf"server-template \w+ \d+ _{port['name']}\._tcp\.{service['metadata']['name']}\.")
+        maximum = self.documents["HorizontalPodAutoscaler/gnomon"]["spec"]["maxReplicas"]
+        self.assertGreaterEqual(int(re.search(r"server-template \w+ (\d+) ", self.doors)[1]), maximum)
+
+    def test_doors_do_what_the_door_without_kubernetes_does(self):
+        def directives(text):
+            return {line.strip() for line in text.splitlines() if line.strip() and not line.strip().startswith("#")}
+        alone = directives((SOURCE / "deploy/fleet/haproxy.cfg").read_text())
+        here = directives(self.doors)
+        self.assertTrue(all(line.startswith("server ") for line in alone - here), alone - here)
+
+    @unittest.skipUnless(shutil.which("haproxy"), "there is no haproxy")
+    def test_haproxy_takes_the_configuration(self):
+        known = self.doors.replace(" hash-key addr", "")  # of HAProxy 3.0; Debian's is 2.6
+        self.assertNotEqual(known, self.doors)
+        with tempfile.NamedTemporaryFile("w", suffix=".cfg") as file:
+            file.write(known)
+            file.flush()
+            done = subprocess.run(["haproxy", "-c", "-f", file.name], text=True, env={**os.environ, "NAMESPACE": "gnomon"},
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_the_autoscaler_asks_for_what_a_node_exports(self):
+        metric, = self.documents["HorizontalPodAutoscaler/gnomon"]["spec"]["metrics"]
+        with Node(BUILD, render={"tracer": "bvh"}) as node:
+            node.start()
+            names = {line.split("{")[0].split(" ")[0] for line in node.page("/metrics").splitlines()}
+        self.assertIn(metric["pods"]["metric"]["name"], names)
 
 
 class Fit(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        documents = manifest.documents()
-        cls.text = documents["ConfigMap"]["data"]["gnomond.yaml"]
+        cls.text = (manifest.BASE / "gnomond.yaml").read_text()
         cls.config = manifest.load(cls.text)
-        cls.config_map, cls.set = documents["ConfigMap"], documents["DaemonSet"]
-        cls.pod = cls.set["spec"]["template"]["spec"]
+        cls.deployment = manifest.documents()["Deployment/gnomon"]
+        cls.pod = cls.deployment["spec"]["template"]["spec"]
         cls.container, = cls.pod["containers"]
         cls.volumes = {volume["name"]: volume for volume in cls.pod["volumes"]}
         cls.mounts = {mount["mountPath"]: mount for mount in cls.container["volumeMounts"]}
 
-    def test_the_set_finds_its_pods(self):
-        wanted = self.set["spec"]["selector"]["matchLabels"]
-        labels = self.set["spec"]["template"]["metadata"]["labels"]
-        self.assertEqual({**labels, **wanted}, labels)
-
     def test_volumes_are_there_and_used(self):
         self.assertEqual(len(self.volumes), len(self.pod["volumes"]))
         self.assertEqual({mount["name"] for mount in self.mounts.values()}, set(self.volumes))
-        self.assertEqual(self.volumes["config"]["configMap"]["name"], self.config_map["metadata"]["name"])
         config, = re.findall(r"--config (\S+)", " ".join(self.container["args"]))
         folder, name = config.rsplit("/", 1)
         self.assertEqual(self.mounts[folder]["name"], "config")
-        self.assertIn(name, self.config_map["data"])
+        generated = manifest.kustomization(manifest.BASE)["configMapGenerator"]
+        self.assertIn({"name": self.volumes["config"]["configMap"]["name"], "files": [name]}, generated)
 
     def test_all_that_is_written_has_a_volume(self):
         self.assertTrue(self.container["securityContext"]["readOnlyRootFilesystem"])
@@ -102,7 +201,7 @@ class Fit(unittest.TestCase):
         secret = self.volumes["credentials"]["secret"]
         self.assertEqual(secret["defaultMode"], 0o440)
         self.assertEqual(self.pod["securityContext"]["fsGroup"], self.pod["securityContext"]["runAsGroup"])
-        for file in self.config["server"]["tls"].values():
+        for file in [*self.config["server"]["tls"].values(), self.config["admin"]["token_file"]]:
             self.assertEqual(self.mounts[file.rsplit("/", 1)[0]]["name"], "credentials")
 
     def test_user_and_image_are_those_of_the_containerfile_and_of_quadlet(self):
@@ -111,19 +210,34 @@ class Fit(unittest.TestCase):
         self.assertTrue(context["runAsNonRoot"])
         self.assertIn(f"\nImage={self.container['image']}\n", QUADLET)
 
-    def test_ports_are_the_daemons(self):
-        server = {"control_port": 7600, "data_port": 7600, **self.config["server"]}
-        ports = {(port["protocol"], port["containerPort"], port["hostPort"]) for port in self.container["ports"]}
-        self.assertEqual(ports, {("TCP", server["control_port"], server["control_port"]),
-                                 ("UDP", server["data_port"], server["data_port"])})
-        for protocol, port, _ in ports:
-            self.assertRegex(CONTAINERFILE, rf"(?m)^EXPOSE .*\b{port}/{protocol.lower()}")
+    def test_an_image_that_a_node_has_is_not_fetched(self):
+        """Without a word on it, Kubernetes fetches an image that is called latest, from a registry that nobody has."""
+        self.assertTrue(self.container["image"].startswith("localhost/"))
+        self.assertEqual(self.container["imagePullPolicy"], "IfNotPresent")
 
-    def test_probes_ask_the_admin_server(self):
-        admin = f"http://127.0.0.1:{self.config['admin']['port']}"
+    def test_ports_are_the_daemons(self):
+        server, ports = self.config["server"], self.container["ports"]
+        self.assertTrue(self.pod["hostNetwork"])
+        for port in ports:
+            self.assertEqual(port["containerPort"], port["hostPort"])
+        defaults = manifest.load((SOURCE / "config/gnomond.yaml").read_text())
+        wanted = {"control": ("TCP", server.get("control_port", defaults["server"]["control_port"])),
+                  "data": ("UDP", server.get("data_port", defaults["server"]["data_port"])),
+                  "admin": ("TCP", self.config["admin"]["port"]), "door": ("TCP", defaults["fleet"]["door_port"])}
+        self.assertEqual({port["name"]: (port["protocol"], port["containerPort"]) for port in ports}, wanted)
+        for name in ("control", "data"):
+            protocol, port = wanted[name]
+            self.assertRegex(CONTAINERFILE, rf"(?m)^EXPOSE .*\b{port}/{protocol.lower()}")
+        self.assertIn(f"check port {wanted['door'][1]} ", (manifest.BASE / "haproxy.cfg").read_text())
+        annotations = self.deployment["spec"]["template"]["metadata"]["annotations"]
+        self.assertEqual(annotations["prometheus.io/port"], str(wanted["admin"][1]))
+
+    def test_probes_ask_at_the_operators_socket(self):
+        runtime, = (variable["value"] for variable in self.container["env"] if variable["name"] == "RUNTIME_DIRECTORY")
+        self.assertFalse(self.mounts[runtime].get("readOnly"))
         for probe, page in (("startupProbe", "/readyz"), ("livenessProbe", "/healthz"), ("readinessProbe", "/readyz")):
-            self.assertEqual(self.container[probe]["exec"]["command"][-1], admin + page)
-        self.assertIn(admin + "/healthz", CONTAINERFILE)
+            command = self.container[probe]["exec"]["command"]
+            self.assertEqual(command[-3:], ["--unix-socket", f"{runtime}/admin.sock", "http://localhost" + page])
 
     def test_it_may_drain(self):
         grace = self.pod["terminationGracePeriodSeconds"]
@@ -138,13 +252,16 @@ class Fit(unittest.TestCase):
         self.assertEqual(asked["nvidia.com/gpu"], most["nvidia.com/gpu"])
 
     def test_the_daemon_takes_the_configuration(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
-            file.write(self.text)
-            file.flush()
-            done = subprocess.run([BUILD / "bin/gnomond", "--config", file.name, "--check-config",
+        address, = (variable["name"] for variable in self.container["env"]
+                    if variable.get("valueFrom") == {"fieldRef": {"fieldPath": "status.hostIP"}})
+        arguments = [argument.replace(f"$({address})", "192.0.2.7") for argument in self.container["args"]]
+        self.assertNotIn("$(", " ".join(arguments))
+        for folder in (manifest.BASE, manifest.OVERLAY):
+            arguments[arguments.index("--config") + 1] = folder / "gnomond.yaml"
+            done = subprocess.run([BUILD / "bin/gnomond", *arguments, "--check-config",
                                    "--for-reload"], text=True,  # the files that it names are in the container
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertEqual(done.returncode, 0, done.stdout)
 
 
 if __name__ == "__main__":

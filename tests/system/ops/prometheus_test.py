@@ -21,7 +21,7 @@ from scrapes import promtool
 
 SOURCE, BUILD = pathlib.Path(sys.argv.pop(1)), sys.argv.pop(1)
 FILES = SOURCE / "deploy/prometheus"
-DASHBOARD = SOURCE / "deploy/grafana/gnomon.json"
+DASHBOARDS = sorted((SOURCE / "deploy/grafana").glob("*.json"))
 MOST_SERIES = 480  # of a node with ten tenants, 255 of them in histograms whose buckets end at twice the one before
 METRIC = re.compile(r"\b(?:\w+:)?(?:gnomon|process)_\w+(?::\w+)?")
 
@@ -81,7 +81,8 @@ class Prometheus:
 class Scraped(unittest.TestCase):
     def setUp(self):
         self.node = Node(BUILD, faults=True, tenants=[{"name": "studio"}, {"name": "arcade"}],
-                         render={"tracer": "bvh"}, server={"silence_timeout_ms": 120000})
+                         render={"tracer": "bvh"}, server={"silence_timeout_ms": 120000},
+                         fleet={"door_listen": "127.0.0.1", "door_port": 0})
         self.addCleanup(self.node.__exit__)
         self.node.start()
         self.prometheus = Prometheus(self.node)
@@ -94,7 +95,7 @@ class Scraped(unittest.TestCase):
         self.assertEqual(self.node.ctl("drain", admin=self.node.admin)[0], 1, "over TCP, without a token")
 
     def asked_for(self):
-        panels = json.loads(DASHBOARD.read_text())["panels"]
+        panels = [panel for file in DASHBOARDS for panel in json.loads(file.read_text())["panels"]]
         queries = [target["expr"].replace("$instance", ".*") for panel in panels for target in panel["targets"]]
         rules = ["".join(found) for file in ("gnomon.rules.yml", "gnomon.alerts.yml")
                  for found in expressions(FILES / file)]
