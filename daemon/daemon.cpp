@@ -152,8 +152,11 @@ Result<void> Daemon::bring_up() {
   }
   if (auto opened = certificates_.open(options_.config.server, options_.config.web.listen); !opened) return opened;
   if (auto reachable = check_tenants(options_.config); !reachable) return reachable;
+  auto changed_lights = ChangedLights::read(options_.config.scenes.lights_file);
+  if (!changed_lights) return Error{"scenes.lights_file: " + changed_lights.error().message};
+  lights_ = std::make_unique<SceneLights>(devices_, std::move(*changed_lights), options_.config.scenes.lights_file);
   scenes_ = std::make_unique<SceneHost>(
-      *catalog_.get(), devices_, metrics_, options_.read_scene,
+      *catalog_.get(), devices_, *lights_, metrics_, options_.read_scene,
       SceneMemory{scene_memory_limits(options_.config), uint64_t{options_.config.render.light_buffer_mb} << 20});
   auto store = open_store(options_.config.server);
   if (!store) return store.error();
@@ -199,6 +202,7 @@ Result<void> Daemon::open_admin() {
                                                            .tls = certificates_.published(),
                                                            .devices = devices_,
                                                            .scenes = *scenes_,
+                                                           .lights = *lights_,
                                                            .limits = session_limits_,
                                                            .server = *server_,
                                                            .begin_stop = options_.on_stop,

@@ -101,6 +101,7 @@ class Daemon final : private FrameSink {
   std::unique_ptr<WebService> web_;  // nullptr: browsers are not served
   std::unique_ptr<Server> server_;
   std::unique_ptr<EncodePool> encode_pool_;
+  std::unique_ptr<SceneLights> lights_;
   std::unique_ptr<SceneHost> scenes_;
   std::unique_ptr<ScenePacks> packs_;  // nullptr: browsers are not served
   std::unique_ptr<Operations> operations_;

@@ -9,6 +9,7 @@
 #include "daemon/net/demo_certificate.h"
 #include "daemon/net/listen_check.h"
 #include "daemon/net/tls.h"
+#include "daemon/scenes/changed_lights.h"
 #include "daemon/scenes/scene_catalog.h"
 #include "daemon/security/admin_socket.h"
 #include "daemon/security/readable_file.h"
@@ -142,6 +143,11 @@ void check_scenes(Findings& findings, const ScenesConfig& scenes, const StartChe
 void check_folders(Findings& findings, const Config& config) {
   const fs::path& cache = config.render.cache_folder;
   if (!cache.empty()) findings.add("render.cache_folder", check_writable_folder(cache));
+  const fs::path& lights = config.scenes.lights_file;
+  if (!lights.empty()) {
+    findings.add("scenes.lights_file", check_writable_folder(lights.parent_path()));
+    if (const auto read = ChangedLights::read(lights); !read) findings.add("scenes.lights_file", read.error());
+  }
   const fs::path& audit = config.log.audit_file;
   if (audit.empty()) return;
   std::error_code none;

@@ -30,6 +30,7 @@ struct OperatedParts {
   const PublishedTls& tls;
   DevicePool& devices;
   SceneHost& scenes;
+  SceneLights& lights;
   const SessionLimits& limits;
   Server& server;
   std::function<void()> begin_stop;                                       // empty if nobody can be asked to stop

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "common/wall_clock.h"
 #include "daemon/admin/page_files.h"
 #include "daemon/admin/status_json.h"
 #include "daemon/render/light_change.h"
@@ -18,6 +19,7 @@ constexpr size_t kMaxWhy = 200;  // bytes of the reason that the client is sent
 // For how long a client that was kicked is kept out: where the operator says nothing, and at most.
 constexpr int64_t kUsualStayOutS = 60;
 constexpr int64_t kLongestStayOutS = 7 * 24 * 3600;
+constexpr int64_t kLatestMs = int64_t{1} << 53;  // which every JSON reader has exactly
 
 // The member `name` of the object, or `usual` where it has none; nullopt if it is no whole number from 0 to `most`.
 std::optional<int64_t> whole_number(const json& object, const char* name, int64_t usual, int64_t most) {
@@ -27,24 +29,57 @@ std::optional<int64_t> whole_number(const json& object, const char* name, int64_
   return fits ? std::optional<int64_t>(found->get<int64_t>()) : std::nullopt;
 }
 
+// A change of a light, and when it was made where its body says so (`at_ms`): one that goes to all nodes of a fleet has one
+// time.
+struct DatedChange {
+  LightChange change;
+  int64_t at_ms = 0;
+};
+
+Result<DatedChange> parse_dated_change(const std::string& body) {
+  json asked = json::parse(body, nullptr, false);
+  if (!asked.is_object()) return Error{"the body must be a JSON object"};
+  const int64_t now_ms = std::chrono::milliseconds(wall_now().time_since_epoch()).count();
+  const auto at_ms = whole_number(asked, "at_ms", now_ms, kLatestMs);
+  if (!at_ms) return Error{"at_ms: allowed is a whole number of milliseconds since 1970"};
+  asked.erase("at_ms");
+  const auto change = parse_light_change(asked.dump(-1, ' ', false, json::error_handler_t::replace));
+  if (!change) return change.error();
+  return DatedChange{*change, *at_ms};
+}
+
 }  // namespace
 
 Operations::Operations(OperatedParts parts) : parts_(std::move(parts)) {}
 
-// The change is checked here, before it is sent to the render threads, which apply it later: the answer is "accepted".
-Page Operations::change_light(const std::string& name, const std::string& light, const std::string& body) {
+// The change is checked here, before it is sent to the render threads, which apply it later: the answer is "accepted". Of
+// a scene that is not resident nobody knows how many lights it has.
+Page Operations::change_light(const std::string& asked, const std::string& light, const std::string& body) {
+  const std::string known = parts_.catalog.get()->find(asked);
+  const std::string& name = known.empty() ? asked : known;  // a reload may have taken its name
   const auto resident = parts_.scenes.resident();
   const auto scene = resident.find(name);
-  if (scene == resident.end()) return {404, kText, "no such scene is resident\n"};
-  const std::vector<scenes::Light>& lights = scene->second.lights.lights;
-  const size_t index = light.size() > 4 ? lights.size() : std::stoul(light);
-  if (index >= lights.size()) return {404, kText, "the scene has " + std::to_string(lights.size()) + " lights\n"};
-  const auto change = parse_light_change(body);
-  if (!change) return {400, kText, change.error().message + "\n"};
-  const auto changed = changed_light(lights[index], scene->second.loaded.scene->lights[index], *change);
-  if (!changed) return {409, kText, changed.error().message + "\n"};
-  parts_.devices.change_light({scene->second.loaded.id, static_cast<uint32_t>(index), *change});
-  return {202, kText, "accepted\n"};
+  const bool is_resident = scene != resident.end();
+  if (!is_resident && known.empty()) return {404, kText, "the configuration has no such scene\n"};
+  const size_t most = is_resident ? scene->second.lights.lights.size() : ChangedLights::kMostNumber + 1;
+  const size_t index = light.size() > 4 ? most : std::stoul(light);
+  if (index >= most) return {404, kText, "the scene has at most " + std::to_string(most) + " lights\n"};
+  const auto asked_for = parse_dated_change(body);
+  if (!asked_for) return {400, kText, asked_for.error().message + "\n"};
+  if (is_resident) {
+    const auto& now = scene->second.lights.lights[index];
+    const auto changed = changed_light(now, scene->second.loaded.scene->lights[index], asked_for->change);
+    if (!changed) return {409, kText, changed.error().message + "\n"};
+  }
+  const auto done = parts_.lights.change(name, static_cast<uint32_t>(index), asked_for->change, asked_for->at_ms);
+  if (!done) return {409, kText, done.error().message + "\n"};
+  return {202, kText, is_resident ? "accepted\n" : "accepted, for when the scene is loaded\n"};
+}
+
+Page Operations::take_lights(const std::string& body) {
+  const auto others = ChangedLights::parse(body);
+  if (!others) return {400, kText, others.error().message + "\n"};
+  return {200, kText, "changed lights that were not known: " + std::to_string(parts_.lights.take(*others)) + "\n"};
 }
 
 Page Operations::kick(const std::string& session, const std::string& body) {
@@ -180,6 +215,7 @@ Admin::Actions Operations::actions() {
        {"unload scene", [this](const Groups& g, const Body&) { return unload_scene(g[0]); }}},
       {"/scenes/(.+)/lights/([0-9]+)",
        {"change light", [this](const Groups& g, const Body& body) { return change_light(g[0], g[1], body); }}},
+      {"/lights", {"take changed lights", [this](const Groups&, const Body& body) { return take_lights(body); }}},
   };
 }
 
@@ -211,6 +247,10 @@ Admin::Pages Operations::pages() {
          parts_.metrics.operation().memory({scenes.bytes, scenes.limit_bytes},
                                            {sessions.bytes, sessions.limit_bytes});
          return Page{200, "text/plain; version=0.0.4; charset=utf-8", parts_.metrics.text()};
+       }},
+      {"/lights",
+       [this] {
+         return Page{200, "application/json", parts_.lights.text()};
        }},
       {"/status",
        [this] {

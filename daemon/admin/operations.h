@@ -29,6 +29,7 @@ class Operations {
   Page reload_page();
   Page readiness() const;
   Page change_light(const std::string& scene, const std::string& light, const std::string& body);
+  Page take_lights(const std::string& body);
 
   OperatedParts parts_;
   std::atomic<bool> loading_{false};  // an operator's request to load a scene is in progress

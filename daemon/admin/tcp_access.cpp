@@ -1,11 +1,14 @@
 #include "daemon/admin/tcp_access.h"
 
+#include <algorithm>
+
 #include "daemon/admin/audit.h"
 
 namespace gnomon::daemon {
 namespace {
 
-constexpr const char* kTellsOfClients = "/status";
+// These name scenes, tenants and clients.
+constexpr std::string_view kGuarded[] = {"/status", "/lights"};
 constexpr std::string_view kScheme = "Bearer ";
 
 // Compares in a time that does not depend on the token.
@@ -35,7 +38,8 @@ std::optional<Page> TcpAccess::refuse(const HttpRequest& request, TimePoint now)
     return refused(request, Fault::admin_origin, 403, "pages of other servers may not ask here");
   }
   if (request.changes) return refuse_without_token(request, now);
-  const bool guarded = request.path == kTellsOfClients && !request.caller.on_loopback;
+  const bool guarded =
+      std::ranges::find(kGuarded, request.path) != std::end(kGuarded) && !request.caller.on_loopback;
   return guarded ? refuse_without_token(request, now) : std::nullopt;
 }
 

@@ -225,8 +225,8 @@ std::vector<Error> find_files(Config& config, const std::filesystem::path& confi
   TlsConfig& tls = config.server.tls;
   AdminConfig& admin = config.admin;
   for (auto* path : {&admin.token_file, &admin.tls.certificate, &admin.tls.key, &config.render.cache_folder,
-                     &config.server.state_folder, &config.log.audit_file, &tls.certificate, &tls.key,
-                     &tls.client_ca, &tls.client_crl}) {
+                     &config.scenes.lights_file, &config.server.state_folder, &config.log.audit_file,
+                     &tls.certificate, &tls.key, &tls.client_ca, &tls.client_crl}) {
     if (!path->empty()) *path = absolute_below(config_folder, *path);
   }
   if (!admin.socket.empty() && admin.socket != kUsualAdminSocket) {

@@ -106,6 +106,7 @@ struct ScenesConfig {
   std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
   uint32_t clock_hz = 60;                          // steps of the clock that animations play on
   SceneClock clock = SceneClock::by_fleet;
+  std::filesystem::path lights_file = {};      // of lights that operators change; empty: none
   std::chrono::milliseconds light_rest{2000};  // then the buffers of changed lights are rebuilt
   uint32_t worker_memory_mb = 8192;            // address space of the process that reads a scene, MiB
   std::chrono::seconds worker_time{120};       // its processor time

@@ -233,6 +233,7 @@ Keys<ScenesConfig> scenes_keys() {
       integer("clock_hz", &ScenesConfig::clock_hz, 1, 1000),
       choice("clock", &ScenesConfig::clock,
              {{"auto", SceneClock::by_fleet}, {"start", SceneClock::start}, {"wall", SceneClock::wall}}),
+      scalar("lights_file", &ScenesConfig::lights_file, "a path, or '' for none", parse_path_or_none),
       integer("light_rest_ms", &ScenesConfig::light_rest, 0, kHourMs),
       integer("worker_memory_mb", &ScenesConfig::worker_memory_mb, 256, 1 << 20),
       integer("worker_time_s", &ScenesConfig::worker_time, 1, 86'400),

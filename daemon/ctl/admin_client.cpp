@@ -53,7 +53,7 @@ Result<std::string> AdminClient::ask(const HttpAsked& asked) {
   if (address->kind == Kind::http && !shown.token.empty() && !is_loopback(address->host)) {
     return Error{address->text() + ": the token would cross in clear; allowed: https://HOST:PORT"};
   }
-  const auto answer = exchange(*address, shown, access_.authority, kPostTime);
+  const auto answer = exchange(*address, shown, {access_.authority, access_.name}, kPostTime);
   if (!answer) {
     const bool by_default = usual && address->kind != Kind::unix_socket;
     return Error{address->text() + " does not answer: " + answer.error().message + (by_default ? advice() : "")};
@@ -63,8 +63,8 @@ Result<std::string> AdminClient::ask(const HttpAsked& asked) {
   return Error{text.empty() ? "HTTP status " + std::to_string(answer->status) : printable_lines(text)};
 }
 
-Result<nlohmann::json> AdminClient::status() {
-  const auto text = ask({.path = "/status", .token = access_.token, .body = {}});
+Result<nlohmann::json> AdminClient::get(const std::string& path) {
+  const auto text = ask({.path = path, .token = access_.token, .body = {}});
   if (!text) return text.error();
   auto parsed = nlohmann::json::parse(*text, nullptr, false);
   if (!parsed.is_object()) return Error{"what answers is not gnomond's admin server"};

@@ -15,6 +15,7 @@ struct AdminAccess {
       {};  // "unix:PATH", "http://HOST:PORT" or "https://HOST:PORT"; empty: the usual one, see below
   std::string token = {};      // what the daemon's admin.token_file holds, for TCP; may be empty
   std::string authority = {};  // PEM file, for https; empty: the system's
+  std::string name = {};       // that its certificate has; empty: the address's
 };
 
 class AdminClient {
@@ -23,7 +24,8 @@ class AdminClient {
   // usual port, where a daemon shows itself and changes nothing without a token.
   explicit AdminClient(AdminAccess access) : access_(std::move(access)) {}
 
-  Result<nlohmann::json> status();
+  Result<nlohmann::json> status() { return get("/status"); }
+  Result<nlohmann::json> get(const std::string& path);  // an object
 
   // Returns the answer's text without its final newlines. The error is the daemon's refusal, or says that it does not
   // answer. Blocks until the request is carried out, which may take minutes. The text and the error may be shown on a

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <future>
+#include <map>
 #include <sstream>
 
 #include "daemon/ctl/status_members.h"
@@ -60,7 +61,7 @@ std::vector<Answer> asked_at_once(const std::vector<FleetNode>& nodes, const Adm
   std::vector<std::future<Answer>> pending;
   for (const FleetNode& node : nodes) {
     pending.push_back(std::async(std::launch::async, [node, access, &ask] {
-      AdminClient client({node.address, access.token, access.authority});
+      AdminClient client({node.address, access.token, access.authority, access.name});
       return Answer{node.name, ask(client)};
     }));
   }
@@ -95,21 +96,25 @@ Result<FleetNode> node_named(const std::vector<FleetNode>& nodes, const std::str
                "; there are: " + known};
 }
 
-Result<std::vector<FleetNode>> nodes_with(const std::vector<FleetNode>& nodes, const std::vector<NodeStatus>& fleet,
-                                          const std::string& scene) {
-  std::vector<FleetNode> having;
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    if (!fleet[i].status) return Error{fleet[i].name + ": " + fleet[i].status.error().message};
-    const json& scenes = list(*fleet[i].status, "scenes");
-    const bool has = std::ranges::any_of(scenes, [&](const json& each) { return each.value("name", "") == scene; });
-    if (has) having.push_back(nodes[i]);
-  }
-  if (having.empty()) return Error{"no node has a scene '" + scene + "' at the moment"};
-  return having;
-}
-
 std::vector<NodeStatus> status_of(const std::vector<FleetNode>& nodes, const AdminAccess& access) {
   return asked_at_once<NodeStatus>(nodes, access, [](AdminClient& client) { return client.status(); });
+}
+
+std::vector<NodeStatus> lights_of(const std::vector<FleetNode>& nodes, const AdminAccess& access) {
+  return asked_at_once<NodeStatus>(nodes, access, [](AdminClient& client) { return client.get("/lights"); });
+}
+
+json newest_lights(const std::vector<json>& tables) {
+  std::map<std::pair<std::string, double>, json> newest;
+  for (const json& table : tables) {
+    for (const json& light : list(table, "lights")) {
+      json& known = newest[{light.value("scene", ""), number(light, "light")}];
+      if (known.is_null() || number(light, "at_ms") > number(known, "at_ms")) known = light;
+    }
+  }
+  json lights = json::array();
+  for (auto& [place, light] : newest) lights.push_back(std::move(light));
+  return {{"lights", std::move(lights)}};
 }
 
 std::vector<NodeAnswer> post_to(const std::vector<FleetNode>& nodes, const AdminAccess& access,

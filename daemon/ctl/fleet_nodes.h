@@ -26,20 +26,21 @@ struct NodeStatus {
   Result<nlohmann::json> status;  // /status of the node, or why it did not answer
 };
 
-// Those of the nodes on which the scene is. Error: the first that does not answer, or that none has it.
-Result<std::vector<FleetNode>> nodes_with(const std::vector<FleetNode>& nodes, const std::vector<NodeStatus>& fleet,
-                                          const std::string& scene);
-
 struct NodeAnswer {
   std::string name;
   Result<std::string> answer;
 };
 
-// Both ask all nodes at once and block until the last has answered or its time is over. `access`: with which token, and
+// The three ask all nodes at once and block until the last has answered or its time is over. `access`: with which token, and
 // whom to trust; its address is not looked at.
 std::vector<NodeStatus> status_of(const std::vector<FleetNode>& nodes, const AdminAccess& access);
+// As status_of(), what operators have changed of the lights (/lights).
+std::vector<NodeStatus> lights_of(const std::vector<FleetNode>& nodes, const AdminAccess& access);
 std::vector<NodeAnswer> post_to(const std::vector<FleetNode>& nodes, const AdminAccess& access,
                                 const std::string& path, const nlohmann::json& body);
+
+// Of every light the newest change in any of `tables`, each as /lights has it.
+nlohmann::json newest_lights(const std::vector<nlohmann::json>& tables);
 
 // For people, and for programs: an array with the node's name, and its status or an `error`.
 std::string fleet_text(const std::vector<NodeStatus>& fleet);

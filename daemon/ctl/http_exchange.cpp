@@ -41,13 +41,13 @@ std::string percent_encoded(const std::string& path) {
 // Runs one operation at a time and waits for its end, or cuts it off when its time is over.
 class Exchange {
  public:
-  Result<HttpAnswer> run(const AdminAddress& address, const HttpAsked& asked, const std::string& authority,
+  Result<HttpAnswer> run(const AdminAddress& address, const HttpAsked& asked, const HttpTrust& trust,
                          std::chrono::milliseconds longest) {
     const ErrorCode connected =
         address.kind == Kind::unix_socket ? connect_locally(address) : connect_over_tcp(address);
     if (connected) return Error{connected.message()};
     if (address.kind != Kind::https) return talk(socket_, address, asked, longest);
-    const ErrorCode secured = secure(address, authority);
+    const ErrorCode secured = secure(address, trust);
     if (secured) return Error{"no TLS with it: " + secured.message()};
     return talk(*tls_, address, asked, longest);
   }
@@ -93,18 +93,18 @@ class Exchange {
     return error;
   }
 
-  // The certificate must be of the host, and signed by who is trusted.
-  ErrorCode secure(const AdminAddress& address, const std::string& authority) {
+  ErrorCode secure(const AdminAddress& address, const HttpTrust& trust) {
     ErrorCode error;
-    if (authority.empty()) {
+    if (trust.authority.empty()) {
       context_.set_default_verify_paths(error);
     } else {
-      context_.load_verify_file(authority, error);
+      context_.load_verify_file(trust.authority, error);
     }
     if (error) return error;
     tls_.emplace(socket_, context_);
     tls_->set_verify_mode(net::ssl::verify_peer, error);
-    tls_->set_verify_callback(net::ssl::rfc2818_verification(address.host), error);
+    const std::string& name = trust.name.empty() ? address.host : trust.name;
+    tls_->set_verify_callback(net::ssl::rfc2818_verification(name), error);
     if (error) return error;
     return finish([&](auto done) { tls_->async_handshake(net::ssl::stream_base::client, done); }, kConnectTime);
   }
@@ -164,9 +164,9 @@ Result<AdminAddress> parse_admin_address(const std::string& text) {
   return AdminAddress{secure ? Kind::https : Kind::http, host, port};
 }
 
-Result<HttpAnswer> exchange(const AdminAddress& address, const HttpAsked& asked, const std::string& authority,
+Result<HttpAnswer> exchange(const AdminAddress& address, const HttpAsked& asked, const HttpTrust& trust,
                             std::chrono::milliseconds longest) {
-  return Exchange().run(address, asked, authority, longest);
+  return Exchange().run(address, asked, trust, longest);
 }
 
 }  // namespace gnomon::ctl

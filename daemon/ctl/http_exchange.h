@@ -34,9 +34,14 @@ struct HttpAnswer {
   std::string body;
 };
 
-// Blocks until the answer is complete. `authority`: a PEM file of those whose certificates are trusted; empty: those that
-// the system trusts. The error says what failed; the address is not in it.
-Result<HttpAnswer> exchange(const AdminAddress& address, const HttpAsked& asked, const std::string& authority,
+// Whose certificate is good, for https.
+struct HttpTrust {
+  std::string authority;  // a PEM file of those who sign it; empty: those that the system trusts
+  std::string name;       // whose it is; empty: the address's host
+};
+
+// Blocks until the answer is complete. The error says what failed; the address is not in it.
+Result<HttpAnswer> exchange(const AdminAddress& address, const HttpAsked& asked, const HttpTrust& trust,
                             std::chrono::milliseconds longest);
 
 }  // namespace gnomon::ctl

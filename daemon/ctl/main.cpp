@@ -2,17 +2,12 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <iostream>
-#include <optional>
 
-#include "daemon/ctl/admin_client.h"
-#include "daemon/ctl/fleet.h"
-#include "daemon/ctl/fleet_nodes.h"
-#include "daemon/ctl/init.h"
+#include "daemon/ctl/arguments.h"
+#include "daemon/ctl/fleet_commands.h"
 #include "daemon/ctl/scene_load.h"
-#include "daemon/ctl/secrets.h"
 #include "daemon/ctl/top.h"
 #include "daemon/ctl/usage.h"
 #include "daemon/ctl/views.h"
@@ -20,48 +15,15 @@
 namespace gnomon::ctl {
 namespace {
 
-struct Arguments {
-  AdminAccess admin;
-  std::string token_file;
-  bool json = false;
-  std::string session;
-  std::string why;
-  std::optional<uint64_t> stay_out_s;
-  std::string scene;
-  uint32_t device = 0;
-  double interval_s = 1;
-  uint32_t count = 0;
-  CertsRequest certs;
-  InitRequest init;
-  DoorRequest door;
-  std::string fleet, node;
-  uint32_t light = 0;
-  nlohmann::json light_change = nlohmann::json::object();
-};
-
-using Command = std::function<Result<void>(const Arguments&)>;
 using View = std::string (*)(const nlohmann::json&);
 
-void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
-
-Result<AdminAccess> access_of(const Arguments& arguments) {
-  AdminAccess access = arguments.admin;
-  if (!arguments.token_file.empty()) {
-    std::ifstream file(arguments.token_file);
-    if (!std::getline(file, access.token)) return Error{arguments.token_file + ": cannot be read"};
-  }
-  return access;
-}
-
 Result<AdminClient> client(const Arguments& arguments) {
-  if (!arguments.fleet.empty()) return Error{"--fleet: allowed with status, drain, undrain and scene light"};
+  if (!arguments.fleet.empty())
+    return Error{"--fleet: allowed with status, drain, undrain, scene light and scene lights"};
   auto access = access_of(arguments);
   if (!access) return access.error();
   return AdminClient(std::move(*access));
 }
-
-// ASCII alone, as others chose the names in it.
-std::string json_text(const nlohmann::json& json, int indent) { return json.dump(indent, ' ', true) + "\n"; }
 
 // `key`: the member of /status that --json prints; empty: all of it.
 Command show(View view, std::string key) {
@@ -86,65 +48,28 @@ Result<void> post(const Arguments& arguments, const std::string& path,
   return {};
 }
 
-// The nodes that answer are shown even if others do not, which the exit status says.
-Result<void> show_fleet(const Arguments& arguments) {
-  const auto nodes = fleet_nodes(arguments.fleet);
-  if (!nodes) return nodes.error();
-  const auto access = access_of(arguments);
-  if (!access) return access.error();
-  const auto fleet = status_of(*nodes, *access);
-  print(arguments.json ? json_text(fleet_json(fleet), 2) : fleet_text(fleet));
-  std::string missing;
-  for (const NodeStatus& node : fleet) {
-    if (!node.status) missing += (missing.empty() ? "" : "\n") + node.name + ": " + node.status.error().message;
-  }
-  if (!missing.empty()) return Error{missing};
-  return {};
-}
-
-// Prints what each has answered.
-Result<void> post_to_fleet(const Arguments& arguments, const std::vector<FleetNode>& nodes,
-                           const AdminAccess& access, const std::string& path, const nlohmann::json& body) {
-  std::string failed;
-  auto answers = nlohmann::json::array();
-  for (const NodeAnswer& node : post_to(nodes, access, path, body)) {
-    if (!node.answer) {
-      failed += (failed.empty() ? "" : "\n") + node.name + ": " + node.answer.error().message;
-    } else if (arguments.json) {
-      answers.push_back({{"node", node.name}, {"answer", *node.answer}});
-    } else {
-      print(node.name + ": " + *node.answer + "\n");
-    }
-  }
-  if (arguments.json) print(json_text(answers, -1));
-  if (!failed.empty()) return Error{failed};
-  return {};
-}
-
 Command drains(const char* path) {
-  return [path](const Arguments& arguments) -> Result<void> {
-    if (arguments.fleet.empty()) return post(arguments, path);
-    const auto nodes = fleet_nodes(arguments.fleet);
-    if (!nodes) return nodes.error();
-    const auto node = node_named(*nodes, arguments.node);
-    if (!node) return node.error();
-    const auto access = access_of(arguments);
-    if (!access) return access.error();
-    return post_to_fleet(arguments, {*node}, *access, path, nlohmann::json::object());
+  return [path](const Arguments& arguments) {
+    return arguments.fleet.empty() ? post(arguments, path) : post_to_node(arguments, path);
   };
 }
 
 Result<void> change_light(const Arguments& arguments) {
   const std::string path = "/scenes/" + arguments.scene + "/lights/" + std::to_string(arguments.light);
   if (arguments.light_change.empty()) return Error{"nothing is to be changed; --help says what can be"};
-  if (arguments.fleet.empty()) return post(arguments, path, arguments.light_change);
-  const auto nodes = fleet_nodes(arguments.fleet);
-  if (!nodes) return nodes.error();
-  const auto access = access_of(arguments);
-  if (!access) return access.error();
-  const auto having = nodes_with(*nodes, status_of(*nodes, *access), arguments.scene);
-  if (!having) return having.error();
-  return post_to_fleet(arguments, *having, *access, path, arguments.light_change);
+  return arguments.fleet.empty() ? post(arguments, path, arguments.light_change)
+                                 : change_light_of_fleet(arguments, path);
+}
+
+Result<void> show_lights(const Arguments& arguments) {
+  if (!arguments.fleet.empty()) return share_lights(arguments);
+  if (!arguments.lights_file.empty()) return Error{"--file: allowed with --fleet"};
+  auto admin = client(arguments);
+  if (!admin) return admin.error();
+  const auto lights = admin->get("/lights");
+  if (!lights) return lights.error();
+  print(arguments.json ? json_text(*lights, 2) : lights_text(*lights));
+  return {};
 }
 
 Result<void> kick(const Arguments& arguments) {
@@ -186,6 +111,11 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   CLI::App* scene = add(app, chosen, "scene", "List, load or unload scenes", nullptr);
   scene->require_subcommand(1);
   add(*scene, chosen, "list", "The scenes on the device", show(scenes_text, "scenes"));
+  CLI::App* lights =
+      add(*scene, chosen, "lights",
+          "What was changed of lights; with --fleet every node learns what the others know", show_lights);
+  lights->add_option("--file", arguments.lights_file, "With --fleet: where a node that is about to start finds it")
+      ->type_name("FILE");
   CLI::App* light =
       add(*scene, chosen, "light", "Change a light of a scene; with --fleet on every node", change_light);
   light->add_option("NAME", arguments.scene, "As clients ask for it")->required()->type_name("SCENE");
@@ -197,6 +127,8 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
       ->add_flag_callback(
           "--off", [&change] { change["on"] = false; }, "Dark")
       ->excludes("--on");
+  light->add_flag_callback(
+      "--as-in-file", [&change] { change["as_in_file"] = true; }, "Forgets what was changed of it before");
   light
       ->add_option_function<double>(
           "--intensity", [&change](double to) { change["intensity"] = to; }, "Candela, or lux of a directional one")
@@ -232,7 +164,7 @@ void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
 
 void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   add(app, chosen, "status", "Devices, scenes and tenants; with --fleet the nodes",
-      [](const Arguments& a) { return a.fleet.empty() ? show(status_text, "")(a) : show_fleet(a); });
+      [alone = show(status_text, "")](const Arguments& a) { return a.fleet.empty() ? alone(a) : show_fleet(a); });
   add(app, chosen, "sessions", "Open sessions with their latencies", show(sessions_text, "sessions"));
   CLI::App* top_command = add(app, chosen, "top", "A live table of tenants and sessions", live);
   top_command->add_option("--interval", arguments.interval_s, "Seconds between two tables")
@@ -363,6 +295,10 @@ int run(int argc, char** argv) {
                  "Who signed its certificate, for https; else whom the system trusts")
       ->type_name("FILE")
       ->envname("GNOMON_ADMIN_CA");
+  app.add_option("--name", arguments.admin.name,
+                 "The name in its certificate, where the address has another one: that of a fleet")
+      ->type_name("NAME")
+      ->envname("GNOMON_ADMIN_NAME");
   app.add_option(
          "--fleet", arguments.fleet,
          "The nodes of a fleet, in the place of --admin: a file with lines NAME ADDRESS, or NAME=ADDRESS,...")

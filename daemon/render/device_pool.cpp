@@ -160,7 +160,7 @@ void DevicePool::bring(const SceneLoaded& arrived) {
   std::vector<RenderInbox*> inboxes;
   for (const auto& device : devices_) inboxes.push_back(&device->inbox());
   ask_all(inboxes, AnswerAt::last, arrived.resident, [&](const auto& reply) {
-    return SceneLoaded{arrived.scene, reply, arrived.name};
+    return SceneLoaded{arrived.scene, reply, arrived.name, arrived.lights};
   });
 }
 

@@ -43,6 +43,13 @@ std::optional<glm::vec3> colour(const json& value) {
   return out && glm::all(glm::greaterThanEqual(*out, glm::vec3(0.0f))) ? out : std::nullopt;
 }
 
+json as_json(const glm::vec3& vector) { return {vector.x, vector.y, vector.z}; }
+
+template <class T>
+void replace(std::optional<T>& earlier, const std::optional<T>& later) {
+  if (later) earlier = later;
+}
+
 std::optional<bool> flag(const json& value) {
   return value.is_boolean() ? std::optional(value.get<bool>()) : std::nullopt;
 }
@@ -62,7 +69,12 @@ Result<void> read_member(const std::string& name, const json& value, LightChange
   if (name == "intensity") return read(name, value, amount, into.intensity, "a number of 0 or more");
   if (name == "range") return read(name, value, amount, into.range, "a number of 0 or more; 0: unlimited");
   if (name == "on") return read(name, value, flag, into.on, "true or false");
-  return Error{name.substr(0, 40) + ": no such member; there are position, direction, color, intensity, range, on"};
+  if (name == "as_in_file") {
+    into.as_in_file = value == true;
+    return into.as_in_file ? Result<void>() : Error{"as_in_file: allowed is true"};
+  }
+  return Error{name.substr(0, 40) +
+               ": no such member; there are position, direction, color, intensity, range, on, as_in_file"};
 }
 
 }  // namespace
@@ -77,12 +89,38 @@ Result<LightChange> parse_light_change(const std::string& text) {
   return change;
 }
 
+std::string light_change_text(const LightChange& change) {
+  json object = json::object();
+  if (change.as_in_file) object["as_in_file"] = true;
+  if (change.position) object["position"] = as_json(*change.position);
+  if (change.direction) object["direction"] = as_json(*change.direction);
+  if (change.color) object["color"] = as_json(*change.color);
+  if (change.intensity) object["intensity"] = *change.intensity;
+  if (change.range) object["range"] = *change.range;
+  if (change.on) object["on"] = *change.on;
+  return object.dump();
+}
+
+LightChange joined(const LightChange& earlier, const LightChange& later) {
+  if (later.as_in_file) return later;
+  LightChange both = earlier;
+  replace(both.position, later.position);
+  replace(both.direction, later.direction);
+  replace(both.color, later.color);
+  replace(both.range, later.range);
+  // Both say how bright it is: what was said last holds.
+  if (later.on) both.intensity.reset();
+  replace(both.on, later.on);
+  replace(both.intensity, later.intensity);
+  return both;
+}
+
 Result<scenes::Light> changed_light(const scenes::Light& now, const scenes::Light& in_file,
                                     const LightChange& change) {
   if (now.moved_by != scenes::kNone && (change.position || change.direction)) {
     return Error{"an animation of the scene moves this light"};
   }
-  scenes::Light light = now;
+  scenes::Light light = change.as_in_file ? in_file : now;
   light.position = change.position.value_or(light.position);
   light.direction = change.direction.value_or(light.direction);
   light.color = change.color.value_or(light.color);

@@ -9,6 +9,7 @@
 #include "common/inbox.h"
 #include "daemon/config/sharing_policy.h"
 #include "daemon/frame/frame.h"
+#include "daemon/frame/frame_sink.h"
 #include "daemon/frame/grant.h"
 #include "daemon/link/link_window.h"
 #include "daemon/render/light_change.h"
@@ -65,6 +66,8 @@ struct SceneLoaded {
   scenes::LoadedScene scene;
   std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
   std::string name = {};
+  // What operators have changed until the scene is there, called on the render thread then; empty: nothing.
+  std::function<LightsUpdate()> lights = {};
 };
 
 // The scene is removed from the device. No session uses it, nor will before it is brought again.
@@ -76,6 +79,7 @@ struct LightChanged {
   SceneId scene;
   uint32_t light = 0;
   LightChange change;
+  uint32_t version = 0;  // of the scene's lights with it, from 1
 };
 
 struct BackgroundDone {};  // the renderer has finished something in the background

@@ -130,8 +130,10 @@ void RenderLoop::bring_scene(const SceneLoaded& arrived) {
   if (stopping_) return arrived.resident(Error{"the server is stopping"});
   if (recovery_.lost()) return recovery_.defer(arrived);
   device_.bring_scene(arrived.scene, [this, arrived](Result<gpu::SceneFootprint> made) {
-    if (made) motion_.add(arrived.scene.id, arrived.name, arrived.scene);
-    arrived.resident(std::move(made));
+    if (!made) return arrived.resident(std::move(made));
+    motion_.add(arrived.scene.id, arrived.name, arrived.scene);
+    const auto resident = [resident = arrived.resident, made] { resident(made); };
+    arrived.lights ? motion_.show(arrived.scene.id, arrived.lights(), resident) : resident();
   });
 }
 
@@ -143,7 +145,7 @@ void RenderLoop::remove_scene(SceneId scene) {
 
 void RenderLoop::change_light(const LightChanged& changed, TimePoint now) {
   if (recovery_.lost()) return recovery_.defer(changed);
-  motion_.change(changed.scene, changed.light, changed.change, now);
+  motion_.change(changed.scene, changed.light, changed.change, now, changed.version);
 }
 
 void RenderLoop::settle_job(const JobFinished& job, TimePoint now) {
@@ -175,6 +177,7 @@ void RenderLoop::settle_unstarted(const JobFinished& job, TimePoint now) {
 // Partial frames are lost with the device; sessions with a newer view enter the queue again.
 void RenderLoop::lose_device() {
   recovery_.lose();
+  motion_.answer_waiting();
   for (auto& [id, session] : queue_.sessions()) {
     if (!session.partial) continue;
     jobs_.give_up(session);
@@ -190,6 +193,7 @@ void RenderLoop::recover(TimePoint now) {
 void RenderLoop::stop() {
   stopping_ = true;
   recovery_.refuse_waiting(Error{"the server is stopping"});
+  motion_.answer_waiting();
   while (!queue_.sessions().empty()) {
     RenderSession& session = queue_.sessions().begin()->second;
     if (session.has_work()) metrics_.dropped(session.grant().tenant, session.opened.session, Fault::view_draining);

@@ -14,6 +14,27 @@ void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedS
   count(id, state);
 }
 
+void SceneMotion::show(SceneId id, const LightsUpdate& lights, std::function<void()> shown) {
+  State& state = scenes_.at(id);
+  if (lights.version > state.asked) {
+    state.wanted = lights.lights;
+    state.asked = lights.version;
+    state.changed_at = TimePoint{};  // long ago: nobody is about to change them once more
+    state.waiting.push_back(std::move(shown));
+    if (!state.applying) apply(id, state);
+  } else if (state.applying) {
+    state.waiting.push_back(std::move(shown));
+  } else {
+    shown();
+  }
+}
+
+void SceneMotion::answer_waiting() {
+  for (auto& [id, state] : scenes_) {
+    for (const auto& shown : std::exchange(state.waiting, {})) shown();
+  }
+}
+
 void SceneMotion::look_for_unbuilt(SceneId id, State& state) {
   state.unbuilt = device_.renderer().light_state(id).unbuilt > 0;
   if (state.unbuilt) settle(id, state);
@@ -58,14 +79,16 @@ std::optional<protocol::Moment> SceneMotion::moment_of(SceneId scene, TimePoint 
   return protocol::Moment{static_cast<uint32_t>(time_of(scene, now).count()), state.version};
 }
 
-void SceneMotion::change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now) {
+void SceneMotion::change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now,
+                         uint32_t version) {
   const auto found = scenes_.find(scene);
   if (found == scenes_.end() || light >= found->second.wanted.size()) return;
   State& state = found->second;
+  if (version <= state.asked) return;
   const auto changed = changed_light(state.wanted[light], state.loaded.scene->lights[light], change);
   if (!changed) return;
   state.wanted[light] = *changed;
-  ++state.asked;
+  state.asked = version;
   state.changed_at = now;
   if (!state.applying) apply(scene, state);
 }
@@ -79,7 +102,6 @@ void SceneMotion::apply(SceneId id, State& state) {
     State& s = found->second;
     s.applying = false;
     if (done) {
-      s.applied = asked;
       s.version = asked;
       log::info("lights changed", {{"scene", s.name}, {"version", s.version}});
       sink_.on_lights({s.name, s.version, lights});
@@ -87,7 +109,8 @@ void SceneMotion::apply(SceneId id, State& state) {
     } else {
       log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
     }
-    if (s.asked != asked) apply(id, s);
+    if (s.asked != asked) return apply(id, s);
+    for (const auto& shown : std::exchange(s.waiting, {})) shown();
   };
   device_.renderer().set_lights(id, state.wanted, changed, device_.wake());
 }

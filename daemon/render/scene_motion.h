@@ -4,6 +4,7 @@
 // light buffers are rebuilt in the background. All of it belongs to the render thread; the caller passes the time.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -36,6 +37,12 @@ class SceneMotion {
   // The scene was made resident. If its light buffers are not built yet, their build starts now. Idempotent.
   void add(SceneId id, const std::string& name, const scenes::LoadedScene& scene);
 
+  // The lights as operators have changed them before the scene was added; of version 0 they are the file's. Calls
+  // `shown` when frames use lights at least as new, at once if they do.
+  void show(SceneId id, const LightsUpdate& lights, std::function<void()> shown);
+  // Calls what waits for changed lights, as nobody knows when they are there: the device is lost, or the end has come.
+  void answer_waiting();
+
   void remove(SceneId id) { scenes_.erase(id); }
 
   scenes::SceneTime time_of(SceneId scene, TimePoint now) const;
@@ -44,8 +51,8 @@ class SceneMotion {
   // The moment that a frame of now shows; nullopt if the scene has no motion and its lights were never changed.
   std::optional<protocol::Moment> moment_of(SceneId scene, TimePoint now) const;
 
-  // Changes to unknown scenes and lights are ignored.
-  void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now);
+  // Changes to unknown scenes and lights are ignored, and so is one whose version has been shown already.
+  void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now, uint32_t version);
   // Takes over what was finished in the background, and starts what is due. Returns the scenes that were unbuilt()
   // until now, as the cost of their frames changes.
   std::vector<SceneId> step(TimePoint now);
@@ -61,11 +68,12 @@ class SceneMotion {
     std::string name;
     scenes::LoadedScene loaded;
     std::vector<scenes::Light> wanted;  // lights
-    uint32_t asked = 0, applied = 0;    // number of changes
-    uint32_t version = 0;               // changes in the lights that frames use; the same on every device
+    uint32_t asked = 0;                 // version of `wanted`
+    uint32_t version = 0;               // of the lights that frames use; the same on every device
     bool applying = false, settling = false;
     bool unbuilt = false, failed = false;
-    std::optional<TimePoint> changed_at;  // of the last change for which no light buffers are built yet
+    std::vector<std::function<void()>> waiting;  // until `applying` is over
+    std::optional<TimePoint> changed_at;         // of the last change for which no light buffers are built yet
   };
 
   void apply(SceneId id, State& state);

@@ -39,11 +39,12 @@ SceneMemoryLimits scene_memory_limits(const Config& config) {
   return limits;
 }
 
-SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read,
-                     SceneMemory memory)
+SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, SceneLights& lights, Metrics& metrics,
+                     scenes::SceneReader read, SceneMemory memory)
     : registry_(catalog.sources(), {}, std::move(read)),
       light_buffer_bytes_(memory.light_buffer_bytes),
       devices_(devices),
+      lights_(lights),
       metrics_(metrics),
       requests_(kLoaders) {
   account_.set_limits(std::move(memory.limits));
@@ -186,7 +187,7 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
   arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
     arrive(request, scene, on_device);
   };
-  devices_.bring(arrived);
+  lights_.bring(arrived);
 }
 
 // Enters the scene into the account, and takes away those that leave for it. Error: there is no room.
@@ -235,6 +236,9 @@ void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
   const std::string& name = request.name;
   std::unique_lock lock(mutex_);
   on_the_way_.erase(on_the_way_.find(name));
+  LightsUpdate lights{name, 0, scene.scene->lights};
+  if (const auto early = early_lights_.find(name); early != early_lights_.end()) lights = early->second;
+  if (!on_the_way_.contains(name)) early_lights_.erase(name);
   if (!on_device) {
     if (!resident_.contains(name) && !on_the_way_.contains(name)) account_.remove(name);
     lock.unlock();
@@ -243,7 +247,7 @@ void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
   HostedScene hosted;
   hosted.loaded = scene;
   hosted.on_device = *on_device;
-  hosted.lights = {name, 0, scene.scene->lights};
+  hosted.lights = std::move(lights);
   const Resident& kept = resident_.try_emplace(name, Resident{std::move(hosted)}).first->second;
   SceneForUse for_use{kept.scene.loaded, SceneUse(kept.uses), kept.pack};
   lock.unlock();
@@ -310,9 +314,9 @@ void SceneHost::keep_pack(const std::string& name, std::shared_ptr<const ScenePa
 void SceneHost::keep_lights(const LightsUpdate& update) {
   std::lock_guard lock(mutex_);
   const auto found = resident_.find(update.scene);
+  if (found == resident_.end() && !on_the_way_.contains(update.scene)) return;
+  LightsUpdate& known = found == resident_.end() ? early_lights_[update.scene] : found->second.scene.lights;
   // The slower ones of several devices announce older versions.
-  if (found == resident_.end()) return;
-  LightsUpdate& known = found->second.scene.lights;
   if (update.version >= known.version) known = update;
 }
 

@@ -22,6 +22,7 @@
 #include "daemon/scenes/load_queue.h"
 #include "daemon/scenes/scene_account.h"
 #include "daemon/scenes/scene_catalog.h"
+#include "daemon/scenes/scene_lights.h"
 
 namespace gnomon::daemon {
 
@@ -68,8 +69,8 @@ class SceneHost {
   using Ready = std::function<void(Result<SceneForUse>)>;
 
   // All references outlive the host. `read`: called by several threads at a time.
-  SceneHost(const SceneCatalog& catalog, DevicePool& devices, Metrics& metrics, scenes::SceneReader read,
-            SceneMemory memory = {});
+  SceneHost(const SceneCatalog& catalog, DevicePool& devices, SceneLights& lights, Metrics& metrics,
+            scenes::SceneReader read, SceneMemory memory = {});
   ~SceneHost();  // stops reading; requests that still wait are not answered
 
   // Any thread. From now on no scene is read, and readers are stopped. Requests that still wait are not answered.
@@ -108,7 +109,7 @@ class SceneHost {
   // Precondition: the scene is in use.
   void keep_pack(const std::string& name, std::shared_ptr<const ScenePack> pack, uint64_t bytes);
 
-  // Any thread. The current lights of a resident scene, for sessions that are opened later.
+  // Any thread. The current lights of a resident scene, or of one that is about to be, for sessions that are opened later.
   void keep_lights(const LightsUpdate& update);
   LightsUpdate lights_of(const std::string& name) const;
 
@@ -143,6 +144,7 @@ class SceneHost {
   scenes::Registry registry_;
   const uint64_t light_buffer_bytes_;
   DevicePool& devices_;
+  SceneLights& lights_;
   Metrics& metrics_;
   mutable std::mutex mutex_;
   struct Resident {
@@ -152,10 +154,11 @@ class SceneHost {
   };
   std::map<std::string, Resident> resident_;  // guarded by mutex_
   std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
-  std::condition_variable changed_;           // of the two below
-  SceneAccount account_;                      // guarded by mutex_
-  LoadQueue<Request> requests_;               // guarded by mutex_
-  std::map<std::string, Reading> reading_;    // guarded by mutex_
+  std::map<std::string, LightsUpdate> early_lights_;  // of scenes in on_the_way_; guarded by mutex_
+  std::condition_variable changed_;                   // of the two below
+  SceneAccount account_;                              // guarded by mutex_
+  LoadQueue<Request> requests_;                       // guarded by mutex_
+  std::map<std::string, Reading> reading_;            // guarded by mutex_
   struct UnderWay {
     uint32_t requests = 0;
     TimePoint since{};

@@ -208,7 +208,8 @@ class Doors(unittest.TestCase):
         self.assertRegex(self.operate("status")[1], rf"(?m)^{node.name} +draining")
         self.assertEqual(self.operate("undrain", "--node", node.name)[0], 0)
         status, said = self.operate("scene", "light", scene, "0", "--off")
-        self.assertEqual((status, said), (0, f"{node.name}: accepted\n"))
+        self.assertEqual((status, said), (0, "".join(
+            f"{name}: accepted{'' if name == node.name else ', for when the scene is loaded'}\n" for name in NODES)))
         dark = lambda: any(isinstance(news, LightsChanged) and news.lights[0].intensity == 0 for news in session.news)
         self.while_alive(session, dark, "its clients hear of it")
         self.assertEqual(self.operate("scene", "light", "attic", "0", "--on")[0], 1)
@@ -217,6 +218,49 @@ class Doors(unittest.TestCase):
         status, shown = self.operate("status")
         self.assertEqual(status, 1)
         self.assertRegex(shown, rf"(?m)^{node.name} +does not answer")
+
+    def light_of(self, session):
+        """Its intensity, as the session's server says it now."""
+        changed = [news for news in session.news if isinstance(news, LightsChanged)]
+        return (changed[-1].lights if changed else session.welcome.scene.lights)[0].intensity
+
+    def test_a_node_that_comes_late_knows_the_changed_lights(self):
+        scene = self.new_scene()
+        name, node = pathlib.Path(scene).name, self.own_node(scene)
+        node.kill()
+        status, said = self.operate("scene", "light", name, "0", "--off")
+        self.assertEqual(status, 1, "one does not know it yet")
+        self.assertIn(f"{node.name}: ", said)
+        elsewhere = self.session_soon(scene, features=MOMENTS)
+        self.assertIsNot(self.node_of(elsewhere), node)
+        self.assertEqual(self.light_of(elsewhere), 0, "also where the scene was not loaded then")
+        self.answered(elsewhere)
+        elsewhere.close()
+        status, said = self.operate("scene", "lights", "--file", str(node.lights_file))
+        self.assertEqual(status, 0, said)
+        self.assertIn(f"{node.name}: ", said)
+        node.start()
+        late = eventually(lambda: (lambda session: session if self.node_of(session) is node else session.close())(
+            self.session_soon(scene, features=MOMENTS)), "the scene is at its own node again")
+        self.assertEqual(self.light_of(late), 0)
+        self.answered(late)
+        late.close()
+
+    def test_nodes_tell_each_other_changed_lights_by_their_operator(self):
+        scene = self.new_scene()
+        name, node = pathlib.Path(scene).name, self.own_node(scene)
+        session = self.session(scene, features=MOMENTS)
+        self.assertGreater(self.light_of(session), 0)
+        other = next(each for each in self.world.nodes.values() if each is not node)
+        self.assertEqual(other.ctl("scene", "light", name, "0", "--off")[0], 0)
+        status, said = self.operate("scene", "lights")
+        self.assertEqual(status, 0, said)
+        self.assertIn(f'{name}      0  {{"on":false}}', said)
+        self.while_alive(session, lambda: self.light_of(session) == 0, "its clients hear of it")
+        self.assertEqual(self.operate("scene", "light", name, "0", "--as-in-file")[0], 0)
+        self.while_alive(session, lambda: self.light_of(session) > 0, "its clients hear of it")
+        known = {each.ctl("scene", "lights", "--json")[1] for each in self.world.nodes.values()}
+        self.assertEqual(len(known), 1, known)
 
     # ---- a door ends
 

@@ -46,6 +46,8 @@ class FleetNode(Node):
         super().__init__(build, server=server, tenants=[{"name": "default", "open": True}],
                          fleet={"door_listen": address}, scheduler={"admit_percent": 0},
                          scenes={"list": [], "allow_files": [str(scenes)]}, encode={"threads": 1})
+        self.lights_file = self.folder / "lights.json"
+        self.config["scenes"]["lights_file"] = str(self.lights_file)
 
     def start(self, **_):
         if self.process:

@@ -190,6 +190,34 @@ class Fit(unittest.TestCase):
         generated = manifest.kustomization(manifest.BASE)["configMapGenerator"]
         self.assertIn({"name": self.volumes["config"]["configMap"]["name"], "files": [name]}, generated)
 
+    def test_changed_lights_are_fetched_before_the_daemon_starts(self):
+        """The container's script with a resolver and a gnomonctl that are the test's."""
+        first, = self.pod["initContainers"]
+        for key in ("image", "imagePullPolicy", "securityContext"):
+            self.assertEqual(first[key], self.container[key])
+        mounts = {mount["mountPath"]: mount["name"] for mount in first["volumeMounts"]}
+        written = self.config["scenes"]["lights_file"]
+        self.assertEqual(mounts[str(pathlib.Path(written).parent)], self.mounts[str(pathlib.Path(written).parent)]["name"])
+        environment = {variable["name"]: variable["value"] for variable in first["env"]}
+        self.assertEqual(environment["GNOMON_TOKEN_FILE"], self.config["admin"]["token_file"])
+        self.assertIn(f"--from-file={pathlib.Path(environment['GNOMON_ADMIN_CA']).name}=",
+                      (manifest.BASE / "kustomization.yaml").read_text())
+        with tempfile.TemporaryDirectory() as folder:
+            def ran(answer, result):
+                for program, script in (("getent", f"printf '%s' '{answer}'"), ("gnomonctl", f"echo \"$@\" >&2; exit {result}")):
+                    (pathlib.Path(folder) / program).write_text(f"#!/bin/sh\n{script}\n")
+                    (pathlib.Path(folder) / program).chmod(0o755)
+                done = subprocess.run(first["command"], text=True, stderr=subprocess.PIPE,
+                                      env={"PATH": f"{folder}:{os.environ['PATH']}"})
+                self.assertEqual(done.returncode, 0, "a node starts in any case")
+                return done.stderr.strip()
+            nodes = "192.0.2.7 STREAM gnomon\n192.0.2.8 STREAM\n192.0.2.7 DGRAM"
+            port = self.config["admin"]["port"]
+            wanted = f"--fleet 192.0.2.7=https://192.0.2.7:{port},192.0.2.8=https://192.0.2.8:{port} scene lights --file {written}"
+            self.assertEqual(ran(nodes, 0), wanted)
+            self.assertEqual(ran(nodes, 1), wanted)
+            self.assertEqual(ran("", 0), "", "the first one has nobody to ask")
+
     def test_all_that_is_written_has_a_volume(self):
         self.assertTrue(self.container["securityContext"]["readOnlyRootFilesystem"])
         written = re.search(r"^VOLUME \[(.*)\]$", CONTAINERFILE, re.M).group(1)

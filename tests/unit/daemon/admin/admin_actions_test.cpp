@@ -143,6 +143,7 @@ constexpr const char* kActions[] = {"/reload",
                                     "/scenes/triangle/unload",
                                     "/scenes/triangle/load",
                                     "/scenes/triangle/lights/0",
+                                    "/lights",
                                     "/devices/0/drain",
                                     "/devices/0/resume"};
 
@@ -247,10 +248,12 @@ class AdminOffLoopback : public AdminActions {
     chmod((folder_ / (name + "-key.pem")).c_str(), 0600);
     return *made;
   }
-  ctl::AdminClient over_tls(const std::string& authority, const std::string& host = "127.0.0.1") {
+  ctl::AdminClient over_tls(const std::string& authority, const std::string& host = "127.0.0.1",
+                            const std::string& name = {}) {
     return ctl::AdminClient({.address = "https://" + host + ":" + std::to_string(daemon_->admin().port()),
                              .token = kToken,
-                             .authority = folder_ / authority});
+                             .authority = folder_ / authority,
+                             .name = name});
   }
   static constexpr const char* kToken = "0123456789abcdef";
   Identity authority_;
@@ -261,6 +264,8 @@ TEST_F(AdminOffLoopback, TlsIsSpokenAndClientsCheckWithWhom) {
   EXPECT_TRUE(over_tls("authority.pem").status());
   EXPECT_TRUE(over_tls("authority.pem").post("/devices/0/resume"));
   EXPECT_FALSE(over_tls("authority.pem", "127.0.0.2").status()) << "not the certificate's host";
+  EXPECT_TRUE(over_tls("authority.pem", "127.0.0.2", "127.0.0.1").status()) << "whose name was said";
+  EXPECT_FALSE(over_tls("authority.pem", "127.0.0.1", "gnomon.example").status());
   make("another", {.name = "another", .hosts = {}, .use = CertificateOptions::Use::authority}, nullptr);
   EXPECT_FALSE(over_tls("another.pem").status());
   EXPECT_FALSE(over_tcp().status()) << "in clear";

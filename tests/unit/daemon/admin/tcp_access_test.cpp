@@ -103,6 +103,7 @@ TEST_F(TcpAccessTest, ChangesNeedTheTokenAndReadingDoesNotButForTheStatusOffLoop
   EXPECT_EQ(status_of(post(kToken)), 0);
   EXPECT_EQ(status_of(get("/status")), 0);
   EXPECT_EQ(status_of(get("/status", remote())), 401);
+  EXPECT_EQ(status_of(get("/lights", remote())), 401);
   for (const char* open : {"/", "/page.js", "/metrics", "/healthz", "/readyz"}) {
     EXPECT_EQ(status_of(get(open, remote())), 0) << open;
   }

@@ -63,16 +63,17 @@ TEST(FleetNodes, ThoseThatDoNotAnswerAreShownToo) {
   EXPECT_EQ(json.at(1), (nlohmann::json{{"node", "n2"}, {"error", "no such host"}}));
 }
 
-TEST(FleetNodes, ALightIsChangedWhereTheSceneIs) {
-  const auto nodes = fleet_nodes("n1=unix:/a,n2=unix:/b").value();
-  const nlohmann::json with{{"scenes", {{{"name", "temple"}}}}}, without{{"scenes", nlohmann::json::array()}};
-  const auto having = nodes_with(nodes, {{"n1", without}, {"n2", with}}, "temple");
-  ASSERT_TRUE(having);
-  ASSERT_EQ(having->size(), 1u);
-  EXPECT_EQ(having->front().name, "n2");
-  EXPECT_FALSE(nodes_with(nodes, {{"n1", without}, {"n2", with}}, "attic"));
-  EXPECT_EQ(nodes_with(nodes, {{"n1", Error{"gone"}}, {"n2", with}}, "temple").error().message, "n1: gone")
-      << "else two nodes would show two scenes, and nobody knows";
+TEST(FleetNodes, OfEveryLightTheNewestChangeIsKept) {
+  const auto light = [](const char* scene, int number, int at, bool on) {
+    return nlohmann::json{{"scene", scene}, {"light", number}, {"at_ms", at}, {"change", {{"on", on}}}};
+  };
+  const nlohmann::json one{{"lights", {light("temple", 0, 5, false), light("temple", 1, 5, false)}}},
+      other{{"lights", {light("temple", 0, 6, true), light("temple", 1, 4, true), light("attic", 0, 1, false)}}};
+  const nlohmann::json newest{
+      {"lights", {light("attic", 0, 1, false), light("temple", 0, 6, true), light("temple", 1, 5, false)}}};
+  EXPECT_EQ(newest_lights({one, other}), newest);
+  EXPECT_EQ(newest_lights({other, one}), newest) << "in whatever order they answer";
+  EXPECT_EQ(newest_lights({{{"lights", nlohmann::json::array()}}}).dump(), R"({"lights":[]})");
 }
 
 TEST(FleetNodes, AllAreAskedAndEachAnswersForItself) {

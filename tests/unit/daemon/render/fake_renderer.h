@@ -63,6 +63,10 @@ class FakeRenderer : public gpu::Renderer {
       settled({});
     });
   }
+  void set_lights(SceneId, std::vector<scenes::Light>, std::function<void(Result<void>)> changed,
+                  std::function<void()>) override {
+    changed({});
+  }
   void finish_background() override {
     if (holds_scenes || holds_builds) return;
     for (const auto& each : std::exchange(background_, {})) each();

@@ -55,6 +55,7 @@ TEST(LightChange, ErrorsNameTheMember) {
       {R"({"intensity": "bright"})", "intensity"},
       {R"({"range": -1})", "range"},
       {R"({"on": 1})", "on"},
+      {R"({"as_in_file": false})", "as_in_file"},
       {R"({"colour": [1, 1, 1]})", "colour: no such member"},
   };
   for (const auto& [body, part] : wrong) {

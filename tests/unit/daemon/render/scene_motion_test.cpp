@@ -65,6 +65,10 @@ class SceneMotionTest : public testing::Test, private FrameSink {
 
   void add() { motion_->add(kScene, "hall", {kScene, scene_, 0, 0}); }
 
+  void change(SceneId scene, uint32_t light, const LightChange& change, TimePoint now) {
+    motion_->change(scene, light, change, now, ++version_);
+  }
+
   static LightChange at_height(float y) {
     LightChange change;
     change.position = glm::vec3(0, y, 0);
@@ -78,6 +82,7 @@ class SceneMotionTest : public testing::Test, private FrameSink {
   std::unique_ptr<RenderDevice> device_;
   std::shared_ptr<scenes::Scene> scene_ = std::make_shared<scenes::Scene>();
   std::vector<LightsUpdate> announced_;
+  uint32_t version_ = 0;
   std::unique_ptr<SceneMotion> motion_;
 };
 
@@ -119,7 +124,7 @@ TEST_F(SceneMotionTest, ALightThatIsChangedMeanwhileSettlesAfterwards) {
   fake_->allowed = false;
   fake_->state = {0, 0, 2};
   add();
-  motion_->change(kScene, 0, at_height(2), start_);
+  change(kScene, 0, at_height(2), start_);
   EXPECT_TRUE(motion_->step(start_ + 5s).empty());
   EXPECT_EQ(fake_->settles, 1) << "one build at a time";
   fake_->allowed = true;
@@ -141,10 +146,51 @@ TEST_F(SceneMotionTest, ADeviceMadeAnewBuildsAgainWhatItHasNot) {
 
 TEST_F(SceneMotionTest, ASceneThatComesTwiceKeepsItsLights) {
   add();
-  motion_->change(kScene, 1, at_height(3), start_);
+  change(kScene, 1, at_height(3), start_);
   motion_->step(start_);
   add();
   EXPECT_EQ(motion_->lights_of(kScene)[1].position.y, 3);
+}
+
+TEST_F(SceneMotionTest, ASceneWhoseLightsWereChangedBeforeIsShownWithThem) {
+  int shown = 0;
+  const auto show = [&](uint32_t version, float y) {
+    std::vector<scenes::Light> lights(2);
+    lights[1].position.y = y;
+    motion_->show(kScene, {"hall", version, lights}, [&] { ++shown; });
+  };
+  add();
+  show(0, 0);
+  EXPECT_EQ(shown, 1) << "nobody has changed them";
+  show(4, 3);
+  show(4, 3);  // somebody else who asked for the scene
+  EXPECT_EQ(shown, 1) << "no frame uses them yet";
+  motion_->change(kScene, 1, at_height(2), start_, 4);
+  motion_->step(start_);
+  EXPECT_EQ(shown, 3);
+  ASSERT_EQ(announced_.size(), 1u) << "they have that change";
+  EXPECT_EQ(announced_[0].version, 4u);
+  EXPECT_EQ(announced_[0].lights.at(1).position.y, 3);
+  motion_->change(kScene, 1, at_height(5), start_, 5);
+  motion_->step(start_);
+  ASSERT_EQ(announced_.size(), 2u);
+  EXPECT_EQ(announced_[1].lights.at(1).position.y, 5);
+  show(4, 3);
+  EXPECT_EQ(shown, 4);
+  EXPECT_EQ(motion_->lights_of(kScene)[1].position.y, 5) << "what is older than what is shown";
+}
+
+TEST_F(SceneMotionTest, WhoWaitsForChangedLightsIsAnsweredWhenTheDeviceIsLost) {
+  int shown = 0;
+  fake_->allowed = false;
+  add();
+  motion_->show(kScene, {"hall", 1, std::vector<scenes::Light>(2)}, [&] { ++shown; });
+  EXPECT_EQ(shown, 0);
+  motion_->answer_waiting();
+  EXPECT_EQ(shown, 1);
+  fake_->allowed = true;
+  motion_->step(start_);
+  EXPECT_EQ(shown, 1);
 }
 
 TEST_F(SceneMotionTest, TheClockGoesInStepsAndAround) {
@@ -168,7 +214,7 @@ TEST_F(SceneMotionTest, ScenesAtRestHaveNoMoment) {
 
 TEST_F(SceneMotionTest, AChangedLightIsAnnouncedWhenItServesAndSettlesWhenItRests) {
   add();
-  motion_->change(kScene, 1, at_height(3), start_);
+  change(kScene, 1, at_height(3), start_);
   EXPECT_TRUE(announced_.empty());
   EXPECT_EQ(motion_->moment_of(kScene, start_), std::nullopt);
   motion_->step(start_);
@@ -190,10 +236,10 @@ TEST_F(SceneMotionTest, AChangedLightIsAnnouncedWhenItServesAndSettlesWhenItRest
 TEST_F(SceneMotionTest, ChangesThatComeWhileOneIsAppliedGoTogether) {
   add();
   fake_->allowed = false;
-  motion_->change(kScene, 0, at_height(1), start_);
-  motion_->change(kScene, 0, at_height(2), start_);
-  motion_->change(kScene, 1, at_height(5), start_);
-  motion_->change(kScene, 7, at_height(5), start_);  // no such light
+  change(kScene, 0, at_height(1), start_);
+  change(kScene, 0, at_height(2), start_);
+  change(kScene, 1, at_height(5), start_);
+  change(kScene, 7, at_height(5), start_);  // no such light
   EXPECT_EQ(fake_->asked.size(), 1u);
   fake_->allowed = true;
   motion_->step(start_);
@@ -206,12 +252,12 @@ TEST_F(SceneMotionTest, ChangesThatComeWhileOneIsAppliedGoTogether) {
 
 TEST_F(SceneMotionTest, ALightThatMovesAgainWhileItSettlesSettlesAgain) {
   add();
-  motion_->change(kScene, 0, at_height(1), start_);
+  change(kScene, 0, at_height(1), start_);
   motion_->step(start_);
   fake_->allowed = false;
   motion_->step(start_ + 2s);
   EXPECT_EQ(fake_->settles, 1);
-  motion_->change(kScene, 0, at_height(2), start_ + 3s);
+  change(kScene, 0, at_height(2), start_ + 3s);
   fake_->allowed = true;
   motion_->step(start_ + 3s);
   motion_->step(start_ + 4s);
@@ -222,7 +268,7 @@ TEST_F(SceneMotionTest, ALightThatMovesAgainWhileItSettlesSettlesAgain) {
 
 TEST_F(SceneMotionTest, ADeviceMadeAnewGetsTheLightsAgain) {
   add();
-  motion_->change(kScene, 0, at_height(1), start_);
+  change(kScene, 0, at_height(1), start_);
   motion_->step(start_);
   ASSERT_TRUE(device_->rebuild(start_));
   motion_->restore();

@@ -66,7 +66,7 @@ struct Host {
     auto read = SceneCatalog::read(config);
     EXPECT_TRUE(read);
     catalog = std::move(*read);
-    host.emplace(catalog, devices, metrics, slow.reader());
+    host.emplace(catalog, devices, lights, metrics, slow.reader());
   }
 
   SlowReader slow;
@@ -74,6 +74,7 @@ struct Host {
   Metrics metrics{{"default", "other"}, {"a"}, "test", 1};
   Health health;
   DevicePool devices{1, 30.0, metrics, health};
+  SceneLights lights{devices, {}, {}};
   std::optional<SceneHost> host;
 };
 

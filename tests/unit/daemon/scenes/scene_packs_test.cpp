@@ -23,7 +23,8 @@ struct Packs {
   Metrics metrics{{"default"}, {"a"}, "test", 1};
   Health health;
   DevicePool devices{1, 30.0, metrics, health};
-  SceneHost host{catalog, devices, metrics, scenes::read_here};
+  SceneLights lights{devices, {}, {}};
+  SceneHost host{catalog, devices, lights, metrics, scenes::read_here};
   ScenePacks packs;
 };
 
