@@ -162,7 +162,7 @@ Result<void> Daemon::bring_up() {
   if (!store) return store.error();
   store_ = std::move(*store);
   if (options_.config.web.listen) {
-    web_ = std::make_unique<WebService>(options_.config.web);
+    web_ = std::make_unique<WebService>(options_.config.web, options_.config.fleet);
     packs_ = std::make_unique<ScenePacks>(*scenes_);
   }
   auto server = Server::open({.config = options_.config,

@@ -1,4 +1,5 @@
 // The page: connects what a person does with the viewer, and what the viewer tells with the page.
+import { addressOf } from './link/door.js';
 import { headersOf } from './link/headers.js';
 import { Controls, attachStick } from './ui/controls.js';
 import { Figures } from './ui/figures.js';
@@ -22,6 +23,8 @@ const figures = new Figures();
 const gaze = new Gaze({ position: [0, 0, 0], yaw: 0, pitch: 0, verticalFov: 0.9 });
 const controls = new Controls(canvas, gaze, { speed: 2, onUse: () => setFlying(false) });
 const viewer = new Viewer(canvas, (event) => reactions[event.is]?.(event));
+/** The server says so in the head of the page (fleet.name). */
+const fleet = /** @type {HTMLMetaElement | null} */ (document.querySelector('meta[name=gnomon-fleet]'))?.content ?? '';
 const place = takeFromAddress(location, history, sessionStorage);
 /** @type {Flight | null} */
 let flight = null;
@@ -86,7 +89,14 @@ function open(wanted) {
   Object.assign(place, wanted);
   if (!place.scene) return choose();
   poster.say('connecting');
-  viewer.open(place).catch((error) => poster.fail(error.message, null, false));
+  goOn().catch((error) => poster.fail(error.message, null, false));
+}
+
+// Of a fleet, the page goes on where the scene is.
+async function goOn() {
+  const elsewhere = await addressOf(place, location, fleet);
+  if (elsewhere) location.replace(elsewhere);
+  else await viewer.open(place);
 }
 
 // Who may see the names of scenes is told them.

@@ -175,6 +175,7 @@ struct TenantConfig {
 
 // What a door, such as HAProxy, is told of this node; see daemon/net/door_port.h.
 struct FleetConfig {
+  std::string name = {};          // a domain, under which browsers come to the door; empty: they go on as they came
   std::string door_listen = {};   // address of the door port; empty: there is none
   uint16_t door_port = 7602;      // TCP; 0: a free one
   uint32_t assumed_rate_hz = 60;  // of sessions that named no rate, when the load is counted

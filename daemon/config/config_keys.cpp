@@ -71,6 +71,18 @@ std::optional<std::string> parse_address_or_network(const YAML::Node& node) {
   return !not_v4 || !not_v6 ? text : std::nullopt;
 }
 
+// A name that has room for that of a scene before it, in lower case as browsers have it.
+std::optional<std::string> parse_domain_or_none(const YAML::Node& node) {
+  constexpr size_t kMost = 253 - sizeof("s-0123456789abcdef") - sizeof('.');
+  const auto text = any_scalar(node);
+  if (!text || text->empty()) return text;
+  const bool is_whole = text->front() != '.' && text->front() != '-' && !text->ends_with('.');
+  const bool allowed = std::all_of(text->begin(), text->end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
+  });
+  return allowed && is_whole && text->size() <= kMost ? text : std::nullopt;
+}
+
 std::optional<std::string> parse_address_or_none(const YAML::Node& node) {
   auto text = any_scalar(node);
   return text && text->empty() ? text : parse_address(node);
@@ -276,6 +288,7 @@ Keys<EncodeConfig> encode_keys() {
 Keys<FleetConfig> fleet_keys() {
   using F = FleetConfig;
   return {
+      scalar("name", &F::name, "a domain in lower case, or '' for none", parse_domain_or_none),
       scalar("door_listen", &F::door_listen, "an IPv4 or IPv6 address of this machine, or '' for none",
              parse_address_or_none),
       port("door_port", &F::door_port),

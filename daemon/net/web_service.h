@@ -12,8 +12,8 @@ namespace gnomon::daemon {
 
 // Constant. Any thread.
 struct WebService {
-  explicit WebService(const WebConfig& config)
-      : files(web::StaticFiles::of(web::embedded_files())),
+  explicit WebService(const WebConfig& config, const FleetConfig& fleet)
+      : files(web::StaticFiles::of(web::embedded_files(), fleet.name)),
         hosts(config.hosts),
         patience(config.progress_timeout) {}
 

@@ -43,6 +43,11 @@ std::vector<std::string> imports_of(std::string_view module) {
   return found;
 }
 
+std::string with_in_head(std::string_view page, const std::string& text) {
+  const size_t head = std::min(page.find("</head>"), page.size());
+  return std::string(page.substr(0, head)) + text + std::string(page.substr(head));
+}
+
 }  // namespace
 
 std::string without_comments(std::string_view module) {
@@ -83,8 +88,11 @@ std::string with_preloads(std::string_view page, const std::vector<std::string>&
   std::string links;
   for (const std::string& module : modules)
     links += "<link rel=\"modulepreload\" href=\"" + module.substr(1) + "\">\n";
-  const size_t head = std::min(page.find("</head>"), page.size());
-  return std::string(page.substr(0, head)) + links + std::string(page.substr(head));
+  return with_in_head(page, links);
+}
+
+std::string with_fleet(std::string_view page, const std::string& name) {
+  return with_in_head(page, "<meta name=\"gnomon-fleet\" content=\"" + name + "\">\n");
 }
 
 }  // namespace gnomon::daemon::web

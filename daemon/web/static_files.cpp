@@ -52,7 +52,7 @@ constexpr const char* kPage = "/index.html";
 constexpr const char* kFirstModule = "/app.js";
 
 // The embedded files as they are served.
-std::map<std::string, std::string> served(std::span<const EmbeddedFile> files) {
+std::map<std::string, std::string> served(std::span<const EmbeddedFile> files, const std::string& fleet) {
   std::map<std::string, std::string> all;
   for (const EmbeddedFile& file : files) {
     const std::string bytes(file.bytes.begin(), file.bytes.end());
@@ -64,15 +64,16 @@ std::map<std::string, std::string> served(std::span<const EmbeddedFile> files) {
                         const auto found = all.find(path);
                         return found == all.end() ? std::nullopt : std::optional<std::string_view>(found->second);
                       }));
+    if (!fleet.empty()) page->second = with_fleet(page->second, fleet);
   }
   return all;
 }
 
 }  // namespace
 
-StaticFiles StaticFiles::of(std::span<const EmbeddedFile> files) {
+StaticFiles StaticFiles::of(std::span<const EmbeddedFile> files, const std::string& fleet) {
   StaticFiles made;
-  for (const auto& [path, text] : served(files)) {
+  for (const auto& [path, text] : served(files, fleet)) {
     const std::span bytes(reinterpret_cast<const uint8_t*>(text.data()), text.size());
     File file{type_of(path), etag_of(bytes),
               std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end()), nullptr};

@@ -44,8 +44,8 @@ class FleetNode(Node):
                   "drain_timeout_ms": 40_000, "proxies": [f"10.77.0.{number}" for number in DOORS.values()],
                   "tls": {"certificate": str(certificates / "server.pem"), "key": str(certificates / "server-key.pem")}}
         super().__init__(build, server=server, tenants=[{"name": "default", "open": True}],
-                         fleet={"door_listen": address}, scheduler={"admit_percent": 0},
-                         scenes={"list": [], "allow_files": [str(scenes)]}, encode={"threads": 1})
+                         fleet={"name": FLEET, "door_listen": address}, scheduler={"admit_percent": 0},
+                         scenes={"list": [], "allow_files": [str(scenes)]}, encode={"threads": 1}, web={"listen": True})
         self.lights_file = self.folder / "lights.json"
         self.config["scenes"]["lights_file"] = str(self.lights_file)
 

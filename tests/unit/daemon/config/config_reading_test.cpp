@@ -61,5 +61,20 @@ TEST(ConfigReading, ARestartIsNeededForWhatARunningDaemonCannotChange) {
             (std::vector<std::string>{"server.control_port", "scenes.clock_hz", "render.tracer"}));
 }
 
+// It stands in a page as it is.
+TEST(ConfigReading, AFleetsNameIsADomain) {
+  for (const char* name : {"gnomon.example", "a", "a-1.example", ""}) {
+    const auto config = parse_config("fleet: {name: '" + std::string(name) + "'}\n", "edge.yaml");
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_EQ(config->fleet.name, name);
+  }
+  for (const std::string name : {"Gnomon.example", ".example", "example.", "-a", "\"><script>", "gnomon example"}) {
+    const auto config = parse_config("fleet: {name: '" + name + "'}\n", "edge.yaml");
+    ASSERT_FALSE(config) << name;
+    EXPECT_NE(config.error().message.find("fleet.name"), std::string::npos) << config.error().message;
+  }
+  EXPECT_FALSE(parse_config("fleet: {name: " + std::string(240, 'a') + "}\n", "edge.yaml"));
+}
+
 }  // namespace
 }  // namespace gnomon::daemon

@@ -137,6 +137,9 @@ TEST(WebFiles, AreServedOnceAndThenFromTheCache) {
   EXPECT_EQ(field(served.answer({.target = "/tiny.svg", .accept_encoding = "br"}), "Content-Encoding"), "");
   EXPECT_NE(field(served.answer({.target = "/main.js"}), "ETag"), field(plain, "ETag"));
   EXPECT_EQ(served.answer({.target = "/none"}).status, 404);
+  const StaticFiles in_fleet = StaticFiles::of(files, "gnomon.example");
+  EXPECT_GT(in_fleet.answer({.target = "/"}).body->size(), 2000u) << "its page says so";
+  EXPECT_EQ(in_fleet.answer({.target = "/main.js"}).body->size(), 1000u);
 }
 
 TEST(WebScenes, AreAddressedByNameAndByTheHashOfTheirPack) {

@@ -61,5 +61,10 @@ TEST(PageSource, NamesModulesInTheHead) {
             "</head><body>");
 }
 
+TEST(PageSource, SaysOfWhichFleetItsServerIs) {
+  EXPECT_EQ(with_fleet("<head>\n</head><body>", "gnomon.example"),
+            "<head>\n<meta name=\"gnomon-fleet\" content=\"gnomon.example\">\n</head><body>");
+}
+
 }  // namespace
 }  // namespace gnomon::daemon::web
