@@ -8,6 +8,7 @@
 #include <asio/steady_timer.hpp>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <thread>
 
 #include "common/wall_clock.h"
@@ -15,6 +16,7 @@
 #include "daemon/daemon.h"
 #include "daemon/render/vulkan_renderers.h"
 #include "daemon/scenes/scene_worker.h"
+#include "daemon/service/agones.h"
 #include "daemon/service/supervisor.h"
 #include "daemon/service/watchdog.h"
 #include "daemon/start_check.h"
@@ -188,6 +190,8 @@ int serve(const Config& config, const Arguments& arguments) {
                [&, answer] { answer(within_memory([&] { return reload(*running, arguments, "operator"); })); });
   };
   const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
+  std::optional<Agones> agones;
+  if (config.fleet.agones) agones.emplace(Agones::port_of(std::getenv("AGONES_SDK_HTTP_PORT")));
   auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, stop,
                                failed, ask_for_reload, reader_in_worker(worker)});
   if (!daemon) return fail(placed(config, daemon.error()));
@@ -203,8 +207,13 @@ int serve(const Config& config, const Arguments& arguments) {
   }
   print_ready_line(**daemon, config);
   supervisor::ready((*daemon)->summary());
+  if (agones) agones->ready();
   std::optional<Watchdog> watchdog(
-      std::in_place, (*daemon)->heartbeats(), [&](TimePoint now) { (*daemon)->alive(now); },
+      std::in_place, (*daemon)->heartbeats(),
+      [&](TimePoint now) {
+        (*daemon)->alive(now);
+        if (agones) agones->alive(now);
+      },
       [&] { return (*daemon)->summary(); });
   while (
       !done_or_dropped("an event of the daemon", [&] { events.run(); })) {  // until the first signal or a failure
@@ -218,6 +227,7 @@ int serve(const Config& config, const Arguments& arguments) {
   }
   leave_at(Clock::now() + config.server.drain_timeout + kStopTime);
   (*daemon)->drain();
+  if (agones) agones->leave();
   watchdog.reset();
   daemon->reset();
   log::info("stopped");

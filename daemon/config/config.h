@@ -179,6 +179,7 @@ struct FleetConfig {
   std::string door_listen = {};   // address of the door port; empty: there is none
   uint16_t door_port = 7602;      // TCP; 0: a free one
   uint32_t assumed_rate_hz = 60;  // of sessions that named no rate, when the load is counted
+  bool agones = false;            // its sidecar is told, see daemon/service/agones.h
   friend bool operator==(const FleetConfig&, const FleetConfig&) = default;
 };
 

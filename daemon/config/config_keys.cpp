@@ -293,6 +293,7 @@ Keys<FleetConfig> fleet_keys() {
              parse_address_or_none),
       port("door_port", &F::door_port),
       integer("assumed_rate_hz", &F::assumed_rate_hz, 1, 1000),
+      choice("agones", &F::agones, {{"false", false}, {"true", true}}),
   };
 }
 

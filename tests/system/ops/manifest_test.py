@@ -76,12 +76,15 @@ class Assembly(unittest.TestCase):
     """What kustomize makes of the folders."""
 
     def test_every_file_is_used(self):
-        for folder in (manifest.BASE, manifest.OVERLAY):
+        for folder in (manifest.BASE, manifest.OVERLAY, manifest.AGONES, manifest.AGONES / "fleet"):
             made = manifest.kustomization(folder)
-            used = {"kustomization.yaml", *made["resources"], *(patch["path"] for patch in made.get("patches", []))}
-            for each in made["configMapGenerator"]:
+            used = {"kustomization.yaml", *made["resources"], *made.get("configurations", [])}
+            used |= {patch["path"] for patch in made.get("patches", []) if "path" in patch}
+            for each in made.get("configMapGenerator", []):
                 used |= set(each["files"])
-            self.assertEqual(used - {"../base"}, {file.name for file in folder.iterdir()})
+            elsewhere = {name for name in used if name.startswith("../")}
+            self.assertEqual(used - elsewhere, {file.name for file in folder.iterdir()})
+            self.assertEqual({(folder / name).resolve() for name in elsewhere} - {manifest.BASE}, set())
 
     def test_maps_are_those_that_pods_mount(self):
         made = {each["name"] for each in manifest.kustomization(manifest.BASE)["configMapGenerator"]}
@@ -113,6 +116,66 @@ class Assembly(unittest.TestCase):
             name, = (volume["configMap"]["name"] for volume in pod["volumes"] if "configMap" in volume)
             self.assertRegex(name, "^gnomon-[a-z0-9]+$")
             self.assertIn("gnomond.yaml", made[f"ConfigMap/{name}"]["data"])
+
+
+def paths(node, path=""):
+    """Of all keys below it, without numbers of lists."""
+    if isinstance(node, list):
+        return set().union(*(paths(each, path) for each in node))
+    if not isinstance(node, dict):
+        return {path}
+    return {path} | set().union(*(paths(value, f"{path}.{key}".lstrip(".")) for key, value in node.items()))
+
+
+class Agones(unittest.TestCase):
+    """The overlay for Agones. No schema of its is here: the keys are those of its fleet.go and gameserver.go."""
+
+    KNOWN = {"apiVersion", "kind", "metadata", "spec", *(f"spec.{key}" for key in (
+        "replicas", "scheduling", "strategy", "strategy.type", "strategy.rollingUpdate", "strategy.rollingUpdate.maxSurge",
+        "strategy.rollingUpdate.maxUnavailable", "template", "template.metadata", "template.spec", "template.spec.container",
+        "template.spec.health", "template.spec.health.periodSeconds", "template.spec.health.failureThreshold",
+        "template.spec.health.initialDelaySeconds", "template.spec.eviction", "template.spec.eviction.safe",
+        "template.spec.template"))}
+
+    def test_agones_knows_the_fleets_keys(self):
+        fleet = manifest.load((manifest.AGONES / "fleet/fleet.yaml").read_text())
+        self.assertEqual((fleet["apiVersion"], fleet["kind"]), ("agones.dev/v1", "Fleet"))
+        used = {path for path in paths(fleet) if ".labels" not in path and not path.startswith("metadata.")}
+        self.assertEqual(used - {""} - self.KNOWN, set())
+        health = fleet["spec"]["template"]["spec"]["health"]
+        self.assertGreater(health["periodSeconds"], 2, "signs of life come every 2 s (agones_life.h)")
+        self.assertEqual(fleet["spec"]["template"]["spec"]["template"], {}, "it is the Deployment's")
+
+    def test_nodes_differ_by_agones_alone(self):
+        base, here = (manifest.load((folder / "gnomond.yaml").read_text())
+                      for folder in (manifest.BASE, manifest.AGONES / "fleet"))
+        self.assertEqual(here.pop("fleet"), {"agones": True})
+        self.assertEqual(base, here)
+
+    @unittest.skipUnless(shutil.which("kubectl"), "there is no kubectl")
+    def test_its_pods_are_the_deployments(self):
+        text = subprocess.run(["kubectl", "kustomize", manifest.AGONES], check=True, text=True, stdout=subprocess.PIPE).stdout
+        made = manifest.by_name(manifest.yaml.safe_load_all(text))
+        self.assertNotIn("Deployment/gnomon", made)
+        self.assertNotIn("HorizontalPodAutoscaler/gnomon", made)
+        for name, document in made.items():
+            if name != "Fleet/gnomon":
+                self.assertEqual(manifest.understood(document), document)
+        fleet = made["Fleet/gnomon"]["spec"]
+        budget = made["PodDisruptionBudget/gnomon"]["spec"]
+        self.assertNotIn("maxUnavailable", budget, "Kubernetes does not know how many a Fleet wants")
+        self.assertLess(budget["minAvailable"], fleet["replicas"])
+        pod = copy.deepcopy(fleet["template"]["spec"]["template"])
+        template = {"apiVersion": "v1", "kind": "PodTemplate", "metadata": {"name": "gnomon"}, "template": pod}
+        self.assertEqual(manifest.understood(template), template)
+        self.assertEqual([each["name"] for each in pod["spec"]["containers"]], [fleet["template"]["spec"]["container"]])
+        maps = [volume["configMap"] for volume in pod["spec"]["volumes"] if "configMap" in volume]
+        self.assertIn("agones: true", made[f"ConfigMap/{maps[0]['name']}"]["data"]["gnomond.yaml"])
+        # But for the token of the sidecar and the name of its map it is the same pod.
+        wanted = copy.deepcopy(manifest.documents()["Deployment/gnomon"]["spec"]["template"])
+        self.assertFalse(wanted["spec"].pop("automountServiceAccountToken"))
+        maps[0]["name"] = "gnomon"
+        self.assertEqual(pod, wanted)
 
 
 class Fleet(unittest.TestCase):
@@ -284,7 +347,7 @@ class Fit(unittest.TestCase):
                     if variable.get("valueFrom") == {"fieldRef": {"fieldPath": "status.hostIP"}})
         arguments = [argument.replace(f"$({address})", "192.0.2.7") for argument in self.container["args"]]
         self.assertNotIn("$(", " ".join(arguments))
-        for folder in (manifest.BASE, manifest.OVERLAY):
+        for folder in (manifest.BASE, manifest.OVERLAY, manifest.AGONES / "fleet"):
             arguments[arguments.index("--config") + 1] = folder / "gnomond.yaml"
             done = subprocess.run([BUILD / "bin/gnomond", *arguments, "--check-config",
                                    "--for-reload"], text=True,  # the files that it names are in the container
