@@ -109,7 +109,7 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     bool walks = (asked.undecided & (1u << r)) != 0u;
     uint first = walks ? Leaves(push.leaves).at[asked.leaf[r]].first : 0u;
-    bool before = walks && asked.depth[r] * Entries(push.entries).at[first].reciprocal_depth < 1.0;
+    bool before = walks && in_front(Entries(push.entries).at[first], asked.depth[r]);
     asked.lit |= before ? 1u << r : 0u;
   }
   asked.undecided &= ~asked.lit;

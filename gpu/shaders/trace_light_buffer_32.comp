@@ -41,8 +41,8 @@ bool blocked(uint light, vec3 origin) {
   uint end = leaf.first + (leaf.count & ((1u << kCountBits) - 1u));
   for (uint e = leaf.first; e < end; ++e) {
     ListEntry entry = Entries(push.entries).at[e];
-    if (place.depth * entry.reciprocal_depth < 1.0) return false;
-    if (in_box(entry.box, in_leaf) && meets(entry.triangle, origin, direction) &&
+    if (in_front(entry, place.depth)) return false;
+    if (holds(entry, in_leaf) && meets(entry.triangle, origin, direction) &&
         (entry.triangle < push.first_masked || passes_alpha(entry.triangle, origin, direction)))
       return true;
   }

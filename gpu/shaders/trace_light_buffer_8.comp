@@ -43,8 +43,8 @@ uint next_candidate(inout Walk walk) {
   uint candidate = kNone;
   while (candidate == kNone && walk.next < walk.end) {
     ListEntry entry = Entries(push.entries).at[walk.next];
-    bool behind = walk.depth * entry.reciprocal_depth >= 1.0;
-    candidate = behind && in_box(entry.box, walk.place) ? entry.triangle : kNone;
+    bool behind = !in_front(entry, walk.depth);
+    candidate = behind && holds(entry, walk.place) ? entry.triangle : kNone;
     walk.next = behind ? walk.next + 1u : walk.end;
   }
   return candidate;

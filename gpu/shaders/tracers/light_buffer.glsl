@@ -26,8 +26,8 @@ struct Leaf {
   uint count;
 };
 struct ListEntry {
-  uint box;
-  float reciprocal_depth;
+  uint depth_and_low;
+  uint high_and_strip;
   uint triangle;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightViews { LightView at[]; };
@@ -88,7 +88,15 @@ uint place_in_leaf(uvec2 at, uint count) {
   return place.x | place.y << 16;
 }
 
-bool in_box(uint box, uint place) {
-  uint x = place & 255u, y = place >> 16;
-  return x >= (box & 255u) && y >= ((box >> 8) & 255u) && x <= ((box >> 16) & 255u) && y <= box >> 24;
+bool in_front(ListEntry entry, float depth) { return depth * uintBitsToFloat(entry.depth_and_low >> 1) < 1.0; }
+
+// Whether the place lies in the entry's box and strip.
+bool holds(ListEntry entry, uint place) {
+  uint x = place & 255u, y = place >> 16, low = entry.depth_and_low, high = entry.high_and_strip;
+  bool in_box = (x >> 3) >= (low & 31u) && (y >> 3) >= ((low >> 5) & 31u) && (x >> 3) <= (high & 31u) &&
+                (y >> 3) <= ((high >> 5) & 31u);
+  int strip = int(high);
+  int across_x = 32 - ((strip >> 10) & 63), across_y = 32 - abs(across_x);
+  int across = (across_x * int(x) + across_y * int(y)) >> 6;
+  return in_box && across >= bitfieldExtract(strip, 16, 8) && across <= strip >> 24;
 }

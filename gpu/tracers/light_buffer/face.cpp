@@ -82,18 +82,6 @@ Rect Face::square(uint32_t level, uint32_t i, uint32_t j) const {
           low_v + (j + 1) * pitch + pad};
 }
 
-uint32_t Face::box_in_square(const Rect& box, uint32_t level, uint32_t i, uint32_t j) const {
-  const double scale = std::ldexp(1.0, static_cast<int>(kIndexBits)) / size;
-  const double side = std::ldexp(1.0, static_cast<int>(kIndexBits - level));
-  const auto within = [&](double at, double low, uint32_t index) {
-    const double units = std::floor((at - low) * scale) - index * side;
-    return static_cast<uint32_t>(std::clamp(units, 0.0, side - 1.0) * 256.0 / side);
-  };
-  const double pad = kPadding / scale;
-  return within(box.u0 - pad, low_u, i) | within(box.v0 - pad, low_v, j) << 8 |
-         within(box.u1 + pad, low_u, i) << 16 | within(box.v1 + pad, low_v, j) << 24;
-}
-
 bool Face::plane(const Linear& f, double towards, glm::vec3& out) const {
   if (perspective) {
     glm::dvec3 p = f.x * u_axis + f.y * v_axis + f.z * depth_axis;

@@ -42,10 +42,6 @@ struct Face {
   // Square (i, j) of 2^level x 2^level, padded by more than the rounding of a query's fixed-point place.
   Rect square(uint32_t level, uint32_t i, uint32_t j) const;
 
-  // The places within square (i, j) of `level` that a query may compute for a point of `box`; encoded as
-  // ListEntry::box.
-  uint32_t box_in_square(const Rect& box, uint32_t level, uint32_t i, uint32_t j) const;
-
   // Sets `out` to the plane P (dot(P, rel) = 1) on which the nearness is `f`, moved towards the light (`towards` 1) or
   // away from it (-1) by more than the rounding of the shader's dot product. Returns false if the plane has no such
   // form.

@@ -45,12 +45,16 @@ struct Leaf {
 };
 static_assert(sizeof(Leaf) == 32);
 
-// An entry of a leaf's list. `box`: the part of the leaf that the triangle can block, as u0, v0, u1, v1 from the low
-// byte up, both ends included, in 256ths of the leaf's side. If depth * reciprocal_depth < 1, the point lies in front
-// of this triangle and of all that follow.
+// An entry of a leaf's list, see entry.h. From the upper bits down:
+//   depth_and_low    22 bits: a float r >= 0 without its sign, rounded up; if depth * r < 1, the point lies in front of
+//                    this triangle and of all that follow (the bits below only make r larger, if they are left in);
+//                    y0, x0, 5 bits each: the low corner of the box, the part of the leaf that the triangle can block
+//   high_and_strip   high, low, 8 bits each and signed; direction, 6 bits; y1, x1: the high corner of the box, included
+// Boxes are in 32nds of the leaf's side. With across_x = 32 - direction, across_y = 32 - |across_x| and a place (x, y) in
+// 256ths of that side, the triangle blocks only where low <= (across_x * x + across_y * y) >> 6 <= high.
 struct ListEntry {
-  uint32_t box = 0;
-  float reciprocal_depth = 0;
+  uint32_t depth_and_low = 0;
+  uint32_t high_and_strip = 0;
   uint32_t triangle = 0;  // index into the world mesh
 
   bool operator==(const ListEntry&) const = default;

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "gpu/tracers/light_buffer/entry.h"
+
 namespace gnomon::gpu::light_buffer {
 namespace {
 
@@ -50,10 +52,6 @@ glm::uvec2 place_in_leaf(const Position& p, const Leaf& leaf) {
   return {(p.x << level & mask) >> (kIndexBits - 8), (p.y << level & mask) >> (kIndexBits - 8)};
 }
 
-bool in_box(uint32_t box, const glm::uvec2& at) {
-  return at.x >= (box & 255) && at.y >= (box >> 8 & 255) && at.x <= (box >> 16 & 255) && at.y <= box >> 24;
-}
-
 }  // namespace
 
 Answer query(const LightBuffer& buffer, const LightView& light, const scenes::WorldMesh& mesh,
@@ -70,8 +68,8 @@ Answer query(const LightBuffer& buffer, const LightView& light, const scenes::Wo
   for (uint32_t k = leaf.first; k < leaf.first + count; ++k) {
     const ListEntry& entry = buffer.entries[k];
     ++answer.steps;
-    if (position.depth * entry.reciprocal_depth < 1.0f) break;
-    if (!in_box(entry.box, in_leaf)) continue;
+    if (in_front(entry, position.depth)) break;
+    if (!holds(entry, in_leaf.x, in_leaf.y)) continue;
     const glm::uvec3 t = mesh.triangles[entry.triangle];
     ++answer.tested;
     if (exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x], mesh.positions[t.y],

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "gpu/tracers/light_buffer/entry.h"
+
 namespace gnomon::gpu::light_buffer {
 namespace {
 
@@ -152,15 +154,16 @@ class Builder {
   uint32_t add_leaf(Leaf leaf, uint32_t level, uint32_t i, uint32_t j, const Met& met) {
     if (met.empty() && leaf.cover_plane == glm::vec3(0.0f)) return 0;
     leaf.first = static_cast<uint32_t>(out_.entries.size());
-    leaf.count = static_cast<uint32_t>(met.size()) | level << kCountBits;
     const Rect rect = face_.square(level, i, j);
+    const LeafEntries entries(face_, level, i, j);
     for (const Footprint* f : met) {
-      out_.entries.push_back(
-          {face_.box_in_square(f->box, level, i, j), face_.reciprocal_depth(nearest_in(*f, rect)), f->triangle});
+      const auto entry = entries.entry(*f, nearest_in(*f, rect));
+      if (entry) out_.entries.push_back(*entry);
     }
+    const auto count = static_cast<uint32_t>(out_.entries.size()) - leaf.first;
+    leaf.count = count | level << kCountBits;
     std::sort(out_.entries.begin() + leaf.first, out_.entries.end(), [](const ListEntry& a, const ListEntry& b) {
-      return a.reciprocal_depth != b.reciprocal_depth ? a.reciprocal_depth > b.reciprocal_depth
-                                                      : a.triangle < b.triangle;
+      return a.depth_and_low != b.depth_and_low ? a.depth_and_low > b.depth_and_low : a.triangle < b.triangle;
     });
     out_.leaves.push_back(leaf);
     return static_cast<uint32_t>(out_.leaves.size()) - 1;
