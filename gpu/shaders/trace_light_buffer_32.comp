@@ -32,21 +32,86 @@ uint take_bit(inout LaneBits bits) {
   return lowest + (low ? 0u : 32u);
 }
 
-bool blocked(uint light, vec3 origin) {
+// Entries that a lane walks alone; what is left of a longer list is walked by the whole subgroup.
+const uint kAlone = 32u;
+
+// One pixel's walk through its leaf's list.
+struct Walk {
+  vec3 origin, direction;
+  float depth;
+  uint place;      // in the leaf
+  uint next, end;  // entries
+};
+
+Walk start_walk(uint light, vec3 origin) {
   LightView view = LightViews(push.views).at[light];
-  vec3 direction = direction_of(view, origin);
   Place place = place_of(view, origin - view.reference);
   Leaf leaf = Leaves(push.leaves).at[leaf_at(cell_at(view, place), place)];
-  uint in_leaf = place_in_leaf(place.at, leaf.count);
-  uint end = leaf.first + (leaf.count & ((1u << kCountBits) - 1u));
-  for (uint e = leaf.first; e < end; ++e) {
+  return Walk(origin, direction_of(view, origin), place.depth, place_in_leaf(place.at, leaf.count), leaf.first,
+              leaf.first + (leaf.count & ((1u << kCountBits) - 1u)));
+}
+
+bool blocks(ListEntry entry, Walk walk) {
+  return holds(entry, walk.place) && meets(entry.triangle, walk.origin, walk.direction) &&
+         (entry.triangle < push.first_masked || passes_alpha(entry.triangle, walk.origin, walk.direction));
+}
+
+const uint kLit = 0u, kBlocked = 1u, kUnknown = 2u;
+
+uint walk_alone(Walk walk) {
+  uint end = min(walk.end, walk.next + kAlone);
+  for (uint e = walk.next; e < end; ++e) {
     ListEntry entry = Entries(push.entries).at[e];
-    if (in_front(entry, place.depth)) return false;
-    if (holds(entry, in_leaf) && meets(entry.triangle, origin, direction) &&
-        (entry.triangle < push.first_masked || passes_alpha(entry.triangle, origin, direction)))
-      return true;
+    if (in_front(entry, walk.depth)) return kLit;
+    if (blocks(entry, walk)) return kBlocked;
+  }
+  return end < walk.end ? kUnknown : kLit;
+}
+
+// What walk_alone left over. The walk is the same in all lanes, of which each looks at every LANES-th entry.
+bool blocked_together(Walk walk) {
+  for (uint first = walk.next + kAlone; first < walk.end; first += LANES) {
+    uint e = first + gl_SubgroupInvocationID;
+    bool front = false, hit = false;
+    if (e < walk.end) {
+      ListEntry entry = Entries(push.entries).at[e];
+      front = in_front(entry, walk.depth);
+      hit = !front && blocks(entry, walk);
+    }
+    if (subgroupAny(hit)) return true;
+    if (subgroupAny(front)) return false;
   }
   return false;
+}
+
+vec3 origin_of(Pixels pixels, uint round) {
+  vec3 origin = pixels.origin[0];
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) origin = round == r ? pixels.origin[r] : origin;
+  return origin;
+}
+
+// Adds to `lit` what is lit of the undecided pixels of the lights from `first` on.
+void walk_lists(uint first, Pixels pixels, LaneBits undecided, inout LaneBits lit) {
+  LaneBits unknown = no_bits();
+  while ((undecided.at.x | undecided.at.y) != 0u) {
+    uint index = take_bit(undecided);
+    uint round = index % kRounds, k = index / kRounds;
+    uint found = walk_alone(start_walk(first + k, origin_of(pixels, round)));
+    put_bits(lit, k, found == kLit ? 1u << round : 0u);
+    put_bits(unknown, k, found == kUnknown ? 1u << round : 0u);
+  }
+  for (;;) {
+    uvec4 waiting = subgroupBallot((unknown.at.x | unknown.at.y) != 0u);
+    if (waiting.x == 0u) break;
+    uint lane = subgroupBallotFindLSB(waiting);
+    bool mine = gl_SubgroupInvocationID == lane;
+    uint index = mine ? take_bit(unknown) : 0u;
+    index = subgroupBroadcast(index, lane);
+    uint round = index % kRounds, k = index / kRounds;
+    vec3 origin = subgroupBroadcast(origin_of(pixels, round), lane);
+    bool dark = blocked_together(start_walk(first + k, origin));
+    put_bits(lit, k, mine && !dark ? 1u << round : 0u);
+  }
 }
 
 void main() {
@@ -63,13 +128,7 @@ void main() {
       put_bits(lit, k, asked.lit);
       put_bits(undecided, k, asked.undecided);
     }
-    while ((undecided.at.x | undecided.at.y) != 0u) {
-      uint index = take_bit(undecided);
-      uint round = index % kRounds, k = index / kRounds;
-      vec3 origin = pixels.origin[0];
-      [[unroll]] for (uint r = 1u; r < kRounds; ++r) origin = round == r ? pixels.origin[r] : origin;
-      put_bits(lit, k, blocked(first + k, origin) ? 0u : 1u << round);
-    }
+    walk_lists(first, pixels, undecided, lit);
     for (uint k = 0u; k < lights; ++k) store_words(first + k, bits_of(lit, k), bits_of(care, k));
   }
 }
