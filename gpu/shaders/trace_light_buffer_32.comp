@@ -58,10 +58,14 @@ bool blocks(ListEntry entry, Walk walk) {
 
 const uint kLit = 0u, kBlocked = 1u, kUnknown = 2u;
 
+// Precondition: the list is not empty, as no undecided pixel's is.
 uint walk_alone(Walk walk) {
   uint end = min(walk.end, walk.next + kAlone);
+  // A walk mostly waits for its entries: the next one is on its way while this one is looked at.
+  ListEntry coming = Entries(push.entries).at[walk.next];
   for (uint e = walk.next; e < end; ++e) {
-    ListEntry entry = Entries(push.entries).at[e];
+    ListEntry entry = coming;
+    coming = Entries(push.entries).at[min(e + 1u, end - 1u)];
     if (in_front(entry, walk.depth)) return kLit;
     if (blocks(entry, walk)) return kBlocked;
   }

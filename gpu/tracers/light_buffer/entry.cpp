@@ -8,9 +8,9 @@
 namespace gnomon::gpu::light_buffer {
 namespace {
 
-constexpr double kWide = 32.0;             // |x| + |y| of the direction across a strip
-constexpr double kCutRounding = 1e-6;     // of the slack, with room to spare for what doubles round
-constexpr double kNarrowBox = 16.0;        // of 256ths: boxes that are narrower need no strip
+constexpr double kWide = 32.0;         // |x| + |y| of the direction across a strip
+constexpr double kCutRounding = 1e-6;  // of the slack, with room to spare for what doubles round
+constexpr double kNarrowBox = 16.0;    // of 256ths: boxes that are narrower need no strip
 
 // What is left of a square, cut along three edges: seven corners at most.
 struct Region {
@@ -124,9 +124,9 @@ std::optional<ListEntry> LeafEntries::entry(const Footprint& f, double nearness)
   const glm::dvec2 low = (glm::dvec2(f.box.u0, f.box.v0) - corner_) * scale_ - pad_;
   const glm::dvec2 high = (glm::dvec2(f.box.u1, f.box.v1) - corner_) * scale_ + pad_;
   return ListEntry{upper_bits(face_.reciprocal_depth(nearness)) << 10 | side(low.y) << 5 | side(low.x),
-          static_cast<uint32_t>(strip.high & 255) << 24 | static_cast<uint32_t>(strip.low & 255) << 16 |
-              strip.direction << 10 | side(high.y) << 5 | side(high.x),
-          f.triangle};
+                   static_cast<uint32_t>(strip.high & 255) << 24 | static_cast<uint32_t>(strip.low & 255) << 16 |
+                       strip.direction << 10 | side(high.y) << 5 | side(high.x),
+                   f.triangle};
 }
 
 uint32_t LeafEntries::side(double place) const {
@@ -139,7 +139,8 @@ Strip LeafEntries::strip_between(const glm::dvec2& n, double low, double high) c
   const double origin = glm::dot(n, corner_), right = std::max(n.x, 0.0) + n.y, left = std::max(-n.x, 0.0);
   const double first = (low - origin) * scale_ - right * rounding_ - left * pad_ - kCutRounding;
   const double last = (high - origin) * scale_ + left * rounding_ + right * pad_ + kCutRounding;
-  return {static_cast<uint32_t>(kWide - n.x), floor_within(first / 64.0, -128, 127), floor_within(last / 64.0, -128, 127)};
+  return {static_cast<uint32_t>(kWide - n.x), floor_within(first / 64.0, -128, 127),
+          floor_within(last / 64.0, -128, 127)};
 }
 
 }  // namespace gnomon::gpu::light_buffer

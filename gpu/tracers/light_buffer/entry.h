@@ -36,9 +36,9 @@ class LeafEntries {
   const Face& face_;
   const Rect square_;
   const glm::dvec2 corner_;
-  const double scale_;       // from the face's coordinates to 256ths of the leaf's side
-  double pad_, rounding_;    // what a query's place is off its true one, upwards and downwards; in 256ths
-  int32_t unit_;             // what places are multiples of; in 256ths
+  const double scale_;     // from the face's coordinates to 256ths of the leaf's side
+  double pad_, rounding_;  // what a query's place is off its true one, upwards and downwards; in 256ths
+  int32_t unit_;           // what places are multiples of; in 256ths
 };
 
 // Whether a point of this depth lies in front of the triangle.
@@ -49,7 +49,8 @@ inline bool in_front(const ListEntry& entry, float depth) {
 // Whether the place (x, y), in 256ths of the leaf's side, lies in the entry's box and strip.
 inline bool holds(const ListEntry& entry, uint32_t x, uint32_t y) {
   const uint32_t low = entry.depth_and_low, high = entry.high_and_strip;
-  if (x >> 3 < (low & 31) || y >> 3 < (low >> 5 & 31) || x >> 3 > (high & 31) || y >> 3 > (high >> 5 & 31)) return false;
+  if (x >> 3 < (low & 31) || y >> 3 < (low >> 5 & 31) || x >> 3 > (high & 31) || y >> 3 > (high >> 5 & 31))
+    return false;
   const int32_t strip = static_cast<int32_t>(high);
   const int32_t across_x = 32 - (strip >> 10 & 63), across_y = 32 - std::abs(across_x);
   const int32_t across = (across_x * static_cast<int32_t>(x) + across_y * static_cast<int32_t>(y)) >> 6;

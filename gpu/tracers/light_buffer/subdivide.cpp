@@ -161,6 +161,7 @@ class Builder {
       if (entry) out_.entries.push_back(*entry);
     }
     const auto count = static_cast<uint32_t>(out_.entries.size()) - leaf.first;
+    if (count == 0 && leaf.cover_plane == glm::vec3(0.0f)) return 0;
     leaf.count = count | level << kCountBits;
     std::sort(out_.entries.begin() + leaf.first, out_.entries.end(), [](const ListEntry& a, const ListEntry& b) {
       return a.depth_and_low != b.depth_and_low ? a.depth_and_low > b.depth_and_low : a.triangle < b.triangle;
