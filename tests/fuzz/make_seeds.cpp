@@ -82,7 +82,7 @@ void packed_builds(const fs::path& folder) {
     buffer.grid = {0, 0};
     buffer.leaves.resize(2);
     buffer.leaves[1].count = 2;
-    buffer.entries = {{0xff00ff00, 0.5f, 1}, {0xffff0000, 0.25f, 7}};
+    buffer.entries = {{0x7e000000, 0x7f8003ff, 1}, {0x7d000000, 0x7f8003ff, 7}};
     (void)gpu::write_outcome(Result<gpu::light_buffer::LightBuffer>(buffer), file);
   });
   write_file(folder, "task", [&](std::FILE* file) {
