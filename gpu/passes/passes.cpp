@@ -79,10 +79,11 @@ Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const
 }
 
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
-                                      std::span<const uint32_t> shader, uint32_t storage_images) {
+                                      std::span<const uint32_t> shader, uint32_t storage_images,
+                                      uint32_t subgroup_size) {
   auto layout = make_pass_layout(device, sampled_images, storage_images);
   if (!layout) return layout.error();
-  auto pipeline = make_compute_pipeline(device, *layout, shader);
+  auto pipeline = make_compute_pipeline(device, *layout, shader, subgroup_size);
   if (!pipeline) return pipeline.error();
   // lavapipe gives each thread one contiguous part of a dispatch, and the rows of a picture differ in cost: several
   // small dispatches balance the threads.
@@ -100,9 +101,10 @@ void bind(const FrameContext& frame, const ComputeStep& step, std::span<const st
 
 void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
   bind(frame, step, push);
+  const uint32_t columns = (frame.grid.tiles_x() + step.tiles_at_once - 1) / step.tiles_at_once;
   for (uint32_t row = 0; row < frame.rows.count;) {
     const uint32_t count = std::min(step.rows_at_once, frame.rows.count - row);
-    vkCmdDispatchBase(frame.commands, 0, frame.rows.first + row, 0, frame.grid.tiles_x(), count, 1);
+    vkCmdDispatchBase(frame.commands, 0, frame.rows.first + row, 0, columns, count, 1);
     row += count;
   }
 }

@@ -151,10 +151,13 @@ Result<std::unique_ptr<Pass>> make_upload_masks_pass(bool kept);
 struct ComputeStep {
   PassLayout layout;
   Pipeline pipeline;
-  uint32_t rows_at_once = 0;  // tile rows of one dispatch
+  uint32_t rows_at_once = 0;   // tile rows of one dispatch
+  uint32_t tiles_at_once = 1;  // tiles of one workgroup, side by side
 };
+// `subgroup_size`: as of make_compute_pipeline.
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
-                                      std::span<const uint32_t> shader, uint32_t storage_images = 0);
+                                      std::span<const uint32_t> shader, uint32_t storage_images = 0,
+                                      uint32_t subgroup_size = 0);
 
 // Makes the pass `Made`, whose constructor takes the step first. Error: that of the step.
 template <class Made, class... More>
@@ -165,8 +168,8 @@ Result<std::unique_ptr<Pass>> pass_of(Result<ComputeStep> step, More&&... more) 
 
 // Binds the step, the frame's descriptors and push constants.
 void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
-// As bind, then dispatches one workgroup for each 8x8 tile of frame.rows: the band's rows if the pass runs in every
-// band, else all rows.
+// As bind, then dispatches one workgroup for each 8x8 tile, or for each step.tiles_at_once of a row, of frame.rows: the
+// band's rows if the pass runs in every band, else all rows.
 void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
 void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push);
 

@@ -43,7 +43,10 @@ class TracePass : public Pass {
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
-  return pass_of<TracePass>(make_compute_step(device, 1, tracer.shader()), motion);
+  const TraceShader shader = tracer.shader();
+  auto step = make_compute_step(device, 1, shader.spirv, 0, shader.lanes);
+  if (step) step->tiles_at_once = shader.tiles;
+  return pass_of<TracePass>(std::move(step), motion);
 }
 
 }  // namespace gnomon::gpu

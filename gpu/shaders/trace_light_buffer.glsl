@@ -1,12 +1,12 @@
-// The trace pass with light buffers: one subgroup of LANES traces one 8x8 tile, and stores for each light a word of
-// visibility bits and a word with a 1 for each bit that was traced.
+// The trace pass with light buffers: one subgroup of LANES traces one 8x8 tile, in rounds of one pixel for each lane, and
+// stores for each light a word of visibility bits and a word with a 1 for each bit that was traced. A subgroup of 128
+// traces two tiles side by side: no lane idles, except in a last column that stands alone.
 //
 // This file has the part that narrow and wide subgroups share: loading the pixels, and testing the planes of their
-// leaves. They differ in how they walk the lists of the undecided pixels: trace_light_buffer_8.comp,
-// trace_light_buffer_32.comp.
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
+// leaves. They differ in how they walk the lists of the undecided pixels: trace_light_buffer_narrow.comp,
+// trace_light_buffer_wide.comp. LANES is defined on the compiler's command line.
 #extension GL_EXT_control_flow_attributes : require
+#include "subgroup.glsl"
 #include "frame.glsl"
 #define TILE_INVOCATIONS LANES
 #include "surface.glsl"
@@ -26,7 +26,8 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const uint kNone = 0xffffffffu;
-const uint kRounds = 64u / LANES;  // number of pixels of each lane
+const uint kTiles = LANES > 64 ? LANES / 64 : 1;   // of each subgroup
+const uint kRounds = LANES < 64 ? 64 / LANES : 1;  // number of pixels of each lane
 
 #include "tracers/light_buffer.glsl"
 
@@ -43,21 +44,28 @@ uint by_rows(uint by_blocks) {
   return by_blocks ^ swap ^ (swap << 4);
 }
 
+// The word of the lane's tile. `bits`: the lane's own, one for each round.
 uvec2 tile_word(uint bits) {
   uvec2 word = uvec2(0u);
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
-    uint lanes = subgroupBallot((bits & (1u << r)) != 0u).x;
+    uvec4 lanes = ballot((bits & (1u << r)) != 0u);
     uint shift = r * LANES;
-    if (shift < 32u) word.x |= lanes << (shift & 31u);
-    else word.y |= lanes << (shift & 31u);
+    if (LANES >= 64) word = kTiles == 1u || lane() < 64u ? lanes.xy : lanes.zw;
+    else if (shift < 32u) word.x |= lanes.x << (shift & 31u);
+    else word.y |= lanes.x << (shift & 31u);
   }
   return uvec2(by_rows(word.x), by_rows(word.y));
+}
+
+// The tile that the lane traces a part of. It may lie beyond the last column, where it shows nothing.
+uvec2 tile_of_lane() {
+  return kTiles == 1u ? gl_WorkGroupID.xy : uvec2(gl_WorkGroupID.x * kTiles + lane() / 64u, gl_WorkGroupID.y);
 }
 
 void load_pixels(out Pixels pixels) {
   pixels.shown = 0u;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
-    uvec2 pixel = gl_WorkGroupID.xy * 8u + pixel_in_tile(r * LANES + gl_SubgroupInvocationID);
+    uvec2 pixel = tile_of_lane() * 8u + pixel_in_tile((r * LANES + lane()) % 64u);
     uint id = triangle_at(pixel);
     pixels.surface[r] = surface_of(max(id, 1u) - 1u, pixel);
     pixels.origin[r] = segment_origin(frame.camera, pixels.surface[r]);
@@ -124,8 +132,10 @@ vec3 direction_of(LightView view, vec3 origin) {
 
 void store_words(uint light, uint lit, uint care) {
   uvec2 mask_word = tile_word(lit), care_word = tile_word(care);
-  if (subgroupElect()) {
-    uint word = light * frame.tile_count + gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
+  uvec2 tile = tile_of_lane();
+  bool is_first_of_tile = lane() % 64u == 0u;
+  if (is_first_of_tile && (kTiles == 1u || tile.x < frame.tiles_x)) {
+    uint word = light * frame.tile_count + tile.y * frame.tiles_x + tile.x;
     push.masks.at[word] = mask_word;
     push.valid_bits.at[word] = care_word;
   }

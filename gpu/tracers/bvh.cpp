@@ -33,7 +33,7 @@ class BvhTracer : public Tracer {
   BvhTracer(DevicePtr device, StructureBuildsPtr builds) : device_(std::move(device)), builds_(std::move(builds)) {}
 
   std::string_view name() const override { return "bvh"; }
-  std::span<const uint32_t> shader() const override { return trace_bvh_comp; }
+  TraceShader shader() const override { return {trace_bvh_comp}; }
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();

@@ -8,9 +8,8 @@
 #include "common/log.h"
 #include "gpu/tracers/light_buffer/builder.h"
 #include "gpu/tracers/light_buffer/cache.h"
+#include "gpu/tracers/light_buffer_shaders.h"
 #include "gpu/tracers/tracer.h"
-#include "spirv/trace_light_buffer_32_comp.h"
-#include "spirv/trace_light_buffer_8_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -75,16 +74,14 @@ class LightBufferScene : public TracedScene {
 
 class LightBufferTracer : public Tracer {
  public:
-  LightBufferTracer(DevicePtr device, TracerOptions options)
+  LightBufferTracer(DevicePtr device, const TraceShader& shader, TracerOptions options)
       : device_(std::move(device)),
+        shader_(shader),
         options_(std::move(options)),
         hierarchies_(make_bvh_tracer(device_, options_.builds)) {}
 
   std::string_view name() const override { return "light_buffer"; }
-  std::span<const uint32_t> shader() const override {
-    if (device_->features().subgroup_size == 8) return trace_light_buffer_8_comp;
-    return trace_light_buffer_32_comp;
-  }
+  TraceShader shader() const override { return shader_; }
 
   bool builds_for_lights() const override { return true; }
 
@@ -190,6 +187,7 @@ class LightBufferTracer : public Tracer {
   }
 
   DevicePtr device_;
+  TraceShader shader_;
   TracerOptions options_;
   std::unique_ptr<Tracer> hierarchies_;
 };
@@ -197,15 +195,17 @@ class LightBufferTracer : public Tracer {
 }  // namespace
 
 Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options) {
-  const uint32_t lanes = device->features().subgroup_size;
-  if (lanes != 8 && lanes != 32) {
-    return Error{"tracer 'light_buffer' needs subgroups of 8 or 32 lanes; the device has " + std::to_string(lanes)};
+  std::optional<TraceShader> shader = options.light_buffer_shader;
+  if (!shader) shader = light_buffer_shader(device->features().subgroups);
+  if (!shader) {
+    return Error{"tracer 'light_buffer' needs subgroups of 4 to 128 lanes with ballots and votes; the device has " +
+                 std::to_string(device->features().subgroups.usual) + " lanes"};
   }
   if (!options.cache_folder.empty()) {  // the limit may be lower than it was
     const auto trimmed = light_buffer::trim(options.cache_folder, options.cache_bytes);
     if (trimmed.files > 0) log::info("cache trimmed", {{"files", trimmed.files}, {"bytes", trimmed.bytes}});
   }
-  return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, options));
+  return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, *shader, options));
 }
 
 }  // namespace gnomon::gpu

@@ -136,7 +136,7 @@ class RayQueryTracer : public Tracer {
   explicit RayQueryTracer(DevicePtr device) : device_(std::move(device)), rays_(device_->handle()) {}
 
   std::string_view name() const override { return "ray_query"; }
-  std::span<const uint32_t> shader() const override { return trace_ray_query_comp; }
+  TraceShader shader() const override { return {trace_ray_query_comp}; }
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();

@@ -59,7 +59,7 @@ class Tracer {
  public:
   virtual ~Tracer() = default;
   virtual std::string_view name() const = 0;
-  virtual std::span<const uint32_t> shader() const = 0;  // the trace pass with this tracer
+  virtual TraceShader shader() const = 0;
   // Whether the tracer's data is valid only for the lights that it was built for.
   virtual bool builds_for_lights() const { return false; }
   // Blocking; any thread. Error: out of memory, device lost, stopped.
@@ -85,7 +85,7 @@ Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DeviceP
                                             const TracerOptions& options = {});
 
 std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device, StructureBuildsPtr builds = builds_here());
-// Error: the device's subgroups are neither of 8 nor of 32 lanes, which its shaders are written for.
+// Error: the device offers no subgroups of 4 to 128 lanes with ballots and votes, which its shaders are written for.
 Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
 Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);
 

@@ -3,16 +3,26 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 
 #include "gpu/builds/structure_builds.h"
 
 namespace gnomon::gpu {
+
+// The trace pass with a tracer, as SPIR-V and as it wants to be run.
+struct TraceShader {
+  std::span<const uint32_t> spirv;  // words that live as long as the program
+  uint32_t lanes = 0;               // of its subgroups; 0: any number
+  uint32_t tiles = 1;               // that a workgroup traces, side by side
+};
 
 struct TracerOptions {
   std::filesystem::path cache_folder;  // for the results of builds; empty: no cache
   uint64_t cache_bytes = UINT64_MAX;   // most that the folder may hold; what was used least recently leaves first
   uint64_t light_buffer_bytes = 0;     // memory budget of a scene's light buffers; 0: by the number of lights
   StructureBuildsPtr builds = builds_here();
+  std::optional<TraceShader> light_buffer_shader = {};  // instead of the one for the device's subgroups: for tests
 };
 
 }  // namespace gnomon::gpu

@@ -44,6 +44,37 @@ bool offers_atomic_int64(VkPhysicalDevice device) {
   return features.features.shaderInt64 && v12.shaderBufferInt64Atomics;
 }
 
+bool offers_subgroup_size_control(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Features v13{};
+  v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+  VkPhysicalDeviceFeatures2 features{};
+  features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+  features.pNext = &v13;
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  return v13.subgroupSizeControl && v13.computeFullSubgroups;
+}
+
+SubgroupFeatures subgroups_of(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Properties sizes{};
+  sizes.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES;
+  VkPhysicalDeviceSubgroupProperties usual{};
+  usual.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
+  usual.pNext = &sizes;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  properties.pNext = &usual;
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  SubgroupFeatures offered;
+  offered.requests =
+      offers_subgroup_size_control(device) && (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
+  offered.usual = usual.subgroupSize;
+  offered.least = offered.requests ? sizes.minSubgroupSize : offered.usual;
+  offered.most = offered.requests ? sizes.maxSubgroupSize : offered.usual;
+  constexpr VkSubgroupFeatureFlags needed = VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT;
+  offered.ballots_and_votes = (usual.supportedOperations & needed) == needed;
+  return offered;
+}
+
 }  // namespace
 
 std::string missing_features(VkPhysicalDevice device) {
@@ -102,19 +133,15 @@ std::string pci_address(VkPhysicalDevice device) {
 }
 
 DeviceFeatures query_features(VkPhysicalDevice device) {
-  VkPhysicalDeviceSubgroupProperties subgroup{};
-  subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
-  VkPhysicalDeviceProperties2 properties{};
-  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-  properties.pNext = &subgroup;
-  vkGetPhysicalDeviceProperties2(device, &properties);
+  VkPhysicalDeviceProperties properties{};
+  vkGetPhysicalDeviceProperties(device, &properties);
   DeviceFeatures offered;
   offered.ray_query = offers_ray_query(device);
   offered.atomic_int64 = offers_atomic_int64(device);
-  const VkPhysicalDeviceType type = properties.properties.deviceType;
+  const VkPhysicalDeviceType type = properties.deviceType;
   offered.unified_memory = type == VK_PHYSICAL_DEVICE_TYPE_CPU || type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
-  offered.subgroup_size = subgroup.subgroupSize;
-  const VkPhysicalDeviceLimits& limits = properties.properties.limits;
+  offered.subgroups = subgroups_of(device);
+  const VkPhysicalDeviceLimits& limits = properties.limits;
   offered.max_image_side =
       std::min({limits.maxImageDimension2D, limits.maxFramebufferWidth, limits.maxFramebufferHeight});
   offered.timestamp_period_ns = limits.timestampPeriod;
@@ -133,8 +160,10 @@ FeatureChain::FeatureChain(const DeviceFeatures& offered) {
   v12.timelineSemaphore = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
   v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+  v13.computeFullSubgroups = offered.subgroups.requests;
   v13.dynamicRendering = VK_TRUE;
   v13.maintenance4 = VK_TRUE;  // for LocalSizeId of SPIR-V 1.6, and for fragment shaders that ignore varyings
+  v13.subgroupSizeControl = offered.subgroups.requests;
   v13.synchronization2 = VK_TRUE;
   acceleration.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
   acceleration.accelerationStructure = VK_TRUE;

@@ -8,11 +8,19 @@
 
 namespace gnomon::gpu {
 
+// The subgroups of compute shaders, in lanes.
+struct SubgroupFeatures {
+  uint32_t usual = 0;            // without a request
+  uint32_t least = 0, most = 0;  // what a pipeline may request, powers of two; `usual` where it may request nothing
+  bool requests = false;         // whether a pipeline may request a size, and that all lanes take part
+  bool ballots_and_votes = false;
+};
+
 struct DeviceFeatures {
   bool ray_query = false;
   bool atomic_int64 = false;    // 64-bit atomic operations on buffers
   bool unified_memory = false;  // device memory is host memory, so that nothing needs staging
-  uint32_t subgroup_size = 0;
+  SubgroupFeatures subgroups;
   uint32_t max_image_side = 0;  // pixels
   double timestamp_period_ns = 0;
 };

@@ -101,13 +101,20 @@ Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_im
 }
 
 Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,
-                                       std::span<const uint32_t> shader) {
+                                       std::span<const uint32_t> shader, uint32_t subgroup_size) {
   const auto module = make_module(device, shader);
   if (!module) return module.error();
   VkComputePipelineCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
   create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;  // for bands of a frame
   create.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, *module);
+  VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{};
+  if (subgroup_size != 0 && device->features().subgroups.requests) {
+    size.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
+    size.requiredSubgroupSize = subgroup_size;
+    create.stage.pNext = &size;
+    create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
+  }
   create.layout = layout.pipeline.get();
   VkPipeline handle = VK_NULL_HANDLE;
   const VkResult r = vkCreateComputePipelines(device->handle(), VK_NULL_HANDLE, 1, &create, nullptr, &handle);

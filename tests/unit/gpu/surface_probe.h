@@ -29,6 +29,7 @@ class SurfaceProbe {
   static Result<SurfaceProbe> create(const RendererOptions& options, const scenes::ScenePtr& scene);
 
   const Device& device() const { return frame_->device(); }
+  const Tracer& tracer() const { return *frame_->tracer(); }
   const ResidentScene& scene() const { return frame_->scene(); }
   Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height,
                              scenes::SceneTime time = {});

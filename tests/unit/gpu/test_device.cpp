@@ -6,6 +6,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gpu/tracers/tracer.h"
+#include "spirv/trace_light_buffer_128_emulated.h"
+#include "spirv/trace_light_buffer_16_emulated.h"
+#include "spirv/trace_light_buffer_32_emulated.h"
+#include "spirv/trace_light_buffer_64_emulated.h"
 
 namespace gnomon::test {
 
@@ -14,7 +18,24 @@ gpu::RendererOptions device_options(const std::string& tracer) {
   if (const char* device = std::getenv("GNOMON_TEST_DEVICE")) options.device = device;
   if (const char* raster = std::getenv("GNOMON_TEST_RASTER")) options.raster = raster;
   options.tracer = tracer;
+  if (const uint32_t lanes = number_in_environment("GNOMON_TEST_EMULATED_LANES"))
+    options.tracer_options.light_buffer_shader = emulated_light_buffer_shader(lanes);
   return options;
+}
+
+gpu::TraceShader emulated_light_buffer_shader(uint32_t lanes) {
+  switch (lanes) {
+    case 16: return {trace_light_buffer_16_emulated};
+    case 32: return {trace_light_buffer_32_emulated};
+    case 64: return {trace_light_buffer_64_emulated};
+    case 128: return {trace_light_buffer_128_emulated, 0, 2};
+    default: std::fprintf(stderr, "no subgroups of %u lanes are emulated\n", lanes); std::abort();
+  }
+}
+
+uint32_t number_in_environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? static_cast<uint32_t>(std::strtoul(value, nullptr, 10)) : 0;
 }
 
 std::vector<std::string> tracers() {

@@ -1,12 +1,13 @@
-// Traces all lights together: a lane walks the lists of its undecided pixels one after the other, whatever their light.
-// The lengths of lists differ a hundredfold, so that lanes that waited for each other at every light would mostly wait.
+// For subgroups of 32, 64 and 128 lanes. Traces all lights together: a lane walks the lists of its undecided pixels one
+// after the other, whatever their light. The lengths of lists differ a hundredfold, so that lanes that waited for each
+// other at every light would mostly wait.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_vote : require
-#define LANES 32
 #include "trace_light_buffer.glsl"
 
-// A set of kRounds bits for each of LANES lights.
+const uint kLightsAtATime = 64u / kRounds;
+
+// A set of kRounds bits for each of kLightsAtATime lights.
 struct LaneBits {
   uvec2 at;
 };
@@ -121,12 +122,12 @@ void walk_lists(uint first, Pixels pixels, LaneBits undecided, inout LaneBits li
 void main() {
   Pixels pixels;
   load_pixels(pixels);
-  for (uint first = 0u; first < frame.light_count; first += LANES) {
-    uint lights = min(frame.light_count - first, LANES);
+  for (uint first = 0u; first < frame.light_count; first += kLightsAtATime) {
+    uint lights = min(frame.light_count - first, kLightsAtATime);
     LaneBits care = no_bits(), lit = no_bits(), undecided = no_bits();
     for (uint k = 0u; k < lights; ++k) {
       uint light_care = care_bits(first + k, pixels);
-      if (!subgroupAny(light_care != 0u)) continue;
+      if (!any_lane(light_care != 0u)) continue;
       Asked asked = ask_planes(first + k, pixels, light_care);
       put_bits(care, k, light_care);
       put_bits(lit, k, asked.lit);

@@ -1,9 +1,8 @@
-// Traces light by light, for vector units (lavapipe): a branch on which all lanes agree is jumped over, any other one
-// is masked, and a loop's body runs at least once. Hence rare work is in loops and branches of its own.
+// For subgroups of 4, 8 and 16 lanes. Traces light by light, for vector units (lavapipe): a branch on which all lanes
+// agree is jumped over, any other one is masked, and a loop's body runs at least once. Hence rare work is in loops and
+// branches of its own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_vote : require
-#define LANES 8
 #include "trace_light_buffer.glsl"
 
 // The state of one pixel's walk through its leaf's list.
@@ -95,7 +94,7 @@ uint blocked_by_masked(Asked asked, Pixels pixels, uint asking) {
 uint walk_lists(Asked asked, Pixels pixels) {
   uint masked;
   uint blocked = blocked_pixels(asked, pixels, asked.undecided, masked);
-  if (subgroupAny(masked != 0u)) blocked |= blocked_by_masked(asked, pixels, masked);
+  if (any_lane(masked != 0u)) blocked |= blocked_by_masked(asked, pixels, masked);
   return asked.undecided & ~blocked;
 }
 
@@ -105,10 +104,10 @@ void main() {
   for (uint light = 0u; light < frame.light_count; ++light) {
     uint care = care_bits(light, pixels);
     uint lit = 0u;
-    if (subgroupAny(care != 0u)) {
+    if (any_lane(care != 0u)) {
       Asked asked = ask_planes(light, pixels, care);
       lit = asked.lit;
-      if (subgroupAny(asked.undecided != 0u)) lit |= walk_lists(asked, pixels);
+      if (any_lane(asked.undecided != 0u)) lit |= walk_lists(asked, pixels);
     }
     store_words(light, lit, care);
   }
