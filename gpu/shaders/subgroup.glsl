@@ -5,6 +5,7 @@
 #ifdef EMULATED_SUBGROUP
 
 shared uint subgroup_votes[4];
+shared uvec3 subgroup_value;
 
 uint lane() { return gl_LocalInvocationIndex; }
 
@@ -19,6 +20,22 @@ uvec4 ballot(bool vote) {
 
 bool any_lane(bool vote) { return ballot(vote) != uvec4(0u); }
 
+uint lowest_lane(uvec4 votes) {
+  uint i = votes.x != 0u ? 0u : votes.y != 0u ? 1u : votes.z != 0u ? 2u : 3u;
+  return 32u * i + uint(findLSB(votes[i]));
+}
+
+uvec3 broadcast(uvec3 value, uint from) {
+  barrier();  // because a lane may still be reading the value before
+  if (lane() == from) subgroup_value = value;
+  barrier();
+  return subgroup_value;
+}
+
+uint broadcast(uint value, uint from) { return broadcast(uvec3(value), from).x; }
+
+vec3 broadcast(vec3 value, uint from) { return uintBitsToFloat(broadcast(floatBitsToUint(value), from)); }
+
 #else
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -30,5 +47,12 @@ uint lane() { return gl_SubgroupInvocationID; }
 uvec4 ballot(bool vote) { return subgroupBallot(vote); }
 
 bool any_lane(bool vote) { return subgroupAny(vote); }
+
+// Of a ballot in which some lane voted.
+uint lowest_lane(uvec4 votes) { return subgroupBallotFindLSB(votes); }
+
+// The value of lane `from`, which is the same in all lanes.
+uint broadcast(uint value, uint from) { return subgroupBroadcast(value, from); }
+vec3 broadcast(vec3 value, uint from) { return subgroupBroadcast(value, from); }
 
 #endif

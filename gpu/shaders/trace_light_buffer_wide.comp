@@ -34,7 +34,10 @@ uint take_bit(inout LaneBits bits) {
 }
 
 // Entries that a lane walks alone; what is left of a longer list is walked by the whole subgroup.
-const uint kAlone = 32u;
+#ifndef ENTRIES_ALONE
+#define ENTRIES_ALONE 32
+#endif
+const uint kAlone = ENTRIES_ALONE;
 
 // One pixel's walk through its leaf's list.
 struct Walk {
@@ -76,15 +79,15 @@ uint walk_alone(Walk walk) {
 // What walk_alone left over. The walk is the same in all lanes, of which each looks at every LANES-th entry.
 bool blocked_together(Walk walk) {
   for (uint first = walk.next + kAlone; first < walk.end; first += LANES) {
-    uint e = first + gl_SubgroupInvocationID;
+    uint e = first + lane();
     bool front = false, hit = false;
     if (e < walk.end) {
       ListEntry entry = Entries(push.entries).at[e];
       front = in_front(entry, walk.depth);
       hit = !front && blocks(entry, walk);
     }
-    if (subgroupAny(hit)) return true;
-    if (subgroupAny(front)) return false;
+    if (any_lane(hit)) return true;
+    if (any_lane(front)) return false;
   }
   return false;
 }
@@ -106,14 +109,14 @@ void walk_lists(uint first, Pixels pixels, LaneBits undecided, inout LaneBits li
     put_bits(unknown, k, found == kUnknown ? 1u << round : 0u);
   }
   for (;;) {
-    uvec4 waiting = subgroupBallot((unknown.at.x | unknown.at.y) != 0u);
-    if (waiting.x == 0u) break;
-    uint lane = subgroupBallotFindLSB(waiting);
-    bool mine = gl_SubgroupInvocationID == lane;
+    uvec4 waiting = ballot((unknown.at.x | unknown.at.y) != 0u);
+    if (waiting == uvec4(0u)) break;
+    uint turn = lowest_lane(waiting);
+    bool mine = lane() == turn;
     uint index = mine ? take_bit(unknown) : 0u;
-    index = subgroupBroadcast(index, lane);
+    index = broadcast(index, turn);
     uint round = index % kRounds, k = index / kRounds;
-    vec3 origin = subgroupBroadcast(origin_of(pixels, round), lane);
+    vec3 origin = broadcast(origin_of(pixels, round), turn);
     bool dark = blocked_together(start_walk(first + k, origin));
     put_bits(lit, k, mine && !dark ? 1u << round : 0u);
   }
