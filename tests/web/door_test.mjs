@@ -1,8 +1,11 @@
 // Under which host a page of a fleet goes on.
 import assert from 'node:assert/strict';
+import { webcrypto } from 'node:crypto';
 import { test } from 'node:test';
 import { addressOf, hostOf } from '../../web/link/door.js';
 import { takeFromAddress } from '../../web/ui/permalink.js';
+
+globalThis.crypto ??= webcrypto; // which Node 18 of Debian 12 has, though not as browsers do
 
 const FLEET = 'gnomon.example';
 const TEMPLE = 's-67425801bf1a60fe.gnomon.example'; // of protocol/WIRE.md
