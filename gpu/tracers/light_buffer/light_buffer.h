@@ -18,7 +18,9 @@
 //      the test could be misled, and never bound or cover anything;
 //   3. a point in front of the near plane, or behind the cover plane, is so by more than the rounding of the
 //      test's plane side and of the comparison itself;
-//   4. leaves are padded by more than the rounding of a query's place, computed in floats.
+//   4. leaves are padded by more than the rounding of a query's place, computed in floats;
+//   5. an entry is passed over only at places outside its box or strip, which hold, widened by that rounding, all of the
+//      leaf where 2. lets the test hit the triangle; its depth is rounded towards the light.
 #pragma once
 
 #include <array>
