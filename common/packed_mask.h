@@ -45,7 +45,7 @@ struct PackedMaskView {
 template <class Uniform, class Mixed>
 void for_each_word(const PackedMaskView& packed, Uniform uniform, Mixed mixed) {
   size_t next = 0, index = 0;
-  for (uint32_t light = 0; light < packed.grid.lights; ++light) {
+  for (uint32_t light = 0; light < packed.grid.planes; ++light) {
     bool lit = false;
     for (uint32_t tile = 0; tile < packed.grid.tile_count(); ++tile, ++index) {
       const PackedClass of_tile = packed.class_of(index);

@@ -46,6 +46,7 @@ struct RenderJob {
   uint32_t height = 0;
   scenes::SceneTime time{};                // time of the scene's animations, within its period
   LightSet untraced = {};                  // lights that are lit everywhere in the mask
+  uint32_t samples = 1;                    // of each area light: 1 (hard shadows), 4 or 16 (common/light_planes.h)
   std::optional<uint32_t> tile_rows = {};  // rows that this submit traces, from the top; nullopt: all rows
 };
 

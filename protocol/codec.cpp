@@ -131,7 +131,7 @@ struct FrameEncoder::Workspace {
   bool cut_frame(EncodedFrame& out) {
     if (codec == CodecId::tiles_context) return cut_context(out);
     const uint32_t tiles = frame.grid.tile_count();
-    const uint32_t lights = frame.grid.lights;
+    const uint32_t lights = frame.grid.planes;
     const uint32_t step = lights_that_fit(codec, limit - 1);
     for (uint32_t light = 0; light < lights; light += step) {
       SliceRange range{.first_light = light, .light_count = std::min(step, lights - light)};
@@ -178,7 +178,7 @@ Error too_many_slices() { return Error{"the frame takes more than " + std::to_st
 bool is_inside(const SliceRange& range, const TileGrid& grid) {
   return range.tile_count > 0 && range.first_tile < grid.tile_count() &&
          range.tile_count <= grid.tile_count() - range.first_tile && range.light_count > 0 &&
-         range.first_light + range.light_count <= grid.lights;
+         range.first_light + range.light_count <= grid.planes;
 }
 
 using PlainBuffer = std::array<uint8_t, kMaxPlainBytes>;

@@ -12,7 +12,7 @@ MaskReference::MaskReference(FrameId frame, const TileMaskView& mask, const std:
       grid_(mask.grid),
       camera_(camera),
       checksum_(static_cast<uint32_t>(XXH3_64bits(mask.words.data(), mask.words.size_bytes()))),
-      lights_(mask.grid.lights) {
+      lights_(mask.grid.planes) {
   assert(mask.words.size() == grid_.word_count());
   const uint64_t* word = mask.words.data();
   for (context::BitRows& rows : lights_) {

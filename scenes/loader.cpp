@@ -53,7 +53,7 @@ class Assembly {
     scene_->paths = std::move(cameras->paths);
     scene_->materials = std::move(materials_.materials);
     scene_->textures = std::move(materials_.textures);
-    scene_->surroundings = document_.surroundings;
+    scene_->surroundings = document_.extras.surroundings;
     return std::move(scene_);
   }
 
@@ -115,7 +115,7 @@ class Assembly {
   }
 
   Result<void> add_light(const PlacedNode& node, uint32_t placed_index, gltf::MovingNodes& moving) {
-    auto light = gltf::light_at(document_.model, node);
+    auto light = gltf::light_at(document_, node);
     if (!light) return light.error();
     if (!*light) return {};
     const auto moved_by = moving.find(placed_index);

@@ -75,6 +75,14 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& otherwise) {
   return std::isnormal(length) ? v / length : otherwise;
 }
 
+// Turns the light's sides along the node's axes; its scale does not change their length.
+void turn(const glm::dmat4& node_to_world, LightArea& area) {
+  if (area.shape != LightShape::disc && area.shape != LightShape::rectangle) return;
+  const double u = glm::length(area.u), v = glm::length(area.v);
+  area.u = glm::vec3(u * unit_or(glm::dvec3(node_to_world[0]), {1, 0, 0}));
+  area.v = glm::vec3(v * unit_or(glm::dvec3(node_to_world[1]), {0, 1, 0}));
+}
+
 }  // namespace
 
 void apply(const Channel& channel, double seconds, NodeTransform& node) {
@@ -96,6 +104,7 @@ glm::dmat4 local_transform(const NodeTransform& node) {
 
 bool place_light(const glm::dmat4& node_to_world, Light& light) {
   light.position = glm::vec3(node_to_world[3]);
+  turn(node_to_world, light.area);
   const glm::dvec3 forward(-node_to_world[2]);
   const double length = glm::length(forward);
   if (!std::isnormal(length)) return false;

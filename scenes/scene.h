@@ -71,6 +71,24 @@ struct Instance {
 
 enum class LightType : uint8_t { point, spot, directional };
 
+enum class LightShape : uint8_t { point, sphere, disc, rectangle };
+
+// The extent of a point or spot light, from which its shadows are soft. It does not change what the light gives: colour,
+// intensity and cone are those of a point in its middle.
+struct LightArea {
+  LightShape shape = LightShape::point;
+  // From the middle to the edge, in the world. disc and rectangle: along the node's own X and Y; sphere: both of the
+  // radius's length.
+  glm::vec3 u{0.0f};
+  glm::vec3 v{0.0f};
+
+  // No point of the light is farther from its middle.
+  float reach() const {
+    return shape == LightShape::rectangle ? glm::length(glm::abs(u) + glm::abs(v)) : glm::length(u);
+  }
+  friend bool operator==(const LightArea&, const LightArea&) = default;
+};
+
 struct Light {
   std::string name;
   LightType type = LightType::point;
@@ -81,6 +99,7 @@ struct Light {
   float range = 0.0f;                      // metres; 0: unlimited
   float inner_cone_cos = 1.0f;             // spot: full intensity inside
   float outer_cone_cos = 0.70710678f;      // spot: nothing outside
+  LightArea area;                          // point and spot
   uint32_t moved_by = kNone;               // index into Scene::moving_nodes; the members above are then of time 0
 };
 

@@ -25,7 +25,7 @@ gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* vi
   made.camera = to_c(received.camera);
   made.width = frame.grid.width;
   made.height = frame.grid.height;
-  made.lights = frame.grid.lights;
+  made.lights = frame.grid.planes;
   made.tiles_x = frame.grid.tiles_x();
   made.tiles_y = frame.grid.tiles_y();
   made.words = frame.words.data();
@@ -44,7 +44,7 @@ gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* vi
 int gnomon_mask_lit(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y) {
   if (!mask) return -1;
   const TileMaskView view = mask->received->mask.mask();
-  if (light >= view.grid.lights || x >= view.grid.width || y >= view.grid.height) return -1;
+  if (light >= view.grid.planes || x >= view.grid.width || y >= view.grid.height) return -1;
   return view.lit(x, y, light);
 }
 
@@ -52,7 +52,7 @@ int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_
   if (!mask) return -1;
   const client::AssembledFrame& frame = mask->received->mask;
   const TileGrid& grid = frame.grid;
-  if (light >= grid.lights || tile_x >= grid.tiles_x() || tile_y >= grid.tiles_y()) return -1;
+  if (light >= grid.planes || tile_x >= grid.tiles_x() || tile_y >= grid.tiles_y()) return -1;
   return frame.arrived[size_t{light} * grid.tile_count() + size_t{tile_y} * grid.tiles_x() + tile_x];
 }
 

@@ -8,7 +8,7 @@ namespace gnomon::client {
 LightBits::LightBits(const TileMaskView& masks)
     : width(masks.grid.width),
       height(masks.grid.height),
-      lights(std::min(masks.grid.lights, 32u)),
+      lights(std::min(masks.grid.planes, 32u)),
       pixels(size_t{width} * height) {
   for (uint32_t light = 0; light < lights; ++light)
     for (uint32_t tile = 0; tile < masks.grid.tile_count(); ++tile) {
@@ -59,7 +59,7 @@ PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t>
       const uint32_t source = sources[size_t{y} * shown.width + x];
       if (source == 0) continue;
       const uint32_t seen_x = (source - 1) % seen.grid.width, seen_y = (source - 1) / seen.grid.width;
-      for (uint32_t light = 0; light < fresh.grid.lights; ++light) {
+      for (uint32_t light = 0; light < fresh.grid.planes; ++light) {
         const bool said = seen.lit(seen_x, seen_y, light), is = fresh.lit(shown.left + x, shown.top + y, light);
         ++error.bits;
         error.wrong += said != is;

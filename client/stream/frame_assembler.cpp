@@ -23,7 +23,7 @@ void for_each_word(const protocol::SliceHeader& header, const TileGrid& grid, Vi
 std::vector<uint32_t> AssembledFrame::missing_tiles() const {
   std::vector<uint32_t> missing;
   for (uint32_t tile = 0; tile < grid.tile_count(); ++tile) {
-    for (uint32_t light = 0; light < grid.lights; ++light) {
+    for (uint32_t light = 0; light < grid.planes; ++light) {
       if (arrived[size_t{light} * grid.tile_count() + tile]) continue;
       missing.push_back(tile);
       break;
@@ -101,7 +101,7 @@ void FrameAssembler::recycle(AssembledFrame frame) {
 bool FrameAssembler::fits(const protocol::SliceHeader& header) const {
   return header.slice < header.slice_count && header.slice_count <= grid_.word_count() && header.tile_count > 0 &&
          header.light_count > 0 && uint64_t{header.first_tile} + header.tile_count <= grid_.tile_count() &&
-         uint32_t{header.first_light} + header.light_count <= grid_.lights;
+         uint32_t{header.first_light} + header.light_count <= grid_.planes;
 }
 
 // nullptr if the slice is too late for its frame.

@@ -109,7 +109,7 @@ void VisibilityStream::continue_resumed() {
 // slices carry it (kFeatureSizes); they never carry the number of lights.
 void VisibilityStream::restart_with(TileGrid grid) {
   if (assembler_ && assembler_->grid() == grid) return;
-  const bool tell_apart = has(protocol::kFeatureSizes) && assembler_ && assembler_->grid().lights == grid.lights;
+  const bool tell_apart = has(protocol::kFeatureSizes) && assembler_ && assembler_->grid().planes == grid.planes;
   assembler_.emplace(grid);
   if (connection_.welcome().features & protocol::kFeatureReferences) assembler_->keep_references();
   if (!tell_apart) first_of_grid_ = FrameId{requested_.newest().value + 1};

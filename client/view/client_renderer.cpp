@@ -49,7 +49,7 @@ Result<std::vector<Picture>> ClientRenderer::seen_by_lights(const Showing& showi
   options.view = gpu::ShadeOptions::View::material;
   options.tonemap = gpu::ShadeOptions::Tonemap::clamp;
   std::vector<Picture> pictures;
-  for (uint32_t light = 0; light < showing.seen->mask.grid.lights; ++light) {
+  for (uint32_t light = 0; light < showing.seen->mask.grid.planes; ++light) {
     options.only_light = light;
     const auto picture = render(showing, options);
     if (!picture) return picture.error();
@@ -108,7 +108,7 @@ Result<void> ClientRenderer::take_lights(const std::vector<protocol::LightInfo>&
 // Reprojects missing tiles from the previous masks. Without any, they are lit, as the assembler left them.
 Result<void> ClientRenderer::cover(ReceivedMasks& received) {
   AssembledFrame& mask = received.mask;
-  if (!masks_ || masks_->mask.grid.lights != mask.grid.lights) return {};
+  if (!masks_ || masks_->mask.grid.planes != mask.grid.planes) return {};
   const auto before = seen();
   if (!before) return before.error();
   gpu::Reprojection& reprojection = **view_->reprojection();

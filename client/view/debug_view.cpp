@@ -36,7 +36,7 @@ Result<std::vector<Picture>> DebugView::pictures(const ReceivedMasks& frame) {
   const auto bytes = frame_->host(gpu::resource::kHostSurface);
   const auto* samples = reinterpret_cast<const gpu::SurfaceSample*>(bytes.data());
   std::vector<Picture> pictures;
-  const auto lights = std::min(frame.mask.grid.lights, static_cast<uint32_t>(lights_.size()));
+  const auto lights = std::min(frame.mask.grid.planes, static_cast<uint32_t>(lights_.size()));
   const BorderPlace place = place_of(frame.camera, size_);
   for (uint32_t light = 0; light < lights; ++light)
     pictures.push_back(crop(picture(frame, light, samples), place.left, place.top, size_.width, size_.height));

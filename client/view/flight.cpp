@@ -56,7 +56,7 @@ Flight::Flight(FlightOptions options)
 Result<void> Flight::open() {
   if (auto opened = client_.wait_open(); !opened) return opened;
   if (!fits(client_.grid(), options_.size)) return size_changed(client_.grid());
-  if (client_.grid().lights == 0)
+  if (client_.grid().planes == 0)
     return Error{"scene '" + client_.scene().name + "' has no lights: there is nothing to ask for"};
   return {};
 }

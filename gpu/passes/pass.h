@@ -81,7 +81,7 @@ inline ResourceSpec given_buffer() { return {{}, {}, MemoryUse::device, true}; }
 inline Capacity frame_size(const ResidentScene& scene, const TileGrid& grid) {
   return {grid.width,
           grid.height,
-          grid.lights,
+          grid.planes,
           scene.clusters().chunk_count(),
           scene.triangle_count(),
           scene.moving_size().vertices,

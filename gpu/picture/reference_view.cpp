@@ -66,7 +66,7 @@ class ReferenceView::Shader {
     const auto grid = frame_->reserve(masks.grid.width, masks.grid.height, time);
     if (!grid) return grid.error();
     if (*grid != masks.grid || masks.words.size() != grid->word_count())
-      return Error{"a mask of " + std::to_string(masks.grid.lights) + " lights for a scene of " +
+      return Error{"a mask of " + std::to_string(masks.grid.planes) + " lights for a scene of " +
                    std::to_string(grid->lights)};
     std::memcpy(frame_->host(resource::kShading).data(), &shading, sizeof(shading));
     if (!masks.words.empty())

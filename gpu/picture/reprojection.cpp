@@ -33,7 +33,7 @@ void give_seen(BlockingFrame& frame, const RasterView& seen, bool from_same_eye 
 
 std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const uint32_t> sources, uint32_t width,
                                        uint32_t height) {
-  const TileGrid grid{width, height, seen.grid.lights};
+  const TileGrid grid{width, height, seen.grid.planes};
   std::vector<uint64_t> words(grid.word_count(), ~uint64_t{0});
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
@@ -42,7 +42,7 @@ std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const
       const uint32_t seen_x = (source - 1) % seen.grid.width, seen_y = (source - 1) / seen.grid.width;
       const size_t tile = size_t{y / kTileSize} * grid.tiles_x() + x / kTileSize;
       const uint64_t bit = uint64_t{1} << (y % kTileSize * kTileSize + x % kTileSize);
-      for (uint32_t light = 0; light < grid.lights; ++light)
+      for (uint32_t light = 0; light < grid.planes; ++light)
         if (!seen.lit(seen_x, seen_y, light)) words[size_t{light} * grid.tile_count() + tile] &= ~bit;
     }
   return words;
@@ -112,8 +112,8 @@ Result<RasterView> Reprojection::raster_of(const CameraView& camera, uint32_t wi
 
 Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time) {
   const uint32_t lights = seer_->scene().light_count();
-  if (masks.grid.lights != lights || masks.words.size() != masks.grid.word_count())
-    return Error{"a mask of " + std::to_string(masks.grid.lights) + " lights for a scene of " +
+  if (masks.grid.planes != lights || masks.words.size() != masks.grid.word_count())
+    return Error{"a mask of " + std::to_string(masks.grid.planes) + " lights for a scene of " +
                  std::to_string(lights)};
   const auto grid = seer_->reserve(masks.grid.width, masks.grid.height, time);
   if (!grid) return grid.error();

@@ -272,7 +272,7 @@ std::vector<SliceRange> plan_units(const FrameTiles& frame, size_t max_payload_b
   std::vector<SliceRange> units;
   const uint32_t tiles = frame.grid.tile_count();
   size_t shared_bytes = 0;  // of the last unit, if further lights may join it; else 0
-  for (uint32_t light = 0; light < frame.grid.lights; ++light) {
+  for (uint32_t light = 0; light < frame.grid.planes; ++light) {
     const auto classes = std::span(frame.classes).subspan(size_t{light} * tiles, tiles);
     const size_t bytes = (count_mixed(classes) * kMixedBits + tiles / 16) / 8;
     if (bytes <= max_payload_bytes / 2) {

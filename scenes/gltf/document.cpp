@@ -204,7 +204,7 @@ Result<Document> open_document(const std::filesystem::path& file, const LoadLimi
                     .model = {},
                     .buffers = {},
                     .images = {},
-                    .surroundings = {},
+                    .extras = {},
                     .owned = {},
                     .budget = Budget(limits)};
   Result<Bytes> bytes = document.folder.read_scene_file(document.budget);
@@ -212,7 +212,7 @@ Result<Document> open_document(const std::filesystem::path& file, const LoadLimi
   document.owned.push_back(std::move(*bytes));
   const Result<Parts> parts = split(document.owned.front());
   if (!parts) return parts.error();
-  Result<json> root = parse_gltf_json(parts->json, document.surroundings);
+  Result<json> root = parse_gltf_json(parts->json, document.extras);
   if (!root) return root.error();
   // tinygltf allocates up to 2 KB for an empty entry of an array, which is three bytes of JSON.
   constexpr uint64_t kEntryBytes = 2048;

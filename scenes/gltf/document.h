@@ -14,6 +14,7 @@
 #include "common/result.h"
 #include "scenes/gltf/budget.h"
 #include "scenes/gltf/folder.h"
+#include "scenes/gltf/json_text.h"
 #include "scenes/gltf/model.h"
 #include "scenes/loader.h"
 #include "scenes/scene.h"
@@ -31,7 +32,7 @@ struct Document {
   tinygltf::Model model;                          // without the bytes of buffers and images
   std::vector<std::span<const uint8_t>> buffers;  // as long as declared, or empty where glTF allows no bytes
   std::vector<ImageSource> images;
-  Surroundings surroundings;
+  Extras extras;
   std::vector<Bytes> owned;  // the memory that `buffers` refers to
   mutable Budget budget;     // whoever makes something of the file announces it here first
 

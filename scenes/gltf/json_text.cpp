@@ -158,7 +158,7 @@ Result<json> parsed(std::string_view text) {
 
 }  // namespace
 
-Result<json> parse_gltf_json(std::string_view text, Surroundings& surroundings) {
+Result<json> parse_gltf_json(std::string_view text, Extras& extras) {
   if (text.size() > kMaxTextBytes) return Error{"its JSON has " + std::to_string(text.size()) + " bytes: too many"};
   if (nested_too_deeply(text)) return Error{"its JSON is nested more than " + std::to_string(kMaxDepth) + " deep"};
   Result<json> root = parsed(text);
@@ -168,7 +168,7 @@ Result<json> parse_gltf_json(std::string_view text, Surroundings& surroundings) 
   if (const auto ok = check_extensions(*root); !ok) return ok.error();
   if (const auto ok = check_counts(*root); !ok) return ok.error();
   if (const auto ok = check_fallbacks(*root); !ok) return ok.error();
-  surroundings = read_surroundings(*root);
+  extras = {read_surroundings(*root), read_light_areas(*root)};
   normalise(*root);
   if (const auto ok = check_types(*root); !ok) return ok.error();
   blank_unknown_accessors(*root);

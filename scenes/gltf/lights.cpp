@@ -53,6 +53,7 @@ Result<void> set_place(const PlacedNode& node, Light& light) {
   Light placed = light;
   const bool directed = place_light(node.to_world, placed);
   light.position = placed.position;
+  light.area = placed.area;
   const glm::vec3 away = glm::abs(light.position);
   if (std::max({away.x, away.y, away.z}) > kFarthest) return Error{"stands farther away than a million kilometres"};
   if (light.type == LightType::point) return {};
@@ -61,11 +62,13 @@ Result<void> set_place(const PlacedNode& node, Light& light) {
   return {};
 }
 
-Result<Light> convert(const tinygltf::Light& source, const PlacedNode& node) {
+Result<Light> convert(const tinygltf::Light& source, const PlacedNode& node, const LightAreas& areas) {
   const auto type = type_of(source.type);
   if (!type) return type.error();
   Light light;
   light.type = *type;
+  const auto area = areas.find(node.node);
+  if (area != areas.end() && light.type != LightType::directional) light.area = area->second;
   if (const auto ok = set_strength(source, light); !ok) return ok.error();
   if (const auto ok = set_place(node, light); !ok) return ok.error();
   if (light.type == LightType::spot) {
@@ -76,7 +79,8 @@ Result<Light> convert(const tinygltf::Light& source, const PlacedNode& node) {
 
 }  // namespace
 
-Result<std::optional<Light>> light_at(const tinygltf::Model& model, const PlacedNode& node) {
+Result<std::optional<Light>> light_at(const Document& document, const PlacedNode& node) {
+  const tinygltf::Model& model = document.model;
   const tinygltf::Node& source = model.nodes[static_cast<size_t>(node.node)];
   const auto extension = source.extensions.find("KHR_lights_punctual");
   if (extension == source.extensions.end() || !extension->second.Has("light")) return std::optional<Light>();
@@ -84,7 +88,7 @@ Result<std::optional<Light>> light_at(const tinygltf::Model& model, const Placed
   if (!index.IsInt()) return Error{node_name(model, node.node) + " names a light by something other than a number"};
   const auto found = entry(model.lights, index.GetNumberAsInt(), "light");
   if (!found) return Error{node_name(model, node.node) + ": " + found.error().message};
-  Result<Light> light = convert(**found, node);
+  Result<Light> light = convert(**found, node, document.extras.light_areas);
   const std::string name = (*found)->name.empty() ? source.name : (*found)->name;
   if (!light)
     return Error{"light " + std::to_string(index.GetNumberAsInt()) + " '" + name + "' " + light.error().message};

@@ -11,7 +11,7 @@
 namespace gnomon::scenes::gltf {
 
 // The light that a node carries; nullopt if it carries none. The light shines along the node's -Z; the node's scale
-// changes neither its range nor its cone. Error: a value of the light is not valid.
-Result<std::optional<Light>> light_at(const tinygltf::Model& model, const PlacedNode& node);
+// changes neither its range nor its cone nor its extent. Error: a value of the light is not valid.
+Result<std::optional<Light>> light_at(const Document& document, const PlacedNode& node);
 
 }  // namespace gnomon::scenes::gltf

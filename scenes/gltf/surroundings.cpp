@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/log.h"
+#include "scenes/gltf/extras.h"
 
 namespace gnomon::scenes::gltf {
 namespace {
@@ -10,14 +11,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kMost = 1e6;  // radiance; beyond it nothing would be left of a picture
-
-// The member of that name, or an empty value.
-const json& member_of(const json& object, const char* key) {
-  static const json none;
-  if (!object.is_object()) return none;
-  const auto found = object.find(key);
-  return found == object.end() ? none : *found;
-}
 
 void leave_out(const char* group, const char* key, const char* expected) {
   log::warning("extras.gnomon left out in part",

@@ -72,7 +72,7 @@ bool sound(const Instance& i, const Scene& scene) {
 
 bool sound(const Light& l, const Scene& scene) {
   return finite(l.position) && finite(l.direction) && finite(l.color) && finite(l.intensity) && finite(l.range) &&
-         finite(l.inner_cone_cos) && finite(l.outer_cone_cos) &&
+         finite(l.inner_cone_cos) && finite(l.outer_cone_cos) && finite(l.area.u) && finite(l.area.v) &&
          is_index_or_none(l.moved_by, scene.moving_nodes.size());
 }
 

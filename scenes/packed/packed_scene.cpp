@@ -75,6 +75,9 @@ void visit(Archive& a, Light& l) {
   a.plain(l.range);
   a.plain(l.inner_cone_cos);
   a.plain(l.outer_cone_cos);
+  a.enumerator(l.area.shape, LightShape::rectangle);
+  a.plain(l.area.u);
+  a.plain(l.area.v);
   a.plain(l.moved_by);
 }
 

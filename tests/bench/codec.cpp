@@ -184,7 +184,7 @@ class CodecSuite : public Suite {
     ordered_json row{{"scene", masks.scene},
                      {"codec", codec},
                      {"size", size_text_},
-                     {"lights", masks.grid.lights},
+                     {"lights", masks.grid.planes},
                      {"bytes_per_frame", own.bytes},
                      {"wire_bytes_per_frame", nullptr},
                      {"slices", nullptr},

@@ -74,8 +74,8 @@ class Jbig1 : public FrameCodec {
   void prepare(const TileGrid& grid, const PathSpot& spot) override {
     grid_ = grid;
     const std::vector<uint64_t> words = unpacked(spot.now.packed.view());
-    planes_.resize(grid.lights);
-    for (uint32_t light = 0; light < grid.lights; ++light)
+    planes_.resize(grid.planes);
+    for (uint32_t light = 0; light < grid.planes; ++light)
       to_rows(std::span(words).subspan(size_t{light} * grid.tile_count(), grid.tile_count()), grid, planes_[light]);
   }
   CodedSize encode() override {

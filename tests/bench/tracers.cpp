@@ -146,7 +146,7 @@ class TracersSuite : public Suite {
       if (!frame) return frame.error();
       PeerFrame out;
       for (const gpu::SurfaceSample& sample : frame->samples) out.bits += sample.triangle != 0;
-      out.bits *= frame->grid.lights;
+      out.bits *= frame->grid.planes;
       out.valid_bits = frame->valid_bits;
       out.oracle = oracle.trace(camera, frame->grid, frame->samples, EmbreeQuery::single, kEmbreeThreads);
       const TimePoint start = Clock::now();

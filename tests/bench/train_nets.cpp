@@ -117,7 +117,7 @@ void record(const PathFrame& frame, const protocol::MaskReference* reference, Re
   Copier coder;
   TileWalk walk(coder, recorder, grid, memory);
   std::vector<Motion> motions(grid.tile_count());
-  for (uint32_t light = 0; light < grid.lights; ++light) {
+  for (uint32_t light = 0; light < grid.planes; ++light) {
     const size_t first = size_t{light} * grid.tile_count();
     const LightTiles of_light{std::span(tiles.classes).subspan(first, grid.tile_count()),
                               std::span(tiles.words).subspan(first, grid.tile_count()),

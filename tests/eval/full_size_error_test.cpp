@@ -119,7 +119,7 @@ void count(const Look& fresh, const std::vector<uint64_t>& predicted, const gpu:
     for (uint32_t x = 0; x < fresh.grid.width; ++x) {
       if (fresh.samples[size_t{y} * fresh.grid.width + x].triangle == 0) continue;
       uint32_t falsely_dark = 0;
-      for (uint32_t light = 0; light < fresh.grid.lights; ++light) {
+      for (uint32_t light = 0; light < fresh.grid.planes; ++light) {
         if (!fresh.care().lit(x, y, light)) continue;
         const bool is = fresh.mask().lit(x, y, light), guess = said.lit(x, y, light);
         ++tally.lights[light].bits;

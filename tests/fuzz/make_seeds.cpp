@@ -138,7 +138,7 @@ void slices(const fs::path& folder, tests::Random& random) {
       const protocol::SliceHeader& header = frame.slices[i];
       Bytes bytes;
       for (const uint32_t number :
-           {grid.width - 1, grid.height - 1, grid.lights - 1, uint32_t(header.codec), header.first_tile,
+           {grid.width - 1, grid.height - 1, grid.planes - 1, uint32_t(header.codec), header.first_tile,
             header.tile_count, uint32_t{header.first_light}, uint32_t{header.light_count}}) {
         put_number(bytes, number);
       }

@@ -42,7 +42,7 @@ class Case {
     assembler_.keep_references();
     put(grid.width);
     put(grid.height);
-    put(grid.lights);
+    put(grid.planes);
   }
   ~Case() { put(0xffffffff); }
   Case(const Case&) = delete;
@@ -111,8 +111,8 @@ void add_seed(std::span<const uint8_t> input) {
   header.codec = static_cast<protocol::CodecId>(fuzz::take_number(input, 3));
   header.first_tile = fuzz::take_number(input, grid.tile_count());
   header.tile_count = fuzz::take_number(input, grid.tile_count());
-  header.first_light = static_cast<uint16_t>(fuzz::take_number(input, grid.lights));
-  header.light_count = static_cast<uint16_t>(fuzz::take_number(input, grid.lights));
+  header.first_light = static_cast<uint16_t>(fuzz::take_number(input, grid.planes));
+  header.light_count = static_cast<uint16_t>(fuzz::take_number(input, grid.planes));
   Case(grid).add(body_of(header, input));
 }
 

@@ -29,7 +29,7 @@ Count compare(const scenes::Scene& scene, const CameraView& camera, const Probed
     for (uint32_t x = 0; x < frame.grid.width; ++x) {
       const SurfaceSample& sample = frame.samples[size_t{y} * frame.grid.width + x];
       count.surfaces += sample.triangle != 0;
-      for (uint32_t i = 0; i < frame.grid.lights; ++i) {
+      for (uint32_t i = 0; i < frame.grid.planes; ++i) {
         const bool expected = sample.triangle != 0 &&
                               lit_by_brute_force(mesh, camera, sample, traced_light(scene.lights[i], scene.bounds));
         (expected ? count.lit : count.dark) += sample.triangle != 0;

@@ -72,7 +72,7 @@ TEST(BruteForceTest, SeventyLightsEachHaveTheirOwnPlane) {
     const CameraView camera = look_at({0.5f, 0.6f, 2.2f}, {0.5f, 0.5f, 0.5f}, 0.8f, kWidth, kHeight);
     const auto frame = probe->render(camera, kWidth, kHeight);
     ASSERT_TRUE(frame) << frame.error().message;
-    ASSERT_EQ(frame->grid.lights, 70u);
+    ASSERT_EQ(frame->grid.planes, 70u);
     const Count count = compare(*scene, camera, *frame);
     if (tracer == "bvh") {
       EXPECT_EQ(count.differing, 0u);

@@ -27,7 +27,7 @@ TEST(Care, IsWhatIsTraced) {
     const auto frame = probe->render(camera, kWidth, kHeight);
     ASSERT_TRUE(frame) << frame.error().message;
     size_t cared = 0, differing = 0;
-    for (uint32_t i = 0; i < frame->grid.lights; ++i)
+    for (uint32_t i = 0; i < frame->grid.planes; ++i)
       for (uint32_t y = 0; y < kHeight; ++y)
         for (uint32_t x = 0; x < kWidth; ++x) {
           const bool expected =
@@ -37,7 +37,7 @@ TEST(Care, IsWhatIsTraced) {
         }
     EXPECT_EQ(differing, 0u);
     EXPECT_GT(cared, 1000u);
-    EXPECT_LT(cared, frame->grid.lights * size_t{kWidth} * kHeight / 2);
+    EXPECT_LT(cared, frame->grid.planes * size_t{kWidth} * kHeight / 2);
   }
 }
 

@@ -188,7 +188,7 @@ std::vector<uint64_t> EmbreeOracle::trace(const gpu::CameraView& camera, const T
         for (uint32_t block = 0; block < 4; ++block) {
           const uint32_t bx = block % 2, by = block / 2;
           const Block pixels(*state_, camera, grid, samples, tx * 8 + bx * 4, ty * 8 + by * 4);
-          for (uint32_t light = 0; light < grid.lights; ++light)
+          for (uint32_t light = 0; light < grid.planes; ++light)
             words[size_t{light} * grid.tile_count() + ty * grid.tiles_x() + tx] |=
                 spread(pixels.lit(light, query), bx, by);
         }

@@ -45,8 +45,8 @@ struct Difference {
     for (uint32_t y = 0; y < frame.grid.height; ++y)
       for (uint32_t x = 0; x < frame.grid.width; ++x) {
         if (!shows(frame, x, y)) continue;
-        bits += frame.grid.lights;
-        for (uint32_t light = 0; light < frame.grid.lights; ++light) {
+        bits += frame.grid.planes;
+        for (uint32_t light = 0; light < frame.grid.planes; ++light) {
           lit += oracle.lit(x, y, light);
           if (frame.mask().lit(x, y, light) == oracle.lit(x, y, light)) continue;
           ++differing;

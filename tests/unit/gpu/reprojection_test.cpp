@@ -51,7 +51,7 @@ Tally compare(const ProbedFrame& fresh, const std::vector<uint64_t>& predicted, 
   for (uint32_t y = 0; y < kHeight; ++y)
     for (uint32_t x = 0; x < kWidth; ++x) {
       if (!counts(x, y)) continue;
-      for (uint32_t light = 0; light < fresh.grid.lights; ++light) {
+      for (uint32_t light = 0; light < fresh.grid.planes; ++light) {
         if (!fresh.care().lit(x, y, light)) continue;
         const bool is = fresh.mask().lit(x, y, light), said = TileMaskView{fresh.grid, predicted}.lit(x, y, light);
         ++tally.bits;

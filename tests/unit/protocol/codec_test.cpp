@@ -65,7 +65,7 @@ void expect_comes_back(const Mask& mask, const EncodedFrame& frame) {
 
 void expect_round_trip(const Mask& mask, size_t max_payload_bytes = kMaxSlicePayloadBytes) {
   for (const CodecId codec : kCodecs) {
-    SCOPED_TRACE(testing::Message() << mask.grid.width << "x" << mask.grid.height << " with " << mask.grid.lights
+    SCOPED_TRACE(testing::Message() << mask.grid.width << "x" << mask.grid.height << " with " << mask.grid.planes
                                     << " lights, codec " << int(codec) << ", payloads to " << max_payload_bytes);
     const EncodedFrame frame = encoded(mask, codec, max_payload_bytes);
     expect_sound(frame, codec, max_payload_bytes);
@@ -198,7 +198,7 @@ bool decode_beside_canaries(const SliceHeader& slice, std::span<const uint8_t> p
   std::vector<uint64_t> words(grid.word_count(), kCanary);
   const bool decoded = decode_slice(slice, payload, grid, words).has_value();
   const bool inside = size_t{slice.first_tile} + slice.tile_count <= grid.tile_count() &&
-                      size_t{slice.first_light} + slice.light_count <= grid.lights;
+                      size_t{slice.first_light} + slice.light_count <= grid.planes;
   EXPECT_TRUE(inside || !decoded);
   if (inside) for_words(slice, grid, [&](size_t word) { words[word] = kCanary; });
   EXPECT_TRUE(std::all_of(words.begin(), words.end(), [](uint64_t word) { return word == kCanary; }));

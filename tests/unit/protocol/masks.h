@@ -22,7 +22,7 @@ struct Mask {
 template <class Lit>
 Mask make_mask(TileGrid grid, Lit lit) {
   Mask mask{grid, std::vector<uint64_t>(grid.word_count())};
-  for (uint32_t light = 0; light < grid.lights; ++light) {
+  for (uint32_t light = 0; light < grid.planes; ++light) {
     for (uint32_t y = 0; y < grid.height; ++y) {
       for (uint32_t x = 0; x < grid.width; ++x) {
         if (!lit(x, y, light)) continue;
@@ -55,7 +55,7 @@ inline Mask room(TileGrid grid, uint32_t seed) {
   };
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
-  std::vector<std::vector<Shape>> lights(grid.lights);
+  std::vector<std::vector<Shape>> lights(grid.planes);
   for (auto& shapes : lights) {
     for (int i = 0; i < 12; ++i) {
       const float angle = unit(random) * 6.2831853f;
@@ -84,7 +84,7 @@ inline Mask foliage(TileGrid grid, uint32_t seed) {
   Mask mask = room(grid, seed);
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
-  for (uint32_t light = 0; light < grid.lights; ++light) {
+  for (uint32_t light = 0; light < grid.planes; ++light) {
     for (int leaf = 0; leaf < 400; ++leaf) {
       const float cx = (0.3f + 0.4f * unit(random)) * static_cast<float>(grid.width);
       const float cy = (0.1f + 0.5f * unit(random)) * static_cast<float>(grid.height);

@@ -238,7 +238,7 @@ TEST(WireDocument, ThePictureShowsTheFrameSlicesMask) {
   const TileMaskView mask{grid, words};
   for (uint32_t y = 0; y < grid.height; ++y) {
     std::string row;
-    for (uint32_t light = 0; light < grid.lights; ++light) {
+    for (uint32_t light = 0; light < grid.planes; ++light) {
       if (light > 0) row += y == 0 ? "    light 1: " : "             ";
       for (uint32_t x = 0; x < grid.width; ++x) row += mask.lit(x, y, light) ? '#' : '.';
     }

@@ -59,7 +59,7 @@ inline gnomon_camera camera_at(float x) {
   return camera;
 }
 
-inline protocol::Welcome welcome() { return small_welcome(kGrid.width, kGrid.height, kGrid.lights); }
+inline protocol::Welcome welcome() { return small_welcome(kGrid.width, kGrid.height, kGrid.planes); }
 
 // Sends a Welcome, and waits until the client ends.
 inline void host(Peer& peer) {

@@ -119,7 +119,7 @@ TEST(C, MasksAreBitForBitWhatTheServerSent) {
   EXPECT_EQ(view.missing_tile_count, 0u);
   ASSERT_EQ(view.word_count, sent.words.size());
   EXPECT_EQ(std::memcmp(view.words, sent.words.data(), sizeof(uint64_t) * view.word_count), 0);
-  for (uint32_t light = 0; light < kGrid.lights; ++light) {
+  for (uint32_t light = 0; light < kGrid.planes; ++light) {
     for (uint32_t y = 0; y < kGrid.height; ++y) {
       for (uint32_t x = 0; x < kGrid.width; ++x) {
         ASSERT_EQ(gnomon_mask_lit(mask, light, x, y), sent.view().lit(x, y, light))
@@ -130,8 +130,8 @@ TEST(C, MasksAreBitForBitWhatTheServerSent) {
   gnomon_light light{};
   light.size = sizeof light;
   EXPECT_EQ(gnomon_mask_get_light(mask, 1, &light), GNOMON_OK);
-  EXPECT_EQ(gnomon_mask_get_light(mask, kGrid.lights, &light), GNOMON_BAD_ARGUMENT);
-  EXPECT_EQ(gnomon_mask_lit(mask, kGrid.lights, 0, 0), -1);
+  EXPECT_EQ(gnomon_mask_get_light(mask, kGrid.planes, &light), GNOMON_BAD_ARGUMENT);
+  EXPECT_EQ(gnomon_mask_lit(mask, kGrid.planes, 0, 0), -1);
   EXPECT_EQ(gnomon_mask_lit(mask, 0, kGrid.width, 0), -1);
   EXPECT_EQ(gnomon_mask_lit(mask, 0, 0, kGrid.height), -1);
   EXPECT_EQ(gnomon_mask_has_tile(mask, 0, view.tiles_x, 0), -1);

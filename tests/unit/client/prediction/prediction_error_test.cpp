@@ -15,7 +15,7 @@ TEST(LightBits, AreTheMasksBits) {
   const LightBits bits(mask.view());
   for (uint32_t y = 0; y < kGrid.height; ++y)
     for (uint32_t x = 0; x < kGrid.width; ++x)
-      for (uint32_t light = 0; light < kGrid.lights; ++light)
+      for (uint32_t light = 0; light < kGrid.planes; ++light)
         ASSERT_EQ(bits.pixels[size_t{y} * kGrid.width + x] >> light & 1, mask.view().lit(x, y, light));
 }
 
@@ -78,7 +78,7 @@ TEST(PredictionError, OfSomePixelsIsAnEstimate) {
   EXPECT_EQ(same.falsely_dark, all.falsely_dark);
   const PredictionError some = compare_some(seen.view(), sources, fresh.view(), shown, 4);
   EXPECT_EQ(some.pixels, 5u * 3u);
-  EXPECT_LE(some.bits, some.pixels * kGrid.lights);
+  EXPECT_LE(some.bits, some.pixels * kGrid.planes);
   EXPECT_GT(some.wrong, 0u);
 }
 
