@@ -7,12 +7,13 @@
 namespace gnomon::scenes {
 namespace {
 
-constexpr uint32_t kBits = 8;  // of an index; 256 points
-using Directions = std::array<uint8_t, kBits>;
+constexpr uint32_t kBits = 10;  // of an index; 1,024 points
+using Directions = std::array<uint16_t, kBits>;
 
 // Direction numbers of the second and third dimension; the first is the van der Corput sequence.
-constexpr std::array<Directions, 3> kDirections{
-    {{1, 1, 1, 1, 1, 1, 1, 1}, {1, 3, 5, 15, 17, 51, 85, 255}, {1, 3, 3, 9, 29, 23, 71, 197}}};
+constexpr std::array<Directions, 3> kDirections{{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+                                                 {1, 3, 5, 15, 17, 51, 85, 255, 257, 771},
+                                                 {1, 3, 3, 9, 29, 23, 71, 197, 209, 627}}};
 
 double coordinate(uint32_t index, const Directions& directions) {
   uint32_t value = 0;

@@ -27,11 +27,11 @@ constexpr uint32_t sample_pattern(uint32_t x, uint32_t y) {
 }
 
 // Point `index` of the sequence in three dimensions, each 0 to 1, in the middle of its interval of 1 / `count`; `count`
-// is the number of points in use, a power of two up to 256.
+// is the number of points in use, a power of two up to 1,024.
 glm::dvec3 sample_fraction(uint32_t index, uint32_t count);
 
 // The offsets from the light's position of its kSamplePatterns * samples points, pattern by pattern. All zero for a
-// light without an area.
+// light without an area. `samples`: a power of two; sessions have 4 or 16, references for comparison up to 64.
 std::vector<glm::vec3> sample_offsets(const LightArea& area, uint32_t samples);
 
 }  // namespace gnomon::scenes

@@ -167,6 +167,10 @@ class Writer {
       node["rotation"] = to_json(glm::normalize(glm::quat_cast(glm::mat3(turn))));
     }
     node["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
+    if (light.radius > 0.0f) {
+      const char* const shape = light.kind == LightKind::spot ? "disc" : "sphere";
+      node["extras"]["gnomon"]["light"] = {{"shape", shape}, {"radius", light.radius}};
+    }
     document_["nodes"].push_back(node);
   }
 

@@ -60,6 +60,8 @@ struct Light {
   glm::vec3 color{1.0f};
   float intensity = 1.0f;                      // candela; lux if directional
   float inner_cone = 0.0f, outer_cone = 0.7f;  // radians from the axis
+  // Of its extent, from which its shadows are soft: a sphere; of a spot, a disc across its axis. No geometry is nearer.
+  float radius = 0.0f;
 };
 
 // What surrounds the scene, as `extras.gnomon` states it (docs/scenes.md); radiances, linear.

@@ -143,14 +143,15 @@ void add_plants(Stage& stage, const Palette& p) {
 void add_lights(Stage& stage) {
   Light pendant;
   pendant.name = "pendant", pendant.position = {6.35f, room::kHeight - room::kPendantDrop, 3.05f};
-  pendant.color = {1.0f, 0.80f, 0.58f}, pendant.intensity = 20.0f;
+  pendant.color = {1.0f, 0.80f, 0.58f}, pendant.intensity = 20.0f, pendant.radius = 0.08f;
   Light arc;
   arc.name = "arc lamp", arc.position = glm::vec3(at(4.15f, 0, 0.55f) * turned(-45) * glm::vec4(room::kArcBulb, 1));
-  arc.color = {1.0f, 0.84f, 0.66f}, arc.intensity = 15.0f;
+  arc.color = {1.0f, 0.84f, 0.66f}, arc.intensity = 15.0f, arc.radius = 0.05f;
   Light sun;
   sun.name = "low sun", sun.kind = LightKind::spot, sun.position = {-11.0f, 6.4f, 0.2f};
   sun.direction = glm::normalize(glm::vec3(0.0f, 1.35f, 2.8f) - sun.position);
   sun.color = {1.0f, 0.88f, 0.70f}, sun.intensity = 2600.0f, sun.inner_cone = 0.20f, sun.outer_cone = 0.26f;
+  sun.radius = 0.25f;
   stage.lights = {pendant, arc, sun};
 }
 

@@ -118,24 +118,29 @@ void add_decay(Stage& stage, const Palette& palette) {
 }
 
 void add_lights(Stage& stage) {
-  const auto fire = [&stage](const char* name, glm::vec3 place, float candela) {
+  const auto fire = [&stage](const char* name, glm::vec3 place, float candela, float radius) {
     Light light;
     light.name = name, light.position = place, light.color = {1.0f, 0.62f, 0.32f}, light.intensity = candela;
+    light.radius = radius;
     stage.lights.push_back(light);
   };
   Light sun;
   sun.name = "sun", sun.kind = LightKind::directional, sun.color = {1.0f, 0.93f, 0.80f}, sun.intensity = 5.0f;
   sun.direction = glm::normalize(glm::vec3(-0.46f, -0.85f, -0.22f));
   stage.lights.push_back(sun);
-  fire("brazier west", {-2.35f, kFireHeight, -7.8f}, 24), fire("brazier east", {2.35f, kFireHeight, -7.8f}, 24);
-  fire("brazier stairs west", {-5.0f, kFireHeight, -21.9f}, 26),
-      fire("brazier stairs east", {5.0f, kFireHeight, -21.9f}, 26);
+  const float fire_radius = 0.2f, flame_radius = 0.07f;
+  fire("brazier west", {-2.35f, kFireHeight, -7.8f}, 24, fire_radius);
+  fire("brazier east", {2.35f, kFireHeight, -7.8f}, 24, fire_radius);
+  fire("brazier stairs west", {-5.0f, kFireHeight, -21.9f}, 26, fire_radius);
+  fire("brazier stairs east", {5.0f, kFireHeight, -21.9f}, 26, fire_radius);
   const float flame = kColumnHeight + kBeam - kLampDrop;
-  fire("lamp west", {-5.2f, flame, -14.6f}, 55), fire("lamp east", {5.2f, flame, -7.6f}, 55);
+  fire("lamp west", {-5.2f, flame, -14.6f}, 55, flame_radius);
+  fire("lamp east", {5.2f, flame, -7.6f}, 55, flame_radius);
   Light beam;
   beam.name = "light over the altar", beam.kind = LightKind::spot, beam.position = {0.0f, 7.6f, -24.6f};
   beam.direction = glm::normalize(glm::vec3(0.0f, 1.9f, -28.4f) - beam.position);
   beam.color = {0.86f, 0.93f, 1.0f}, beam.intensity = 110, beam.inner_cone = 0.45f, beam.outer_cone = 0.62f;
+  beam.radius = 0.3f;
   stage.lights.push_back(beam);
 }
 
