@@ -284,10 +284,12 @@ int run(int argc, char** argv) {
   Command chosen;
   CLI::App app{"Asks a running gnomond, or tells it what to do."};
   app.option_defaults()->always_capture_default();
-  app.add_option("--admin", arguments.admin.address,
-                 "gnomond's admin server: unix:PATH, http://HOST:PORT or https://HOST:PORT; else its usual socket")
-      ->type_name("ADDRESS")
-      ->envname("GNOMON_ADMIN");
+  const CLI::Option* const admin =
+      app.add_option(
+             "--admin", arguments.admin.address,
+             "gnomond's admin server: unix:PATH, http://HOST:PORT or https://HOST:PORT; else its usual socket")
+          ->type_name("ADDRESS")
+          ->envname("GNOMON_ADMIN");
   app.add_option("--token-file", arguments.token_file, "Its token, for what changes something over TCP")
       ->type_name("FILE")
       ->envname("GNOMON_TOKEN_FILE");
@@ -299,11 +301,12 @@ int run(int argc, char** argv) {
                  "The name in its certificate, where the address has another one: that of a fleet")
       ->type_name("NAME")
       ->envname("GNOMON_ADMIN_NAME");
-  app.add_option(
-         "--fleet", arguments.fleet,
-         "The nodes of a fleet, in the place of --admin: a file with lines NAME ADDRESS, or NAME=ADDRESS,...")
-      ->type_name("FILE|NODES")
-      ->envname("GNOMON_FLEET");
+  const CLI::Option* const fleet =
+      app.add_option(
+             "--fleet", arguments.fleet,
+             "The nodes of a fleet, in the place of --admin: a file with lines NAME ADDRESS, or NAME=ADDRESS,...")
+          ->type_name("FILE|NODES")
+          ->envname("GNOMON_FLEET");
   app.add_flag("--json", arguments.json, "For programs");
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);
@@ -316,6 +319,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& ended) {
     return exit_after(app, ended);
   }
+  if (is_said(app, admin) && !is_said(app, fleet)) arguments.fleet.clear();  // the environment's
   const auto done = chosen(arguments);
   if (done) return EXIT_SUCCESS;
   std::fprintf(stderr, "gnomonctl: %s\n", done.error().message.c_str());
