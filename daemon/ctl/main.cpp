@@ -198,11 +198,32 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
 // What is not said is asked for, where there is somebody to ask.
 Result<void> make_production(const Arguments& arguments) {
   InitRequest request = arguments.init;
+  if (auto taken = take_from_before(request); !taken) return taken.error();
   if (isatty(STDIN_FILENO) == 1) ask_for_missing(request, std::cin, std::cout);
   const auto made = init(request);
   if (!made) return made.error();
   print(*made);
   return {};
+}
+
+void add_fleet_options(CLI::App& command, InitRequest& request) {
+  command.add_option("--fleet", request.fleet, "Name of the fleet that the node is of; it is the host too")
+      ->type_name("NAME");
+  command
+      .add_option("--public-address", request.public_address, "In a fleet: where its clients send their datagrams")
+      ->type_name("ADDRESS");
+  command
+      .add_option("--proxies", request.proxies,
+                  "In a fleet: addresses of the doors, or their networks; several in turn, or with commas")
+      ->delimiter(',')
+      ->type_name("ADDRESS");
+  command
+      .add_option("--door-listen", request.door_listen, "In a fleet: which address doors ask; else the public one")
+      ->type_name("ADDRESS");
+  command.add_option("--door-port", request.door_port, "In a fleet: which port doors ask")
+      ->default_str("7602")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("N");
 }
 
 void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
@@ -219,8 +240,11 @@ void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
       ->add_option("--scene", request.scenes, "living_room, temple, NAME=FILE or FILE; several in turn; else both")
       ->type_name("SCENE");
   command->add_option("--out", request.out, "Folder of the configuration")->type_name("DIR");
-  command->add_option("--listen", request.listen, "Address of the clients' ports")->type_name("ADDRESS");
+  command->add_option("--listen", request.listen, "Address of the clients' ports")
+      ->default_str("0.0.0.0")
+      ->type_name("ADDRESS");
   command->add_option("--port", request.port, "Clients' port, TCP and UDP")
+      ->default_str("7600")
       ->check(CLI::Range(1, 65535))
       ->type_name("N");
   command->add_option("--days", request.days, "How long the server's certificate lasts")
@@ -230,6 +254,7 @@ void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
                     "Serve the viewer for browsers too (web.listen)");
   command->add_option("--systemd", request.systemd, "Folder of units, for the socket's drop-in; else the system's")
       ->type_name("DIR");
+  add_fleet_options(*command, request);
 }
 
 void add_fleet_commands(CLI::App& app, Command& chosen, DoorRequest& door) {
