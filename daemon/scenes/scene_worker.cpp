@@ -78,18 +78,19 @@ SceneWorkerOptions worker_options(const Config& config, std::filesystem::path pr
 }
 
 Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const scenes::SceneSource& source,
-                                        const scenes::LoadLimits& limits, std::stop_token stop) {
+                                        const scenes::LoadLimits& limits, const scenes::Watch& watch) {
   WorkerTask task = task_of(options, options.max_time);
   task.work = scenes::LoadTask{source.file, source.motions, limits, options.colours};
-  const auto outcome = run_worker(options.program, task, {.time = 2 * options.max_time, .stop = std::move(stop)});
+  Patience patience{.time = 2 * options.max_time, .stop = watch.stop};
+  if (watch.on_share) patience.on_progress = [&watch](size_t, double share) { watch.on_share(share); };
+  const auto outcome = run_worker(options.program, task, patience);
   if (!outcome) return outcome.error();
   return within_memory([&] { return scenes::read_outcome(outcome->bytes(), limits); });
 }
 
 scenes::SceneReader reader_in_worker(const SceneWorkerOptions& options) {
-  return [options](const scenes::SceneSource& source, const scenes::LoadLimits& limits, std::stop_token stop) {
-    return load_in_worker(options, source, limits, std::move(stop));
-  };
+  return [options](const scenes::SceneSource& source, const scenes::LoadLimits& limits,
+                   const scenes::Watch& watch) { return load_in_worker(options, source, limits, watch); };
 }
 
 gpu::StructureBuildsPtr builds_in_worker(const SceneWorkerOptions& options) {

@@ -28,10 +28,10 @@ struct SceneWorkerOptions {
 
 SceneWorkerOptions worker_options(const Config& config, std::filesystem::path program);
 
-// Blocks until the scene is there, or the worker has failed, exceeded a limit, or been stopped through `stop`. Any
+// Blocks until the scene is there, or the worker has failed, exceeded a limit, or been stopped through `watch`. Any
 // thread. The error says why there is no scene: the loader's own reason, or which limit the worker met.
 Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const scenes::SceneSource& source,
-                                        const scenes::LoadLimits& limits, std::stop_token stop);
+                                        const scenes::LoadLimits& limits, const scenes::Watch& watch = {});
 
 // load_in_worker with these options.
 scenes::SceneReader reader_in_worker(const SceneWorkerOptions& options);
