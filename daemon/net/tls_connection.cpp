@@ -66,16 +66,12 @@ void TlsConnection::start() {
         if (begins_as_of_proxy(self->stream_.next_layer())) {
           return self->end(Fault::proxy_unlisted, "a door that is not in the configuration, or a stranger");
         }
-        self->shake_hands();
+        self->stream_.async_handshake(asio::ssl::stream_base::server, [self](asio::error_code failed) {
+          if (failed) return self->end(fault_of_handshake(failed), failed.message());
+          self->on_open();
+          if (self->is_open()) self->read();
+        });
       });
-}
-
-void TlsConnection::shake_hands() {
-  stream_.async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](asio::error_code error) {
-    if (error) return self->end(fault_of_handshake(error), error.message());
-    self->on_open();
-    if (self->is_open()) self->read();
-  });
 }
 
 void TlsConnection::read() {

@@ -57,7 +57,6 @@ class TlsConnection : public std::enable_shared_from_this<TlsConnection> {
     std::span<const uint8_t> rest() const { return std::span(shared ? *shared : own).subspan(sent); }
   };
 
-  void shake_hands();
   void queue(Outgoing outgoing);
   void read();
   void write();

@@ -122,17 +122,15 @@ Result<scenes::LoadedScene> SceneHost::read(const Request& request, const std::s
     most = account_.largest(request.asker, [this](const std::string& name) { return is_free(name); });
   }
   if (most == std::numeric_limits<uint64_t>::max()) most = 0;  // no limit
-  const scenes::Watch watch{stop, [&](double share) { tell_share(request.name, share); }};
+  const auto on_share = [&](double share) {
+    std::lock_guard lock(mutex_);
+    double& known = reading_.at(request.name).share;
+    known = std::max(known, share);
+  };
+  const scenes::Watch watch{stop, on_share};
   auto loaded = within_memory([&] { return registry_.get(request.name, watch, most); });
   if (loaded && loaded->scene->lights.empty()) return Error{kNoLights};
   return loaded;
-}
-
-// On the loader's thread, while it reads the scene.
-void SceneHost::tell_share(const std::string& name, double share) {
-  std::lock_guard lock(mutex_);
-  double& known = reading_.at(name).share;
-  known = std::max(known, share);
 }
 
 FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker) {

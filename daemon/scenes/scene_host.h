@@ -135,7 +135,6 @@ class SceneHost {
   void serve(const Request& request);
   std::optional<Request> next_request();
   Result<scenes::LoadedScene> read(const Request& request, const std::stop_token& stop);
-  void tell_share(const std::string& name, double share);
   Result<void> make_room(const Request& request, const scenes::LoadedScene& loaded);
   bool is_free(const std::string& name) const;  // with mutex_ held
   void take_away(const std::string& name);      // with mutex_ held; the scene is resident
