@@ -18,16 +18,30 @@
 namespace gnomon::log {
 namespace {
 
-std::atomic<Format> line_format{Format::key_value};
+// A logger and the format of what it is given: together, so that no line is
+// half in one format and half in another.
+struct Output {
+  std::shared_ptr<spdlog::logger> logger;
+  Format format = Format::key_value;
+};
 
-spdlog::logger& logger() {
-  static const std::shared_ptr<spdlog::logger> instance = [] {
-    auto made = std::make_shared<spdlog::logger>("gnomon", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-    made->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
-    made->set_level(spdlog::level::warn);
-    return made;
-  }();
-  return *instance;
+std::atomic<spdlog::level::level_enum> least_level{spdlog::level::warn};
+
+Output output_to_stderr(Format format) {
+  auto made = std::make_shared<spdlog::logger>("gnomon", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  made->set_pattern(format == Format::json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)"
+                                           : "%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
+  made->set_level(spdlog::level::trace);  // least_level decides
+  return {std::move(made), format};
+}
+
+// Replaced when the format changes: a thread that is writing keeps the one that
+// it began with.
+Published<Output>& output() {
+  static Published<Output> instance;
+  static std::once_flag made;
+  std::call_once(made, [] { instance.publish(output_to_stderr(Format::key_value)); });
+  return instance;
 }
 
 spdlog::level::level_enum to_spdlog(Level level) {
@@ -41,8 +55,8 @@ spdlog::level::level_enum to_spdlog(Level level) {
   return spdlog::level::info;
 }
 
-// Escapes the characters that would break a line or a JSON document, so that a log line never spans two lines, whatever
-// a client has sent.
+// Escapes the characters that would break a line or a JSON document, so that a
+// log line never spans two lines, whatever a client has sent.
 void append_quoted(std::string& out, std::string_view text) {
   std::string quoted;
   for (const char c : text) {
@@ -76,7 +90,8 @@ void append_value(std::string& out, const Field& field, Format format) {
   }
 }
 
-// Limits for each event, so that neither an unauthenticated peer nor a fault in every frame can fill the disk.
+// Limits for each event, so that neither an unauthenticated peer nor a fault in
+// every frame can fill the disk.
 constexpr double kLinesAtOnce = 200, kLinesPerSecond = 20;
 
 class SharedRateLimiter {
@@ -92,8 +107,7 @@ class SharedRateLimiter {
 };
 
 // What follows time and level.
-std::string line_of(std::string_view event, Fields fields, uint64_t left_out) {
-  const Format format = line_format.load(std::memory_order_relaxed);
+std::string line_of(std::string_view event, Fields fields, uint64_t left_out, Format format) {
   std::string line;
   if (format == Format::json) {
     line += "\"event\":";
@@ -119,51 +133,63 @@ std::string line_of(std::string_view event, Fields fields, uint64_t left_out) {
   return line;
 }
 
-void write(spdlog::logger& to, spdlog::level::level_enum level, std::string_view event, Fields fields,
+void write(const Output& to, spdlog::level::level_enum level, std::string_view event, Fields fields,
            uint64_t left_out) {
-  const std::string line = line_of(event, fields, left_out);
-  to.log(level, spdlog::string_view_t(line.data(), line.size()));
+  const std::string line = line_of(event, fields, left_out, to.format);
+  to.logger->log(level, spdlog::string_view_t(line.data(), line.size()));
 }
 
 void write(spdlog::level::level_enum level, std::string_view event, Fields fields) {
   static SharedRateLimiter limiter;
-  if (!logger().should_log(level)) return;
-  if (const auto left_out = limiter.admit(event)) write(logger(), level, event, fields, *left_out);
+  if (level < least_level.load(std::memory_order_relaxed)) return;
+  if (const auto left_out = limiter.admit(event)) write(*output().get(), level, event, fields, *left_out);
 }
 
-std::shared_ptr<spdlog::logger> make_audit_logger(spdlog::sink_ptr sink) {
+// `file`: '' for standard error. Throws spdlog_ex if it cannot be written.
+Output audit_output(const std::string& file, Format format) {
+  spdlog::sink_ptr sink;
+  if (file.empty()) {
+    sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  } else {
+    sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file);
+  }
   auto made = std::make_shared<spdlog::logger>("audit", std::move(sink));
-  made->set_pattern(line_format.load() == Format::json
-                        ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","logger":"%n",%v)"
-                        : "%Y-%m-%dT%H:%M:%S.%e%z %n %v");
+  made->set_pattern(format == Format::json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","logger":"%n",%v)"
+                                           : "%Y-%m-%dT%H:%M:%S.%e%z %n %v");
   made->flush_on(spdlog::level::info);
-  return made;
+  return {std::move(made), format};
 }
 
-std::shared_ptr<spdlog::logger> audit_logger_to_stderr() {
-  return make_audit_logger(std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-}
+// Where the audit log goes, and its output, as those of the log.
+struct Audit {
+  std::mutex changing;
+  std::string file;  // guarded by changing
+  Published<Output> output;
 
-// Replaced when its file is opened anew: a thread that is writing keeps the one that it began with.
-Published<std::shared_ptr<spdlog::logger>>& audit_logger() {
-  static Published<std::shared_ptr<spdlog::logger>> instance;
-  static std::once_flag made;
-  std::call_once(made, [] { instance.publish(audit_logger_to_stderr()); });
+  Audit() { output.publish(audit_output("", Format::key_value)); }
+};
+
+Audit& the_audit() {
+  static Audit instance;
   return instance;
 }
 
 }  // namespace
 
 void configure(Level level, Format format) {
-  line_format = format;
-  if (format == Format::json) {
-    logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)");
-  }
   set_level(level);
-  audit_logger().publish(audit_logger_to_stderr());
+  if (output().get()->format != format) output().publish(output_to_stderr(format));
+  Audit& audit = the_audit();
+  std::lock_guard lock(audit.changing);
+  if (audit.output.get()->format == format) return;
+  try {
+    audit.output.publish(audit_output(audit.file, format));
+  } catch (const spdlog::spdlog_ex& failed) {  // it goes on as it is
+    error("the audit log keeps its format", {{"why", failed.what()}});
+  }
 }
 
-void set_level(Level level) { logger().set_level(to_spdlog(level)); }
+void set_level(Level level) { least_level = to_spdlog(level); }
 
 void debug(std::string_view event, Fields fields) { write(spdlog::level::debug, event, fields); }
 void info(std::string_view event, Fields fields) { write(spdlog::level::info, event, fields); }
@@ -171,13 +197,13 @@ void warning(std::string_view event, Fields fields) { write(spdlog::level::warn,
 void error(std::string_view event, Fields fields) { write(spdlog::level::err, event, fields); }
 
 void audit(std::string_view event, Fields fields) {
-  write(**audit_logger().get(), spdlog::level::info, event, fields, 0);
+  write(*the_audit().output.get(), spdlog::level::info, event, fields, 0);
 }
 
 void audit_refusal(std::string_view event, Fields fields) {
   static SharedRateLimiter limiter;
   const auto left_out = limiter.admit(event);
-  if (left_out) write(**audit_logger().get(), spdlog::level::info, event, fields, *left_out);
+  if (left_out) write(*the_audit().output.get(), spdlog::level::info, event, fields, *left_out);
 }
 
 Result<void> check_audit_file(const std::string& file) {
@@ -188,18 +214,19 @@ Result<void> check_audit_file(const std::string& file) {
 }
 
 Result<void> set_audit_file(const std::string& file) {
-  if (file.empty()) {
-    audit_logger().publish(audit_logger_to_stderr());
-    return {};
+  if (!file.empty()) {
+    const int made = open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
+    if (made < 0) return Error{file + ": cannot be written: " + std::strerror(errno)};
+    close(made);
   }
-  const int made = open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
-  if (made < 0) return Error{file + ": cannot be written: " + std::strerror(errno)};
-  close(made);
+  Audit& audit = the_audit();
+  std::lock_guard lock(audit.changing);
   try {
-    audit_logger().publish(make_audit_logger(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file)));
-  } catch (const spdlog::spdlog_ex& error) {
-    return Error{file + ": " + error.what()};
+    audit.output.publish(audit_output(file, output().get()->format));
+  } catch (const spdlog::spdlog_ex& failed) {
+    return Error{file + ": " + failed.what()};
   }
+  audit.file = file;
   return {};
 }
 

@@ -38,8 +38,8 @@ using Fields = std::initializer_list<Field>;
 
 enum class Format { key_value, json };
 
-// Selects what is written to standard error, and how. Called once by main; until then, warnings and errors are written
-// as key=value.
+// Selects what is written to standard error, and how; the audit log stays where it is and is written in this format too.
+// Until it is called, warnings and errors are written as key=value.
 void configure(Level level, Format format);
 void set_level(Level level);
 

@@ -285,6 +285,7 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   } else {
     kept.push_back(secrets.error());
   }
+  log::configure(next.log.level, next.log.format);
   if (auto opened = log::set_audit_file(next.log.audit_file); !opened) {
     kept.push_back(Error{"log.audit_file: " + opened.error().message});
   }
@@ -297,7 +298,7 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   session_limits_.set_limits(next, directory);
   scenes_->set_memory_limits(scene_memory_limits(by_id));
   metrics_.add_tenants(names_of(by_id.tenants));
-  log::set_level(next.log.level);
+  if (options_.on_reload) options_.on_reload(next);
   change_scenes(next, catalog_, *scenes_, metrics_, kept);
   devices_.set_sharing(sharing);
   tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms

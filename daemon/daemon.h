@@ -32,6 +32,9 @@ class Daemon final : private FrameSink {
     // Reads the configuration again and calls reload() on the main thread, then its argument. Any thread may call it.
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
     scenes::SceneReader read_scene = scenes::read_here;
+    // Told of a configuration that is applied, for what belongs to the two above: the log of workers, the limit of the
+    // renderers' cache. On the thread of reload().
+    std::function<void(const Config&)> on_reload = {};
   };
 
   // Blocks until the devices and ports are open and the configured scenes are resident. A client of a scene that is
@@ -47,7 +50,7 @@ class Daemon final : private FrameSink {
   // to the next process, which gets the same memory from the service manager.
   void give_up();
 
-  // Applies the scenes, sharing terms, tenants, limits and log level of `next`, its certificates (for new connections) and the
+  // Applies the scenes, sharing terms, tenants, limits and log of `next`, its certificates (for new connections) and the
   // operators' token, whose files are read again. Each of these is applied on its own: one that cannot be stays as it
   // was, and the error says why, while the others hold; so does what `missing` names, which was found out before. Sessions
   // are closed whose tenant is no longer named or whose credential is no longer accepted. Other differences need a

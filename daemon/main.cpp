@@ -6,9 +6,11 @@
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <thread>
 
 #include "common/wall_clock.h"
@@ -173,6 +175,26 @@ void remind_daily(asio::steady_timer& timer, Daemon& daemon) {
   });
 }
 
+// What is made beside the daemon by the configuration, and goes with it at a reload.
+struct Beside {
+  explicit Beside(const Config& config)
+      : worker(worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"))),
+        cache_bytes(std::make_shared<std::atomic<uint64_t>>(cache_bytes_of(config.render))) {}
+
+  std::vector<RendererFactory> renderers(const Config& config) const {
+    return vulkan_renderers(config, builds_in_worker(worker), cache_bytes);
+  }
+
+  void take(const Config& next) const {
+    worker.log->level = next.log.level;
+    worker.log->format = next.log.format;
+    *cache_bytes = cache_bytes_of(next.render);
+  }
+
+  const SceneWorkerOptions worker;
+  const std::shared_ptr<std::atomic<uint64_t>> cache_bytes;
+};
+
 int serve(const Config& config, const Arguments& arguments) {
   if (const auto enough = check_address_space(); !enough) return fail(enough.error());
   asio::io_context events;
@@ -189,11 +211,11 @@ int serve(const Config& config, const Arguments& arguments) {
     asio::post(events,
                [&, answer] { answer(within_memory([&] { return reload(*running, arguments, "operator"); })); });
   };
-  const SceneWorkerOptions worker = worker_options(config, installed("libexec/gnomon/gnomon-scene-worker"));
+  const Beside beside(config);
   std::optional<Agones> agones;
   if (config.fleet.agones) agones.emplace(Agones::port_of(std::getenv("AGONES_SDK_HTTP_PORT")));
-  auto daemon = Daemon::start({config, vulkan_renderers(config, builds_in_worker(worker)), GNOMON_VERSION, stop,
-                               failed, ask_for_reload, reader_in_worker(worker)});
+  auto daemon = Daemon::start({config, beside.renderers(config), GNOMON_VERSION, stop, failed, ask_for_reload,
+                               reader_in_worker(beside.worker), [&](const Config& next) { beside.take(next); }});
   if (!daemon) return fail(placed(config, daemon.error()));
   running = daemon->get();
   asio::signal_set signals(events, SIGTERM, SIGINT);  // a signal before this, while scenes load, ends the process

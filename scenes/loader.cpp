@@ -27,6 +27,15 @@ using gltf::PlacedNode;
 // Metres. Beyond this, areas and distances leave the range of floats.
 constexpr float kFarthest = 1e9f;
 
+// How much of the time is over after each step, on two cores: of five real scenes of 80,000 to 1,050,000 triangles and the
+// two built-in ones, the document took 2 to 6% (sponza_crytek), what is before the clusters 10 to 22%. What the caller does
+// with the scene, as handing it on to another process, is the rest.
+constexpr double kDocumentRead = 0.04, kAssembled = 0.10, kMeasured = 0.12, kClustered = 0.95;
+
+void tell(const OnShare& on_share, double share) {
+  if (on_share) on_share(share);
+}
+
 // Builds a scene from the placed nodes; each mesh is read when the first node uses it.
 class Assembly {
  public:
@@ -173,10 +182,12 @@ void tell_what_stays_as_stored(const std::filesystem::path& file, const tinygltf
 }
 
 Result<std::shared_ptr<Scene>> read_scene(const std::filesystem::path& file, const LoadLimits& limits,
-                                          const std::vector<NodeMotion>& motions, gltf::Reads reads) {
+                                          const std::vector<NodeMotion>& motions, gltf::Reads reads,
+                                          const OnShare& on_share) {
   try {
     auto document = gltf::open_document(file, limits);
     if (!document) return document.error();
+    tell(on_share, kDocumentRead);
     tell_what_stays_as_stored(file, document->model);
     return Assembly(*document, limits, motions, reads).run();
   } catch (const std::bad_alloc&) {
@@ -194,9 +205,11 @@ Error about(const std::filesystem::path& file, std::string message) {
 }
 
 Result<std::shared_ptr<Scene>> load(const std::filesystem::path& file, const LoadLimits& limits,
-                                    const std::vector<NodeMotion>& motions, gltf::Reads reads) {
-  auto read = read_scene(file, limits, motions, reads);
+                                    const std::vector<NodeMotion>& motions, gltf::Reads reads,
+                                    const OnShare& on_share) {
+  auto read = read_scene(file, limits, motions, reads, on_share);
   if (!read) return about(file, read.error().message);
+  tell(on_share, kAssembled);
   Scene& scene = **read;
   scene.name = file.stem().string();
   const Extent extent = measure(scene);
@@ -210,22 +223,24 @@ Result<std::shared_ptr<Scene>> load(const std::filesystem::path& file, const Loa
 
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits,
                             const std::vector<NodeMotion>& motions) {
-  auto scene = load(file, limits, motions, gltf::Reads::colours);
+  auto scene = load(file, limits, motions, gltf::Reads::colours, {});
   if (!scene) return scene.error();
   return ScenePtr(std::move(*scene));
 }
 
 Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits,
-                                    const std::vector<NodeMotion>& motions, Colours colours) {
-  auto scene =
-      load(file, limits, motions, colours == Colours::encoded ? gltf::Reads::encoded : gltf::Reads::alpha_tests);
+                                    const std::vector<NodeMotion>& motions, Colours colours,
+                                    const OnShare& on_share) {
+  auto scene = load(file, limits, motions,
+                    colours == Colours::encoded ? gltf::Reads::encoded : gltf::Reads::alpha_tests, on_share);
   if (!scene) return scene.error();
   const uint64_t needed = predicted_bytes(**scene);
   if (limits.max_scene_bytes != 0 && needed > limits.max_scene_bytes) {
     return about(file, "it needs " + std::to_string((needed >> 20) + 1) + " MiB of memory, and a scene may have " +
                            std::to_string(limits.max_scene_bytes >> 20) + " MiB now");
   }
-  (*scene)->geometry = std::make_shared<const Geometry>(make_geometry(**scene));
+  (*scene)->geometry =
+      std::make_shared<const Geometry>(make_geometry(**scene, part_of(on_share, kMeasured, kClustered)));
   return ScenePtr(std::move(*scene));
 }
 

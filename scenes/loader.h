@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "scenes/on_share.h"
 #include "scenes/scene.h"
 
 namespace gnomon::scenes {
@@ -51,6 +52,7 @@ enum class Colours : uint8_t {
 
 // As load_scene for a server: the scene has its geometry, and of its textures those that an alpha test needs.
 Result<ScenePtr> load_with_geometry(const std::filesystem::path& file, const LoadLimits& limits = {},
-                                    const std::vector<NodeMotion>& motions = {}, Colours colours = Colours::none);
+                                    const std::vector<NodeMotion>& motions = {}, Colours colours = Colours::none,
+                                    const OnShare& on_share = {});
 
 }  // namespace gnomon::scenes

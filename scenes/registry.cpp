@@ -15,8 +15,8 @@ std::filesystem::file_time_type changed_at(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, std::stop_token) {
-  return load_with_geometry(source.file, limits, source.motions);
+Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, const Watch& watch) {
+  return load_with_geometry(source.file, limits, source.motions, Colours::none, watch.on_share);
 }
 
 Registry::Registry(std::vector<SceneSource> sources, LoadLimits limits, SceneReader read)
@@ -42,7 +42,7 @@ Registry::EntryPtr Registry::find(const std::string& name) const {
   return found == entries_.end() ? nullptr : found->second;
 }
 
-Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop, uint64_t max_bytes) {
+Result<LoadedScene> Registry::get(const std::string& name, const Watch& watch, uint64_t max_bytes) {
   const EntryPtr shared = find(name);
   if (!shared) return Error{"there is no scene named '" + name + "'"};
   Entry& entry = *shared;
@@ -54,21 +54,21 @@ Result<LoadedScene> Registry::get(const std::string& name, std::stop_token stop,
     const auto& refusal = entry.refusal;
     if (refusal && refusal->changed == changed && Clock::now() - refusal->at < kRefusalLasts) return refusal->why;
   }
-  auto loaded = load(entry, stop, max_bytes);
+  auto loaded = load(entry, watch, max_bytes);
   std::lock_guard lock(mutex_);
   if (loaded) {
     entry.loaded = *loaded;
-  } else if (!stop.stop_requested()) {
+  } else if (!watch.stop.stop_requested()) {
     entry.refusal = Refusal{loaded.error(), Clock::now(), changed};
   }
   return loaded;
 }
 
-Result<LoadedScene> Registry::load(const Entry& entry, std::stop_token stop, uint64_t max_bytes) {
+Result<LoadedScene> Registry::load(const Entry& entry, const Watch& watch, uint64_t max_bytes) {
   const TimePoint start = Clock::now();
   LoadLimits limits = limits_;
   limits.max_scene_bytes = max_bytes;
-  const Result<ScenePtr> scene = read_(entry.source, limits, std::move(stop));
+  const Result<ScenePtr> scene = read_(entry.source, limits, watch);
   if (!scene) return scene.error();
   const LoadedScene loaded{entry.id, *scene, to_seconds(Clock::now() - start), (*scene)->memory_bytes()};
   log::info("scene loaded", {{"scene", entry.source.name},

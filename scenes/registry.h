@@ -34,12 +34,18 @@ struct LoadedScene {
   uint64_t memory_bytes = 0;  // of host memory
 };
 
+// Who may end the reading of a scene, and who is told how far it is.
+struct Watch {
+  std::stop_token stop = {};
+  OnShare on_share = {};
+};
+
 // How a scene is read: load_scene() in this process, or what reads it in another one. Blocks; called by any thread.
 // After a request to stop, the result is an error, or the scene if it was already there.
 using SceneReader =
-    std::function<Result<ScenePtr>(const SceneSource& source, const LoadLimits& limits, std::stop_token stop)>;
+    std::function<Result<ScenePtr>(const SceneSource& source, const LoadLimits& limits, const Watch& watch)>;
 // Reads in this process, and does not stop.
-Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, std::stop_token stop = {});
+Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, const Watch& watch = {});
 
 // Any thread. The first caller of get() loads the scene and blocks; concurrent callers wait for it and share the scene.
 class Registry {
@@ -55,7 +61,7 @@ class Registry {
 
   // Error: there is no such scene, it could not be loaded, or reading it was stopped, which is no refusal.
   // `max_bytes`: LoadLimits::max_scene_bytes of this reading.
-  Result<LoadedScene> get(const std::string& name, std::stop_token stop = {}, uint64_t max_bytes = 0);
+  Result<LoadedScene> get(const std::string& name, const Watch& watch = {}, uint64_t max_bytes = 0);
 
   // Makes the next get() read the file again, also if it was refused. Scenes that were returned before stay valid.
   void forget(const std::string& name);
@@ -84,7 +90,7 @@ class Registry {
 
   using EntryPtr = std::shared_ptr<Entry>;  // shared with those who load it
   EntryPtr find(const std::string& name) const;
-  Result<LoadedScene> load(const Entry& entry, std::stop_token stop, uint64_t max_bytes);
+  Result<LoadedScene> load(const Entry& entry, const Watch& watch, uint64_t max_bytes);
 
   const LoadLimits limits_;
   const SceneReader read_;

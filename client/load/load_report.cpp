@@ -134,7 +134,7 @@ std::vector<std::string> load_settings(const LoadOptions& options, const LoadRun
 void add_rows(Report& report, const LoadOptions& options, const LoadRun& run, const std::vector<LoadRow>& rows) {
   for (const auto& participant : run.participants()) {
     const auto& tracer = participant.client->stream().connection().welcome().tracer;
-    if (report.driver.empty()) report.driver = tracer;
+    if (report.driver.empty()) report.driver = without_controls(tracer);
   }
   for (const LoadRow& row : rows) {
     auto json = to_json(row);

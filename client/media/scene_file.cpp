@@ -1,5 +1,6 @@
 #include "client/media/scene_file.h"
 
+#include "common/printable.h"
 #include "scenes/loader.h"
 
 namespace gnomon::client {
@@ -52,8 +53,9 @@ Result<scenes::ScenePtr> load_own_scene(const std::string& scene, const fs::path
 
 Result<void> check_same_scene(const scenes::Scene& own, const protocol::SceneManifest& server) {
   if (own.content_hash == server.content_hash) return {};
-  return Error{std::string("scene '") + server.name + "' here is not the server's: content hash " +
-               scenes::to_hex(own.content_hash) + ", the server has " + scenes::to_hex(server.content_hash)};
+  return Error{std::string("scene '") + without_controls(server.name) +
+               "' here is not the server's: content hash " + scenes::to_hex(own.content_hash) +
+               ", the server has " + scenes::to_hex(server.content_hash)};
 }
 
 }  // namespace gnomon::client

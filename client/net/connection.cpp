@@ -5,10 +5,13 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/printable.h"
+
 namespace gnomon::client {
 
 std::string describe(const protocol::Refused& refused) {
-  std::string line = std::string("refused (") + protocol::to_string(refused.code) + "): " + refused.text;
+  std::string line =
+      std::string("refused (") + protocol::to_string(refused.code) + "): " + without_controls(refused.text);
   std::string fit;
   if (refused.fit_width && refused.fit_height) {
     fit = std::to_string(refused.fit_width) + "x" + std::to_string(refused.fit_height);
@@ -39,7 +42,7 @@ protocol::Hello completed(protocol::Hello hello) {
 
 Error end_told_by(const protocol::Bye& bye) {
   std::string why = "the server ended the session";
-  if (!bye.reason.empty()) why.append(": ").append(bye.reason);
+  if (!bye.reason.empty()) why.append(": ").append(without_controls(bye.reason));
   if (bye.stay_out_ms > 0) {
     const uint64_t seconds = (uint64_t{bye.stay_out_ms} + 999) / 1000;
     why.append("; it keeps this client out for ").append(std::to_string(seconds)).append(" s");

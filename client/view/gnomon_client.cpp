@@ -14,6 +14,7 @@
 #include "client/view/flight.h"
 #include "client/view/gallery.h"
 #include "client/view/recording.h"
+#include "common/printable.h"
 
 namespace {
 
@@ -171,7 +172,7 @@ void print_figures(const FlightStats& f) {
 Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_words, const std::string& tracer) {
   const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
-  Report report{.suite = "client", .device = a.server, .driver = tracer};
+  Report report{.suite = "client", .device = a.server, .driver = without_controls(tracer)};
   report.rows.push_back({{"scene", a.scene},
                          {"size", a.size},
                          {"border", a.border},

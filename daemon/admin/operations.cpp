@@ -29,6 +29,12 @@ std::optional<int64_t> whole_number(const json& object, const char* name, int64_
   return fits ? std::optional<int64_t>(found->get<int64_t>()) : std::nullopt;
 }
 
+// " (43%)" of a scene that is being read; else empty.
+std::string share_of(const std::optional<SceneUnderWay>& scene) {
+  const auto share = scene ? scene->share : std::nullopt;
+  return share ? " (" + std::to_string(static_cast<int>(100 * *share)) + "%)" : "";
+}
+
 // A change of a light, and when it was made where its body says so (`at_ms`): one that goes to all nodes of a fleet has one
 // time.
 struct DatedChange {
@@ -153,7 +159,8 @@ Page Operations::readiness() const {
     const auto catalog = parts_.catalog.get();
     std::string missing;
     for (const auto& source : catalog->sources()) {
-      if (!resident.contains(source.name)) missing += (missing.empty() ? "" : ", ") + source.name;
+      if (!resident.contains(source.name))
+        missing += (missing.empty() ? "" : ", ") + source.name + share_of(under_way(parts_.scenes, source.name));
     }
     add("scenes are being loaded: " + missing);
   }

@@ -47,7 +47,9 @@ json to_json(const std::string& name, const HostedScene& scene, const SceneRepor
 }
 
 json to_json(const SceneUnderWay& scene, TimePoint now) {
-  return {{"name", scene.name}, {"stage", to_string(scene.stage)}, {"seconds", to_seconds(now - scene.since)}};
+  json shown{{"name", scene.name}, {"stage", to_string(scene.stage)}, {"seconds", to_seconds(now - scene.since)}};
+  if (scene.share) shown["share"] = *scene.share;
+  return shown;
 }
 
 json to_json(const PooledDevice& device) {

@@ -79,13 +79,13 @@ constexpr std::string_view kReloaded[] = {"server.max_sessions",
                                           "server.insecure_listen",
                                           "admin.token_file",
                                           "admin.tls",
+                                          "render.cache_mb",
                                           "scenes.list",
                                           "scenes.allow_files",
                                           "scenes.max_memory_mb",
                                           "scheduler",
                                           "tenants",
-                                          "log.level",
-                                          "log.audit_file"};
+                                          "log"};
 
 bool is_at_or_below(std::string_view key, std::string_view section) {
   return key.starts_with(section) && (key.size() == section.size() || key[section.size()] == '.');

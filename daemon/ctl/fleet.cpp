@@ -73,7 +73,16 @@ Result<std::vector<Node>> nodes_of(const std::vector<std::string>& texts) {
   return nodes;
 }
 
-constexpr const char* kBeforeListen = R"(
+// The account, the folders and the socket are those of Debian's package.
+constexpr const char* kBeforeListen =
+    R"(  # HAProxy opens its ports as root and serves as an account that owns nothing, where there are no files.
+  user haproxy
+  group haproxy
+  chroot /var/lib/haproxy
+  # What it makes of the nodes: echo "show stat" | socat - /run/haproxy/admin.sock
+  stats socket /run/haproxy/admin.sock mode 660 level admin
+  stats timeout 30s
+
 defaults
   log global
   mode tcp

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <istream>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <sstream>
 
+#include "daemon/ctl/init_config.h"
 #include "daemon/ctl/new_file.h"
 #include "daemon/ctl/secrets.h"
 #include "daemon/security/tokens.h"
@@ -24,21 +24,13 @@ constexpr std::array<const char*, 2> kBuiltIn = {"living_room", "temple"};
 // The packaged unit does not let the daemon see them (ProtectHome, PrivateTmp).
 constexpr std::array<const char*, 5> kHidden = {"/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/"};
 
-struct SceneEntry {
-  std::string name;
-  std::string file;
-};
-
-// A text in quotes, as JSON and YAML both read it.
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
-
 bool is_plain_name(const std::string& name) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; };
   return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), plain);
 }
 
 Result<SceneEntry> scene_entry(const std::string& text) {
-  if (std::find(kBuiltIn.begin(), kBuiltIn.end(), text) != kBuiltIn.end()) return SceneEntry{text, text + ".glb"};
+  if (is_built_in(text)) return SceneEntry{text, text + ".glb"};
   const size_t equals = text.find('=');
   const fs::path given = equals == std::string::npos ? text : text.substr(equals + 1);
   std::error_code error;
@@ -59,6 +51,10 @@ class Installation {
   Result<void> check() {
     if (request_.hosts.empty())
       return Error{"--host is missing: the names and addresses by which clients reach it"};
+    if (!request_.fleet.empty() && request_.public_address.empty())
+      return Error{"--public-address is missing: where clients of a node of a fleet send their datagrams"};
+    if (!request_.fleet.empty() && request_.proxies.empty())
+      return Error{"--proxies is missing: the addresses of the fleet's doors"};
     for (const std::string& tenant : request_.tenants) {
       if (!is_plain_name(tenant))
         return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};
@@ -73,6 +69,9 @@ class Installation {
                    " is there and ca-key.pem beside it is not: put it back, or "
                    "move ca.pem away, so that a new authority is made, which all clients then need"};
     }
+    auto text = config_text(request_, scenes_, packaged() ? "/var/cache/gnomon" : "cache");
+    if (!text) return text.error();
+    config_ = std::move(*text);
     return {};
   }
 
@@ -110,6 +109,7 @@ class Installation {
     return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(request_.port);
   }
   bool serves_browsers() const { return request_.browsers.value_or(false); }
+  std::string words_about_the_fleet() const;
   std::string words_about_browsers() const;
   // What the daemon reads is root's, and where the folder has a group of its own, that group's too.
   mode_t credential_mode() const { return geteuid() == 0 ? 0640 : 0600; }
@@ -121,11 +121,17 @@ class Installation {
 
   const InitRequest& request_;
   std::vector<SceneEntry> scenes_;
+  std::string config_;  // what is to be written
 };
 
 Result<void> Installation::write_certificates() {
   const fs::path made = private_folder();
-  CertsRequest certs{.out = made, .hosts = request_.hosts, .tenants = {}, .days = request_.days, .renew = true};
+  CertsRequest certs{.out = made,
+                     .hosts = request_.hosts,
+                     .fleet = request_.fleet,
+                     .tenants = {},
+                     .days = request_.days,
+                     .renew = true};
   if (const auto done = make_certs(certs); !done) return done.error();
   for (const char* name : {"server.pem", "server-key.pem"}) {
     const std::string pem = read_file(made / name);
@@ -152,26 +158,11 @@ Result<void> Installation::write_tenant(const std::string& tenant) {
 }
 
 Result<void> Installation::write_config() {
-  std::ostringstream text;
-  text << "# Written by `gnomonctl init`. gnomond.yaml(5) explains every key, those that are not here too.\n"
-       << "server:\n  mode: production\n  listen: " << quoted(request_.listen)
-       << "\n  control_port: " << request_.port << "\n  data_port: " << request_.port
-       << "\n  tls:\n    certificate: credentials/server.pem\n    key: credentials/server-key.pem\n"
-       << "render:\n  cache_folder: " << (packaged() ? "/var/cache/gnomon" : "cache") << "\nscenes:\n  list:\n";
-  for (const SceneEntry& scene : scenes_) {
-    text << "    - name: " << quoted(scene.name) << "\n      file: " << quoted(scene.file) << "\n";
-  }
-  if (serves_browsers()) text << "web:\n  listen: true\n";
-  text << "tenants:\n";
-  for (const std::string& tenant : request_.tenants) {
-    text << "  - name: " << quoted(tenant)
-         << "\n    token_sha256_file: " << quoted("credentials/" + tenant + ".sha256") << "\n";
-  }
   const std::string before = read_file(config());
-  if (!before.empty() && before != text.str()) {
+  if (!before.empty() && before != config_) {
     if (auto kept = write_file(config().string() + ".before", before, 0644); !kept) return kept;
   }
-  return write_file(config(), text.str(), 0644);
+  return write_file(config(), config_, 0644);
 }
 
 Result<void> Installation::write_drop_in() {
@@ -198,6 +189,14 @@ std::string Installation::words_about_browsers() const {
          "\n   and asks for the token, which stays in that tab.\n";
 }
 
+// Of the other nodes and the doors.
+std::string Installation::words_about_the_fleet() const {
+  if (request_.fleet.empty()) return "";
+  return "5. Another node has the same files in " + request_.out.string() + " but for private, and " +
+         drop_in().string() + "; its own address takes the place of " + request_.public_address + " in " +
+         config().string() + ".\n   The doors' configuration is written by `gnomonctl fleet haproxy`.\n";
+}
+
 std::string Installation::next_steps() const {
   const std::string port = std::to_string(request_.port);
   const std::string checks = "gnomond --config " + config().string() + " --check-config";
@@ -219,13 +218,13 @@ std::string Installation::next_steps() const {
   }
   text
       << "   Within it, a client is started with\n     gnomon-client --server " << reached_at()
-      << " --ca ca.pem --tenant " << request_.tenants.front() << " --token-file token --scene "
-      << scenes_.front().name << " --size 960x540\n"
+      << (request_.fleet.empty() ? "" : " --fleet " + request_.fleet) << " --ca ca.pem --tenant "
+      << request_.tenants.front() << " --token-file token --scene " << scenes_.front().name << " --size 960x540\n"
       << (serves_browsers() ? words_about_browsers() : "") << "4. Move "
       << (private_folder() / "ca-key.pem").string()
       << " off this machine: it makes certificates for anybody. `gnomonctl init` needs it there to make another one"
       << " before " << request_.days << " days are over.\n"
-      << (serves_browsers() ? "" : "\n" + words_about_browsers());
+      << words_about_the_fleet() << (serves_browsers() ? "" : "\n" + words_about_browsers());
   for (const SceneEntry& scene : scenes_) {
     for (const char* hidden : kHidden) {
       if (packaged() && scene.file.starts_with(hidden)) {
@@ -259,12 +258,21 @@ void ask(std::vector<std::string>& answer, const std::string& question, const st
   if (answer.empty()) answer = words_of(proposed);
 }
 
+constexpr const char* kEveryAddress = "0.0.0.0";
+constexpr uint16_t kClientsPort = 7600;
+
 }  // namespace
 
+bool is_built_in(const std::string& scene) {
+  return std::find(kBuiltIn.begin(), kBuiltIn.end(), scene) != kBuiltIn.end();
+}
+
 void ask_for_missing(InitRequest& request, std::istream& in, std::ostream& out) {
+  if (request.hosts.empty() && !request.fleet.empty()) request.hosts = {request.fleet};
   ask(request.hosts, "Names and addresses by which clients reach this machine", host_name(), in, out);
   ask(request.tenants, "Tenants, whose clients are served", "default", in, out);
   ask(request.scenes, "Scenes: living_room, temple, NAME=FILE or FILE", "living_room temple", in, out);
+  if (request.port == 0) request.port = kClientsPort;
   if (request.browsers) return;
   std::vector<std::string> answer;
   ask(answer,
@@ -278,6 +286,11 @@ Result<std::string> init(const InitRequest& asked) {
   InitRequest request = asked;
   std::error_code error;
   request.out = fs::absolute(request.out, error).lexically_normal();
+  if (auto taken = take_from_before(request); !taken) return taken.error();
+  if (request.hosts.empty() && !request.fleet.empty()) request.hosts = {request.fleet};
+  if (request.listen.empty()) request.listen = kEveryAddress;
+  if (request.port == 0) request.port = kClientsPort;
+  if (request.door_listen.empty()) request.door_listen = request.public_address;
   if (request.tenants.empty()) request.tenants = {"default"};
   if (request.scenes.empty()) request.scenes.assign(kBuiltIn.begin(), kBuiltIn.end());
   Installation installation(request);

@@ -17,20 +17,33 @@ struct InitRequest {
   std::vector<std::string> hosts = {};    // names and addresses by which clients reach the node
   std::vector<std::string> tenants = {};  // each gets a token; empty: `default`
   std::vector<std::string> scenes = {};   // NAME of a built-in one, NAME=FILE or FILE; empty: the built-in ones
-  std::string listen = "0.0.0.0";         // address of the clients' ports
-  uint16_t port = 7600;
-  uint32_t days = 365;                // how long the server's certificate lasts
-  std::optional<bool> browsers = {};  // whether they are served too (`web.listen`); unsaid: they are not
+  std::string listen = {};                // address of the clients' ports; empty: 0.0.0.0
+  uint16_t port = 0;                      // of clients; 0: 7600
+  uint32_t days = 365;                    // how long the server's certificate lasts
+  std::optional<bool> browsers = {};      // whether they are served too (`web.listen`); unsaid: they are not
   std::filesystem::path systemd =
       {};  // for the socket's drop-in; empty: the system's for /etc/gnomon, else below `out`
+  // Of a node of a fleet; else empty. Such a node needs the next two.
+  std::string fleet = {};                 // its name
+  std::string public_address = {};        // where this node's clients send their datagrams
+  std::vector<std::string> proxies = {};  // addresses of the doors
+  std::string door_listen = {};           // which address doors ask; empty: the public one
+  uint16_t door_port = 0;                 // 0: as it was, or the usual one
 };
+
+bool is_built_in(const std::string& scene);
+
+// What the request leaves open is taken from the configuration in its folder, if init() has written that. Error: it cannot
+// be read.
+Result<void> take_from_before(InitRequest& request);
 
 // Asks on `out` for what the request lacks and reads the answers from `in`; an empty answer takes what is proposed.
 void ask_for_missing(InitRequest& request, std::istream& in, std::ostream& out);
 
 // Writes
 //
-//   gnomond.yaml                               the configuration; one that is there becomes gnomond.yaml.before
+//   gnomond.yaml                               the configuration; one that is there becomes gnomond.yaml.before, and if
+//                                              init() has written it, its further keys stay
 //   credentials/  server.pem server-key.pem TENANT.sha256    for the daemon
 //   private/      ca.pem ca-key.pem                          the authority; one that is there is kept and signs
 //   private/clients/TENANT/  ca.pem token                    to be handed over; a token that is there is kept

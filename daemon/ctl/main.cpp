@@ -198,11 +198,32 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
 // What is not said is asked for, where there is somebody to ask.
 Result<void> make_production(const Arguments& arguments) {
   InitRequest request = arguments.init;
+  if (auto taken = take_from_before(request); !taken) return taken.error();
   if (isatty(STDIN_FILENO) == 1) ask_for_missing(request, std::cin, std::cout);
   const auto made = init(request);
   if (!made) return made.error();
   print(*made);
   return {};
+}
+
+void add_fleet_options(CLI::App& command, InitRequest& request) {
+  command.add_option("--fleet", request.fleet, "Name of the fleet that the node is of; it is the host too")
+      ->type_name("NAME");
+  command
+      .add_option("--public-address", request.public_address, "In a fleet: where its clients send their datagrams")
+      ->type_name("ADDRESS");
+  command
+      .add_option("--proxies", request.proxies,
+                  "In a fleet: addresses of the doors, or their networks; several in turn, or with commas")
+      ->delimiter(',')
+      ->type_name("ADDRESS");
+  command
+      .add_option("--door-listen", request.door_listen, "In a fleet: which address doors ask; else the public one")
+      ->type_name("ADDRESS");
+  command.add_option("--door-port", request.door_port, "In a fleet: which port doors ask")
+      ->default_str("7602")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("N");
 }
 
 void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
@@ -219,8 +240,11 @@ void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
       ->add_option("--scene", request.scenes, "living_room, temple, NAME=FILE or FILE; several in turn; else both")
       ->type_name("SCENE");
   command->add_option("--out", request.out, "Folder of the configuration")->type_name("DIR");
-  command->add_option("--listen", request.listen, "Address of the clients' ports")->type_name("ADDRESS");
+  command->add_option("--listen", request.listen, "Address of the clients' ports")
+      ->default_str("0.0.0.0")
+      ->type_name("ADDRESS");
   command->add_option("--port", request.port, "Clients' port, TCP and UDP")
+      ->default_str("7600")
       ->check(CLI::Range(1, 65535))
       ->type_name("N");
   command->add_option("--days", request.days, "How long the server's certificate lasts")
@@ -230,6 +254,7 @@ void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
                     "Serve the viewer for browsers too (web.listen)");
   command->add_option("--systemd", request.systemd, "Folder of units, for the socket's drop-in; else the system's")
       ->type_name("DIR");
+  add_fleet_options(*command, request);
 }
 
 void add_fleet_commands(CLI::App& app, Command& chosen, DoorRequest& door) {
@@ -284,10 +309,12 @@ int run(int argc, char** argv) {
   Command chosen;
   CLI::App app{"Asks a running gnomond, or tells it what to do."};
   app.option_defaults()->always_capture_default();
-  app.add_option("--admin", arguments.admin.address,
-                 "gnomond's admin server: unix:PATH, http://HOST:PORT or https://HOST:PORT; else its usual socket")
-      ->type_name("ADDRESS")
-      ->envname("GNOMON_ADMIN");
+  const CLI::Option* const admin =
+      app.add_option(
+             "--admin", arguments.admin.address,
+             "gnomond's admin server: unix:PATH, http://HOST:PORT or https://HOST:PORT; else its usual socket")
+          ->type_name("ADDRESS")
+          ->envname("GNOMON_ADMIN");
   app.add_option("--token-file", arguments.token_file, "Its token, for what changes something over TCP")
       ->type_name("FILE")
       ->envname("GNOMON_TOKEN_FILE");
@@ -299,11 +326,12 @@ int run(int argc, char** argv) {
                  "The name in its certificate, where the address has another one: that of a fleet")
       ->type_name("NAME")
       ->envname("GNOMON_ADMIN_NAME");
-  app.add_option(
-         "--fleet", arguments.fleet,
-         "The nodes of a fleet, in the place of --admin: a file with lines NAME ADDRESS, or NAME=ADDRESS,...")
-      ->type_name("FILE|NODES")
-      ->envname("GNOMON_FLEET");
+  const CLI::Option* const fleet =
+      app.add_option(
+             "--fleet", arguments.fleet,
+             "The nodes of a fleet, in the place of --admin: a file with lines NAME ADDRESS, or NAME=ADDRESS,...")
+          ->type_name("FILE|NODES")
+          ->envname("GNOMON_FLEET");
   app.add_flag("--json", arguments.json, "For programs");
   app.set_version_flag("--version", "gnomonctl " GNOMON_VERSION);
   app.require_subcommand(1);
@@ -316,6 +344,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& ended) {
     return exit_after(app, ended);
   }
+  if (is_said(app, admin) && !is_said(app, fleet)) arguments.fleet.clear();  // the environment's
   const auto done = chosen(arguments);
   if (done) return EXIT_SUCCESS;
   std::fprintf(stderr, "gnomonctl: %s\n", done.error().message.c_str());

@@ -1,5 +1,6 @@
 #include "daemon/ctl/scene_load.h"
 
+#include <cmath>
 #include <future>
 #include <map>
 
@@ -33,8 +34,9 @@ std::string stage_line(const json& status, const std::string& name) {
   const json* const scene = named(status, "scenes_under_way", name);
   if (!scene) return "";
   const auto words = kWords.find(scene->value("stage", std::string()));
-  return without_controls(name) + " " + (words == kWords.end() ? "is on its way" : words->second) + ", " +
-         fixed(scene->value("seconds", 0.0), 0) + " s";
+  std::string line = without_controls(name) + " " + (words == kWords.end() ? "is on its way" : words->second);
+  if (scene->contains("share")) line += ", " + fixed(std::floor(100 * scene->value("share", 0.0)), 0) + "%";
+  return line + ", " + fixed(scene->value("seconds", 0.0), 0) + " s";
 }
 
 Result<std::string> load_scene(AdminClient& admin, const std::string& name) {

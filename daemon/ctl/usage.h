@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -27,6 +28,11 @@ inline const CLI::Validator& is_session_id() {
 inline CLI::AsNumberWithUnit seconds_with_unit() {
   const std::map<std::string, uint64_t> units{{"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}};
   return CLI::AsNumberWithUnit(units, CLI::AsNumberWithUnit::DEFAULT, "TIME");
+}
+
+// Whether the command line has the option, and not the environment alone.
+inline bool is_said(const CLI::App& app, const CLI::Option* option) {
+  return std::ranges::find(app.parse_order(), option) != app.parse_order().end();
 }
 
 // A word that stands where a command should: "no command 'sessoins'; did you mean sessions?". Empty if it is not that

@@ -73,6 +73,8 @@ constexpr std::array kTable{
              "too many connections from one address"},
     FaultRow{Fault::proxy_header, kRefusal, "proxy_header", Level::warning,
              "connection of one of server.proxies without a proper PROXY header"},
+    FaultRow{Fault::proxy_unlisted, kRefusal, "proxy_unlisted", Level::warning,
+             "connection with a PROXY header from an address that server.proxies does not name"},
 
     FaultRow{Fault::admin_timeout, kAdmin, "timeout", Level::debug, "admin connection asked for nothing in time"},
     FaultRow{Fault::admin_replaced, kAdmin, "replaced", Level::debug, "too many admin connections"},

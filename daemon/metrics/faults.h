@@ -62,6 +62,7 @@ enum class Fault : uint8_t {
   tls_failed,
   connection_rate,
   proxy_header,
+  proxy_unlisted,
   // A connection to the admin server is closed before it has asked for anything.
   admin_timeout,
   admin_replaced,

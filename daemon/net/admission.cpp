@@ -198,7 +198,7 @@ asio::awaitable<void> Admission::tell_what_it_waits_for(StreamPtr stream, std::s
     timer.expires_after(pause);
     co_await timer.async_wait(asio::use_awaitable);
     if (!pending_.is_waiting(stream.get())) co_return;
-    stream->send(protocol::Waiting{what_is_waited_for(shared_.health, under_way(shared_.scenes, scene))});
+    stream->send(what_is_waited_for(shared_.health, under_way(shared_.scenes, scene)));
   }
 }
 

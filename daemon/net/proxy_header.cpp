@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::array<uint8_t, 12> kSignature{0x0d, 0x0a, 0x0d, 0x0a, 0x00, 0x0d,
                                              0x0a, 0x51, 0x55, 0x49, 0x54, 0x0a};
+constexpr std::array<uint8_t, 6> kSignatureOfVersion1{'P', 'R', 'O', 'X', 'Y', ' '};
 constexpr uint8_t kLocal = 0x20, kProxied = 0x21;  // version 2 and the command
 constexpr uint8_t kUnspecified = 0x00, kTcp4 = 0x11, kTcp6 = 0x21;
 
@@ -22,6 +23,13 @@ Result<std::optional<asio::ip::address>> first_address(std::span<const uint8_t> 
 }
 
 }  // namespace
+
+bool is_proxy_start(std::span<const uint8_t> first) {
+  const auto begins_with = [&](const auto& signature) {
+    return first.size() >= signature.size() && std::equal(signature.begin(), signature.end(), first.begin());
+  };
+  return begins_with(kSignature) || begins_with(kSignatureOfVersion1);
+}
 
 Result<size_t> proxy_rest_bytes(ProxyStart start) {
   if (!std::equal(kSignature.begin(), kSignature.end(), start.begin()))

@@ -19,6 +19,10 @@ using ProxyStart = std::span<const uint8_t, kProxyStartBytes>;
 // Addresses and what proxies may add to them. A longer header is refused.
 inline constexpr size_t kMaxProxyRestBytes = 2048;
 
+// Whether these first bytes of a connection are a header's of version 1 or 2, and no client's. They may be fewer than
+// kProxyStartBytes.
+bool is_proxy_start(std::span<const uint8_t> first);
+
 // How many bytes follow the start. Error if it is not the start of a header of version 2.
 Result<size_t> proxy_rest_bytes(ProxyStart start);
 

@@ -3,6 +3,7 @@
 #include <netinet/tcp.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <asio/buffer.hpp>
@@ -10,6 +11,8 @@
 #include <asio/ssl/error.hpp>
 #include <asio/write.hpp>
 #include <utility>
+
+#include "daemon/net/proxy_header.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -36,6 +39,13 @@ Fault fault_of_handshake(const asio::error_code& error) {
   }
 }
 
+// Looks at what has come without taking it.
+bool begins_as_of_proxy(asio::ip::tcp::socket& socket) {
+  std::array<uint8_t, kProxyStartBytes> first{};
+  const ssize_t bytes = recv(socket.native_handle(), first.data(), first.size(), MSG_PEEK | MSG_DONTWAIT);
+  return bytes > 0 && is_proxy_start(std::span(first).first(static_cast<size_t>(bytes)));
+}
+
 }  // namespace
 
 TlsConnection::TlsConnection(asio::ip::tcp::socket socket, const asio::ip::address& client, asio::ssl::context& tls)
@@ -47,12 +57,21 @@ TlsConnection::TlsConnection(asio::ip::tcp::socket socket, const asio::ip::addre
   reached_ = stream_.next_layer().local_endpoint(ignored);
 }
 
+// The first bytes are looked at before OpenSSL takes them: what it says of a PROXY header, "wrong version number", tells an
+// operator nothing of the door that is missing in the configuration.
 void TlsConnection::start() {
-  stream_.async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](asio::error_code error) {
-    if (error) return self->end(fault_of_handshake(error), error.message());
-    self->on_open();
-    if (self->is_open()) self->read();
-  });
+  stream_.next_layer().async_wait(
+      asio::ip::tcp::socket::wait_read, [self = shared_from_this()](asio::error_code error) {
+        if (error) return self->end(Fault::handshake_abandoned, error.message());
+        if (begins_as_of_proxy(self->stream_.next_layer())) {
+          return self->end(Fault::proxy_unlisted, "a door that is not in the configuration, or a stranger");
+        }
+        self->stream_.async_handshake(asio::ssl::stream_base::server, [self](asio::error_code failed) {
+          if (failed) return self->end(fault_of_handshake(failed), failed.message());
+          self->on_open();
+          if (self->is_open()) self->read();
+        });
+      });
 }
 
 void TlsConnection::read() {

@@ -37,8 +37,8 @@ class TlsConnection : public std::enable_shared_from_this<TlsConnection> {
   virtual void on_open() = 0;
   virtual void on_bytes(std::span<const uint8_t> bytes) = 0;  // not after finish_sending()
   virtual void on_sent(size_t bytes) = 0;                     // the kernel has taken them
-  // Once, if the connection ends by itself and not by close(). `fault` says why the TLS handshake failed, and is
-  // handshake_abandoned if the connection ended otherwise; `why` is for the log.
+  // Once, if the connection ends by itself and not by close(). `fault` says why the TLS handshake failed, which
+  // a PROXY header in its place is one reason for, and is handshake_abandoned if the connection ended otherwise; `why` is for the log.
   virtual void on_ended(Fault fault, const std::string& why) = 0;
 
   size_t unsent_bytes() const { return unsent_bytes_; }

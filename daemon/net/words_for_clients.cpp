@@ -7,6 +7,10 @@ namespace {
 
 constexpr size_t kMostScenesNamed = 16;
 
+uint8_t percent_of(const std::optional<double>& share) {
+  return share ? static_cast<uint8_t>(100 * std::clamp(*share, 0.0, 1.0)) : protocol::Waiting::kUnknown;
+}
+
 }  // namespace
 
 protocol::Refused with_scenes(protocol::Refused refused, const SceneCatalog& catalog) {
@@ -18,16 +22,15 @@ protocol::Refused with_scenes(protocol::Refused refused, const SceneCatalog& cat
   return refused;
 }
 
-// In words that name neither the scene's file nor other clients.
-std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {
-  if (!health.serving) return "the server is starting";
-  if (!scene) return "a place on the devices";
+protocol::Waiting what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene) {
+  if (!health.serving) return {"the server is starting"};
+  if (!scene) return {"a place on the devices"};
   switch (scene->stage) {
-    case SceneUnderWay::Stage::queued: return "the scene is to be read, after others";
-    case SceneUnderWay::Stage::reading: return "the scene is being read";
-    case SceneUnderWay::Stage::preparing: return "the scene is being prepared on the devices";
+    case SceneUnderWay::Stage::queued: return {"the scene is to be read, after others"};
+    case SceneUnderWay::Stage::reading: return {"the scene is being read", percent_of(scene->share)};
+    case SceneUnderWay::Stage::preparing: return {"the scene is being prepared on the devices"};
   }
-  return "";
+  return {""};
 }
 
 std::string without_folder(std::string why, const std::string& scene, const SceneCatalog& catalog) {

@@ -18,6 +18,6 @@ protocol::Refused with_scenes(protocol::Refused refused, const SceneCatalog& cat
 std::string without_folder(std::string why, const std::string& scene, const SceneCatalog& catalog);
 
 // What a client waits for whose scene is on its way, or not. In words that name neither the scene's file nor other clients.
-std::string what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene);
+protocol::Waiting what_is_waited_for(const Health& health, const std::optional<SceneUnderWay>& scene);
 
 }  // namespace gnomon::daemon

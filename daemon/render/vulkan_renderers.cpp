@@ -37,13 +37,19 @@ std::vector<Error> check_vulkan_renderers(const Config& config) {
   return errors;
 }
 
-std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::StructureBuildsPtr& builds) {
+uint64_t cache_bytes_of(const RenderConfig& render) {
+  return render.cache_mb > 0 ? uint64_t{render.cache_mb} << 20 : UINT64_MAX;
+}
+
+std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::StructureBuildsPtr& builds,
+                                              std::shared_ptr<const std::atomic<uint64_t>> cache_bytes) {
   const RenderConfig& render = config.render;
   gpu::RendererOptions options;
   options.raster = render.raster;
   options.tracer = render.tracer;
   options.tracer_options.cache_folder = render.cache_folder;
-  if (render.cache_mb > 0) options.tracer_options.cache_bytes = uint64_t{render.cache_mb} << 20;
+  if (!cache_bytes) cache_bytes = std::make_shared<const std::atomic<uint64_t>>(cache_bytes_of(render));
+  options.tracer_options.cache_bytes = std::move(cache_bytes);
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   options.tracer_options.builds = builds;
   options.wait_for_builds = render.wait_for_light_buffers;

@@ -78,7 +78,7 @@ void SceneHost::serve_requests() {
 
 // Reads the scene, or waits with the request for whoever reads it already.
 void SceneHost::serve(const Request& request) {
-  Reading own{{request}, {}};
+  Reading own{{request}, {}, 0};
   const std::stop_token stop = own.stop.get_token();
   {
     std::lock_guard lock(mutex_);
@@ -114,7 +114,7 @@ std::optional<SceneHost::Request> SceneHost::next_request() {
   return ending_ ? std::nullopt : next;
 }
 
-Result<scenes::LoadedScene> SceneHost::read(const Request& request, std::stop_token stop) {
+Result<scenes::LoadedScene> SceneHost::read(const Request& request, const std::stop_token& stop) {
   if (!request.asker) registry_.retry(request.name);
   uint64_t most = 0;
   {
@@ -122,7 +122,13 @@ Result<scenes::LoadedScene> SceneHost::read(const Request& request, std::stop_to
     most = account_.largest(request.asker, [this](const std::string& name) { return is_free(name); });
   }
   if (most == std::numeric_limits<uint64_t>::max()) most = 0;  // no limit
-  auto loaded = within_memory([&] { return registry_.get(request.name, std::move(stop), most); });
+  const auto on_share = [&](double share) {
+    std::lock_guard lock(mutex_);
+    double& known = reading_.at(request.name).share;
+    known = std::max(known, share);
+  };
+  const scenes::Watch watch{stop, on_share};
+  auto loaded = within_memory([&] { return registry_.get(request.name, watch, most); });
   if (loaded && loaded->scene->lights.empty()) return Error{kNoLights};
   return loaded;
 }
@@ -345,7 +351,10 @@ SceneUnderWay::Stage SceneHost::stage(const std::string& name) const {
 std::vector<SceneUnderWay> SceneHost::under_way() const {
   std::lock_guard lock(mutex_);
   std::vector<SceneUnderWay> all;
-  for (const auto& [name, counted] : under_way_) all.push_back({name, stage(name), counted.since});
+  for (const auto& [name, counted] : under_way_) {
+    SceneUnderWay& scene = all.emplace_back(SceneUnderWay{name, stage(name), counted.since});
+    if (scene.stage == SceneUnderWay::Stage::reading) scene.share = reading_.at(name).share;
+  }
   return all;
 }
 

@@ -58,6 +58,8 @@ struct SceneUnderWay {
   std::string name;
   Stage stage = Stage::queued;
   TimePoint since{};  // when it was first asked for
+  std::optional<double> share =
+      std::nullopt;  // of its reading, 0 to 1 and never less than before; in that stage alone
 };
 const char* to_string(SceneUnderWay::Stage stage);
 
@@ -126,12 +128,13 @@ class SceneHost {
   struct Reading {
     std::vector<Request> waiting;
     std::stop_source stop;  // requested when nobody waits any more
+    double share = 0;       // of the file's way to a scene
   };
 
   void serve_requests();  // a loader's thread
   void serve(const Request& request);
   std::optional<Request> next_request();
-  Result<scenes::LoadedScene> read(const Request& request, std::stop_token stop);
+  Result<scenes::LoadedScene> read(const Request& request, const std::stop_token& stop);
   Result<void> make_room(const Request& request, const scenes::LoadedScene& loaded);
   bool is_free(const std::string& name) const;  // with mutex_ held
   void take_away(const std::string& name);      // with mutex_ held; the scene is resident

@@ -16,8 +16,8 @@ WorkerTask task_of(const SceneWorkerOptions& options, std::chrono::seconds time)
   task.max_memory_bytes = options.max_memory_bytes;
   task.max_cpu_seconds = static_cast<uint32_t>(time.count());
   task.niceness = kNicenessOfReaders;
-  task.log_level = options.log_level;
-  task.log_format = options.log_format;
+  task.log_level = options.log->level;
+  task.log_format = options.log->format;
   return task;
 }
 
@@ -68,28 +68,30 @@ class BuildsInWorker : public gpu::StructureBuilds {
 }  // namespace
 
 SceneWorkerOptions worker_options(const Config& config, std::filesystem::path program) {
-  return {.program = std::move(program),
-          .max_memory_bytes = uint64_t{config.scenes.worker_memory_mb} << 20,
-          .max_time = config.scenes.worker_time,
-          .max_build_time = config.scenes.build_time,
-          .colours = config.web.listen ? scenes::Colours::encoded : scenes::Colours::none,
-          .log_level = config.log.level,
-          .log_format = config.log.format};
+  SceneWorkerOptions options{.program = std::move(program),
+                             .max_memory_bytes = uint64_t{config.scenes.worker_memory_mb} << 20,
+                             .max_time = config.scenes.worker_time,
+                             .max_build_time = config.scenes.build_time,
+                             .colours = config.web.listen ? scenes::Colours::encoded : scenes::Colours::none};
+  options.log->level = config.log.level;
+  options.log->format = config.log.format;
+  return options;
 }
 
 Result<scenes::ScenePtr> load_in_worker(const SceneWorkerOptions& options, const scenes::SceneSource& source,
-                                        const scenes::LoadLimits& limits, std::stop_token stop) {
+                                        const scenes::LoadLimits& limits, const scenes::Watch& watch) {
   WorkerTask task = task_of(options, options.max_time);
   task.work = scenes::LoadTask{source.file, source.motions, limits, options.colours};
-  const auto outcome = run_worker(options.program, task, {.time = 2 * options.max_time, .stop = std::move(stop)});
+  Patience patience{.time = 2 * options.max_time, .stop = watch.stop};
+  if (watch.on_share) patience.on_progress = [&watch](size_t, double share) { watch.on_share(share); };
+  const auto outcome = run_worker(options.program, task, patience);
   if (!outcome) return outcome.error();
   return within_memory([&] { return scenes::read_outcome(outcome->bytes(), limits); });
 }
 
 scenes::SceneReader reader_in_worker(const SceneWorkerOptions& options) {
-  return [options](const scenes::SceneSource& source, const scenes::LoadLimits& limits, std::stop_token stop) {
-    return load_in_worker(options, source, limits, std::move(stop));
-  };
+  return [options](const scenes::SceneSource& source, const scenes::LoadLimits& limits,
+                   const scenes::Watch& watch) { return load_in_worker(options, source, limits, watch); };
 }
 
 gpu::StructureBuildsPtr builds_in_worker(const SceneWorkerOptions& options) {

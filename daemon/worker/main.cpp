@@ -48,19 +48,20 @@ Confinement confinement_of(const WorkerTask& task) {
   return to;
 }
 
-Result<void> done(const scenes::LoadTask& task, std::FILE* exchange) {
-  Result<scenes::ScenePtr> scene = Error{task.file.string() + ": reading it takes more memory than there may be"};
-  try {
-    scene = scenes::load_with_geometry(task.file, task.limits, task.motions, task.colours);
-  } catch (const std::bad_alloc&) {  // the reason stands already
-  }
-  return scenes::write_outcome(scene, exchange);
-}
-
 // What cannot be written is lost: the daemon shows an older share.
 void report(size_t light, double share) {
   const Progress progress{light, share};
   [[maybe_unused]] const ssize_t written = write(kProgress, &progress, sizeof progress);
+}
+
+Result<void> done(const scenes::LoadTask& task, std::FILE* exchange) {
+  Result<scenes::ScenePtr> scene = Error{task.file.string() + ": reading it takes more memory than there may be"};
+  try {
+    scene = scenes::load_with_geometry(task.file, task.limits, task.motions, task.colours,
+                                       [](double share) { report(0, share); });
+  } catch (const std::bad_alloc&) {  // the reason stands already
+  }
+  return scenes::write_outcome(scene, exchange);
 }
 
 Result<void> done(const gpu::BuildTask& task, std::FILE* exchange) {

@@ -18,8 +18,8 @@ inline constexpr int kExchange = 3;
 inline constexpr int kProgress = 4;  // a pipe into which the worker writes Progress, and nothing else
 
 struct Progress {
-  uint64_t light = 0;
-  double share = 0;  // of that light's work, 0 to 1
+  uint64_t light = 0;  // 0 of a scene that is read
+  double share = 0;    // of that light's work, or of the reading, 0 to 1
 };
 
 struct WorkerTask {

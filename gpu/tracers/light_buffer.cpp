@@ -153,7 +153,7 @@ class LightBufferTracer : public Tracer {
   // False if the cache should have taken it and did not.
   bool save(const TracerInput& input, const light_buffer::LightBuffer& buffer) const {
     if (!is_cached(input)) return true;
-    const auto saved = light_buffer::save(options_.cache_folder, key_of(input), buffer, options_.cache_bytes);
+    const auto saved = light_buffer::save(options_.cache_folder, key_of(input), buffer, cache_limit(options_));
     if (!saved) {
       log::warning("light buffer not cached", {{"scene", input.scene.name}, {"reason", saved.error().message}});
     }
@@ -202,7 +202,7 @@ Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device
                  std::to_string(device->features().subgroups.usual) + " lanes"};
   }
   if (!options.cache_folder.empty()) {  // the limit may be lower than it was
-    const auto trimmed = light_buffer::trim(options.cache_folder, options.cache_bytes);
+    const auto trimmed = light_buffer::trim(options.cache_folder, cache_limit(options));
     if (trimmed.files > 0) log::info("cache trimmed", {{"files", trimmed.files}, {"bytes", trimmed.bytes}});
   }
   return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, *shader, options));

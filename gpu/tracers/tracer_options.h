@@ -1,8 +1,10 @@
 // Options of tracers.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -19,10 +21,16 @@ struct TraceShader {
 
 struct TracerOptions {
   std::filesystem::path cache_folder;  // for the results of builds; empty: no cache
-  uint64_t cache_bytes = UINT64_MAX;   // most that the folder may hold; what was used least recently leaves first
-  uint64_t light_buffer_bytes = 0;     // memory budget of a scene's light buffers; 0: by the number of lights
+  // Most that the folder may hold; what was used least recently leaves first. Read whenever something is kept. nullptr: no
+  // limit.
+  std::shared_ptr<const std::atomic<uint64_t>> cache_bytes = nullptr;
+  uint64_t light_buffer_bytes = 0;  // memory budget of a scene's light buffers; 0: by the number of lights
   StructureBuildsPtr builds = builds_here();
   std::optional<TraceShader> light_buffer_shader = {};  // instead of the one for the device's subgroups: for tests
 };
+
+inline uint64_t cache_limit(const TracerOptions& options) {
+  return options.cache_bytes ? options.cache_bytes->load() : UINT64_MAX;
+}
 
 }  // namespace gnomon::gpu

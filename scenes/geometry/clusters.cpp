@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <span>
 #include <thread>
@@ -102,7 +103,8 @@ class Corners {
 
 class Builder {
  public:
-  Builder(const Scene& scene, WorldMesh& mesh) : scene_(scene), mesh_(mesh), welded_(weld(mesh)) {}
+  Builder(const Scene& scene, WorldMesh& mesh, const OnShare& on_share)
+      : scene_(scene), mesh_(mesh), on_share_(on_share), welded_(weld(mesh)) {}
 
   Clusters build() {
     const std::vector<bool> large = occluders();
@@ -155,8 +157,10 @@ class Builder {
     std::vector<std::span<uint32_t>> parts;
     divide(members, parts);
     std::vector<Piece> pieces(parts.size());
-    parallel_for(parts.size(), std::max(1u, std::thread::hardware_concurrency()),
-                 [&](size_t i) { pieces[i] = make_piece(parts[i], double_sided); });
+    parallel_for(parts.size(), std::max(1u, std::thread::hardware_concurrency()), [&](size_t i) {
+      pieces[i] = make_piece(parts[i], double_sided);
+      count(parts[i].size());
+    });
     for (const Piece& piece : pieces) {
       const auto first = static_cast<uint32_t>(out_.numbers.size());
       out_.numbers.insert(out_.numbers.end(), piece.numbers.begin(), piece.numbers.end());
@@ -165,6 +169,14 @@ class Builder {
         out_.clusters.back().first_triangle += first;
       }
     }
+  }
+
+  // Any thread.
+  void count(size_t triangles) {
+    if (!on_share_) return;
+    std::lock_guard lock(telling_);
+    counted_ += triangles;
+    on_share_(static_cast<double>(counted_) / static_cast<double>(mesh_.triangles.size()));
   }
 
   // Halves the triangles along the longest side until the parts are small enough to be shared among the cores. The
@@ -261,12 +273,17 @@ class Builder {
 
   const Scene& scene_;
   WorldMesh& mesh_;
+  const OnShare& on_share_;
+  std::mutex telling_;
+  size_t counted_ = 0;  // triangles that are in clusters; guarded by telling_
   WeldedMesh welded_;
   Clusters out_;
 };
 
 }  // namespace
 
-Clusters make_clusters(const Scene& scene, WorldMesh& mesh) { return Builder(scene, mesh).build(); }
+Clusters make_clusters(const Scene& scene, WorldMesh& mesh, const OnShare& on_share) {
+  return Builder(scene, mesh, on_share).build();
+}
 
 }  // namespace gnomon::scenes

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "scenes/on_share.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::scenes {
@@ -57,6 +58,6 @@ struct Clusters {
 
 // Reorders the triangles of `mesh` by cluster; opaque ones still come first. The order depends only on what
 // Scene::content_hash covers, and on the version of meshoptimizer.
-Clusters make_clusters(const Scene& scene, WorldMesh& mesh);
+Clusters make_clusters(const Scene& scene, WorldMesh& mesh, const OnShare& on_share = {});
 
 }  // namespace gnomon::scenes

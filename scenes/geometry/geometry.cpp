@@ -30,10 +30,10 @@ uint64_t predicted_bytes(const Scene& scene) {
   return host + geometry + textures + size.triangles * kHierarchy;
 }
 
-Geometry make_geometry(const Scene& scene) {
+Geometry make_geometry(const Scene& scene, const OnShare& on_share) {
   Geometry geometry;
   geometry.mesh = build_world_mesh(scene);
-  geometry.clusters = make_clusters(scene, geometry.mesh);
+  geometry.clusters = make_clusters(scene, geometry.mesh, on_share);
   return geometry;
 }
 

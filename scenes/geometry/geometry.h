@@ -21,7 +21,7 @@ struct Geometry {
 uint64_t predicted_bytes(const Scene& scene);
 
 // Blocking; any thread.
-Geometry make_geometry(const Scene& scene);
+Geometry make_geometry(const Scene& scene, const OnShare& on_share = {});
 
 // The scene's own, or made now if it has none.
 GeometryPtr geometry_of(const Scene& scene);

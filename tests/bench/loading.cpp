@@ -50,7 +50,7 @@ class LoadingSuite : public Suite {
       return {};
     };
     const auto read = compare([&] { return keep(scenes::read_here(source, {})); },
-                              [&] { return keep(daemon::load_in_worker(worker_, source, {}, {})); });
+                              [&] { return keep(daemon::load_in_worker(worker_, source, {})); });
     if (!read) return read.error();
     add_row(name, *scene, "read", *read);
     const scenes::GeometryPtr geometry = scenes::geometry_of(*scene);

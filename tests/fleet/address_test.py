@@ -35,8 +35,9 @@ class Door:
         self.file = folder / f"{name}.conf"
         self.file.write_text(text.replace("10.0.0.2/24", f"{ADDRESS}/24"))
         self.door = folder / f"{name}.cfg"
-        # This machine may not allow 20,000 connections' descriptors.
-        self.door.write_text((DEPLOY / "haproxy.cfg").read_text().replace("maxconn 20000", "maxconn 100"))
+        # This machine may not allow 20,000 connections' descriptors, and both doors are on it.
+        text = (DEPLOY / "haproxy.cfg").read_text().replace("maxconn 20000", "maxconn 100")
+        self.door.write_text(text.replace("/run/haproxy/admin.sock", f"{folder}/{name}.sock"))
         self.haproxy = self.keepalived = None
 
     def start_haproxy(self):

@@ -36,18 +36,30 @@ function element(name, attributes = {}, text = '') {
   return made;
 }
 
-// A tenant's figures between two requests. total_ms is the plain mean of its sessions' means.
+// The mean over a tenant's frames since the request before: each session's mean of the last second counts as often as it
+// was answered.
+function meanUs(sessions, before) {
+  const earlier = new Map((before ? before.sessions : []).map((session) => [session.id, session.frames]));
+  let frames = 0, sum = 0;
+  for (const session of sessions) {
+    const answered = Math.max(0, session.frames - (earlier.get(session.id) || 0));
+    frames += answered;
+    sum += answered * session.total_us;
+  }
+  return frames > 0 ? sum / frames : 0;
+}
+
+// A tenant's figures between two requests.
 function figures(tenant, status, before, seconds) {
   const earlier = before && before.tenants.find((other) => other.name === tenant.name);
   const since = (key) => earlier && seconds > 0 ? Math.max(0, tenant[key] - earlier[key]) / seconds : 0;
   const sessions = status.sessions.filter((session) => session.tenant === tenant.name && session.total_us > 0);
-  const total = sessions.reduce((sum, session) => sum + session.total_us, 0);
   return {
     vbps: since('buffers'),
     mbit_per_s: since('bytes') * 8 / 1e6,
     share: tenant.share || 0,
     expected_share: tenant.expected_share || 0,
-    total_ms: sessions.length ? total / sessions.length / 1000 : 0,
+    total_ms: meanUs(sessions, before) / 1000,
   };
 }
 

@@ -4,6 +4,7 @@ with none, and without an address.
 
     admin_test.py BUILD
 """
+import json
 import os
 import signal
 import subprocess
@@ -15,6 +16,7 @@ from node import Node, eventually
 BUILD = sys.argv.pop(1)
 TOKEN = "the operators' token"
 NEXT_TOKEN = "the operators' next token"
+TRIANGLE = "data:application/octet-stream;base64,AACAvwAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
 
 
 class Admin(unittest.TestCase):
@@ -111,6 +113,49 @@ class Admin(unittest.TestCase):
         self.assertIn("admin.token_file", node.log_text())
         self.write("token", NEXT_TOKEN)
         self.assertEqual(self.over_tcp("reload", "--token-file", file)[0], 0)
+
+
+class Reload(unittest.TestCase):
+    """Of what is made beside the daemon: what workers log, and what may be kept of light buffers."""
+
+    SCENE = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36, "uri": TRIANGLE}],
+             "bufferViews": [{"buffer": 0, "byteLength": 36}],
+             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "skins": [{"joints": [0]}],
+             "nodes": [{"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0, 0, 2]}],
+             "scenes": [{"nodes": [0, 1]}], "scene": 0, "extensionsUsed": ["KHR_lights_punctual"],
+             "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}}
+
+    def setUp(self):
+        self.node = Node(BUILD, scenes={"list": []}, render={"tracer": "light_buffer"})
+        self.addCleanup(self.node.__exit__)
+        self.node.start()
+
+    def reload(self):
+        self.node.write_config()
+        self.assertEqual(self.node.ctl("reload"), (0, "reloaded\n"))
+
+    def events(self, start):
+        return [json.loads(line)["event"] for line in self.node.log_text().splitlines()[start:]]
+
+    def test_it_changes_how_the_log_is_written_and_what_the_cache_may_hold(self):
+        node = self.node
+        (node.folder / "doll.gltf").write_text(json.dumps(self.SCENE))  # of its skin the worker that reads it warns
+        node.config["log"] = {"format": "json"}
+        node.config["render"]["cache_mb"] = 1  # less than the scene's one light takes
+        node.config["scenes"]["list"].append({"name": "doll", "file": "doll.gltf"})
+        start = len(node.log_text().splitlines())
+        self.reload()
+        eventually(lambda: "light buffers ready" in node.log_text(), "the light buffers")
+        for event in ("configuration", "configuration reloaded", "skins are left out: their meshes stay as stored",
+                      "light buffer not cached"):
+            self.assertIn(event, self.events(start))
+        self.assertEqual(list(node.cache.glob("*.lightbuffer")), [])
+        node.config["render"]["cache_mb"] = 0
+        self.reload()
+        for what in ("unload", "load"):
+            self.assertEqual(node.ctl("scene", what, "doll")[0], 0)
+        eventually(lambda: list(node.cache.glob("*.lightbuffer")), "a light buffer that is kept")
 
 
 if __name__ == "__main__":

@@ -120,6 +120,16 @@ class ExitStatuses(unittest.TestCase):
             self.assertEqual(run("gnomonctl", *arguments)[0], 2, arguments)
         self.assertEqual(run("gnomon-load", "--server", "h:1", "--scene", "s", "--size", "8x8", "--rate", "-1")[0], 2)
 
+    def test_an_address_that_is_said_is_asked_and_not_the_fleet_of_the_environment(self):
+        fleet = {**os.environ, "GNOMON_FLEET": "n1=http://127.0.0.1:2"}
+        for arguments in (("--admin", "http://127.0.0.1:1", "status"), ("sessions", "--admin", "http://127.0.0.1:1")):
+            text = run("gnomonctl", *arguments, env=fleet)[1]
+            self.assertTrue(text.startswith("gnomonctl: http://127.0.0.1:1 does not answer"), text)
+        for more, environment in ((("--fleet", "n1=http://127.0.0.1:2"), os.environ), ((), fleet),
+                                  ((), {**fleet, "GNOMON_ADMIN": "http://127.0.0.1:1"})):
+            text = run("gnomonctl", "status", *more, env=environment)[1]
+            self.assertIn("n1: http://127.0.0.1:2 does not answer", text)
+
     def test_what_fails_is_1(self):
         for program, arguments in (("gnomonctl", ("--admin", "http://127.0.0.1:1", "status")),
                                    ("gnomond", ("--config", "/no/such/file")),

@@ -13,7 +13,7 @@ except ModuleNotFoundError as error:
     sys.exit(77)
 
 FOLDER = pathlib.Path(__file__).resolve().parents[3] / "deploy/kubernetes"
-BASE, OVERLAY, AGONES = FOLDER / "base", FOLDER / "two-gpus", FOLDER / "agones"
+BASE, OVERLAY, AGONES, EXAMPLE = FOLDER / "base", FOLDER / "two-gpus", FOLDER / "agones", FOLDER / "example"
 QUANTITY = parse_quantity
 # Debian's library is of Kubernetes 1.22, which had these fields under the name before the last.
 CLASSES = {"V2HorizontalPodAutoscaler": "V2beta2HorizontalPodAutoscaler"}

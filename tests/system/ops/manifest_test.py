@@ -76,7 +76,7 @@ class Assembly(unittest.TestCase):
     """What kustomize makes of the folders."""
 
     def test_every_file_is_used(self):
-        for folder in (manifest.BASE, manifest.OVERLAY, manifest.AGONES, manifest.AGONES / "fleet"):
+        for folder in (manifest.BASE, manifest.OVERLAY, manifest.EXAMPLE, manifest.AGONES, manifest.AGONES / "fleet"):
             made = manifest.kustomization(folder)
             used = {"kustomization.yaml", *made["resources"], *made.get("configurations", [])}
             used |= {patch["path"] for patch in made.get("patches", []) if "path" in patch}
@@ -116,6 +116,74 @@ class Assembly(unittest.TestCase):
             name, = (volume["configMap"]["name"] for volume in pod["volumes"] if "configMap" in volume)
             self.assertRegex(name, "^gnomon-[a-z0-9]+$")
             self.assertIn("gnomond.yaml", made[f"ConfigMap/{name}"]["data"])
+
+
+class Example(unittest.TestCase):
+    """The overlay for scenes, tenants and an image of one's own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = manifest.kustomization(manifest.EXAMPLE)
+        cls.config = manifest.load((manifest.EXAMPLE / "gnomond.yaml").read_text())
+        patch = manifest.load((manifest.EXAMPLE / "nodes.yaml").read_text())
+        cls.patched = f"Deployment/{patch['metadata']['name']}"
+        pod = patch["spec"]["template"]["spec"]
+        cls.container, = pod["containers"]
+        cls.mounts = {mount["name"]: mount for mount in cls.container["volumeMounts"]}
+        cls.volumes = {volume["name"]: volume for volume in pod["volumes"]}
+
+    def test_it_adds_to_the_pod_of_the_base(self):
+        pod = manifest.documents()[self.patched]["spec"]["template"]["spec"]
+        self.assertEqual([each["name"] for each in pod["containers"]], [self.container["name"]])
+        self.assertEqual(set(self.mounts), set(self.volumes))
+        self.assertEqual(set(self.volumes) & {volume["name"] for volume in pod["volumes"]}, set())
+        taken = {mount["mountPath"] for mount in pod["containers"][0]["volumeMounts"]}
+        for mount in self.mounts.values():
+            self.assertNotIn(mount["mountPath"], taken)
+            self.assertTrue(mount["readOnly"])
+
+    def test_scenes_are_on_a_volume_that_all_nodes_may_read(self):
+        claim = manifest.load((manifest.EXAMPLE / "scenes.yaml").read_text())
+        self.assertEqual(manifest.understood(claim), claim)
+        self.assertEqual(claim["spec"]["accessModes"], ["ReadOnlyMany"])
+        self.assertEqual(self.volumes["scenes"]["persistentVolumeClaim"],
+                         {"claimName": claim["metadata"]["name"], "readOnly": True})
+        for scene in self.config["scenes"]["list"]:
+            self.assertEqual(str(pathlib.Path(scene["file"]).parent), self.mounts["scenes"]["mountPath"])
+
+    def test_tokens_are_in_a_secret_that_the_head_of_the_file_makes(self):
+        secret = self.volumes["tokens"]["secret"]
+        self.assertEqual(secret["defaultMode"], 0o440)
+        text = (manifest.EXAMPLE / "kustomization.yaml").read_text()
+        for tenant in self.config["tenants"]:
+            file = pathlib.Path(tenant["token_sha256_file"])
+            self.assertEqual(str(file.parent), self.mounts["tokens"]["mountPath"])
+            self.assertRegex(text, rf"create secret generic {secret['secretName']} .*--from-file={file.name}\b")
+
+    def test_the_rest_of_the_configuration_is_the_bases(self):
+        base, own = manifest.load((manifest.BASE / "gnomond.yaml").read_text()), copy.deepcopy(self.config)
+        for config in (base, own):
+            config["scenes"].pop("list")
+            config.pop("tenants")
+        self.assertEqual(base, own)
+
+    @unittest.skipUnless(shutil.which("kubectl"), "there is no kubectl")
+    def test_kubectl_assembles_it(self):
+        text = subprocess.run(["kubectl", "kustomize", manifest.EXAMPLE], check=True, text=True, stdout=subprocess.PIPE).stdout
+        made = manifest.by_name(manifest.yaml.safe_load_all(text))
+        for document in made.values():
+            self.assertEqual(manifest.understood(document), document)
+        pod = made[self.patched]["spec"]["template"]["spec"]
+        image, = self.made["images"]
+        for container in (*pod["containers"], *pod["initContainers"]):
+            self.assertEqual(container["image"], f"{image['newName']}:{image['newTag']}")
+        self.assertNotIn(image["name"], text, "a name that the base has otherwise would be left as it is")
+        mounted = {mount["mountPath"] for mount in pod["containers"][0]["volumeMounts"]}
+        base = manifest.documents()[self.patched]["spec"]["template"]["spec"]["containers"][0]
+        self.assertEqual(mounted - {mount["mountPath"] for mount in base["volumeMounts"]},
+                         {mount["mountPath"] for mount in self.mounts.values()})
+        name, = (volume["configMap"]["name"] for volume in pod["volumes"] if "configMap" in volume)
+        self.assertIn("/srv/scenes/hall.glb", made[f"ConfigMap/{name}"]["data"]["gnomond.yaml"])
 
 
 def paths(node, path=""):
@@ -212,7 +280,9 @@ class Fleet(unittest.TestCase):
             return {line.strip() for line in text.splitlines() if line.strip() and not line.strip().startswith("#")}
         alone = directives((SOURCE / "deploy/fleet/haproxy.cfg").read_text())
         here = directives(self.doors)
-        self.assertTrue(all(line.startswith("server ") for line in alone - here), alone - here)
+        # A pod has an account and a root of its own.
+        elsewhere = re.compile("(server|user|group|chroot|stats) ")
+        self.assertTrue(all(elsewhere.match(line) for line in alone - here), alone - here)
 
     @unittest.skipUnless(shutil.which("haproxy"), "there is no haproxy")
     def test_haproxy_takes_the_configuration(self):
@@ -347,12 +417,19 @@ class Fit(unittest.TestCase):
                     if variable.get("valueFrom") == {"fieldRef": {"fieldPath": "status.hostIP"}})
         arguments = [argument.replace(f"$({address})", "192.0.2.7") for argument in self.container["args"]]
         self.assertNotIn("$(", " ".join(arguments))
-        for folder in (manifest.BASE, manifest.OVERLAY, manifest.AGONES / "fleet"):
-            arguments[arguments.index("--config") + 1] = folder / "gnomond.yaml"
-            done = subprocess.run([BUILD / "bin/gnomond", *arguments, "--check-config",
-                                   "--for-reload"], text=True,  # the files that it names are in the container
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-            self.assertEqual(done.returncode, 0, done.stdout)
+        with tempfile.TemporaryDirectory() as volumes:
+            shutil.copy(BUILD / "share/gnomon/scenes/living_room.glb", f"{volumes}/hall.glb")
+            (pathlib.Path(volumes) / "lab.sha256").write_text(64 * "0" + "\n")
+            (pathlib.Path(volumes) / "lab.sha256").chmod(0o440)
+            for folder in (manifest.BASE, manifest.OVERLAY, manifest.EXAMPLE, manifest.AGONES / "fleet"):
+                text = (folder / "gnomond.yaml").read_text()
+                file = pathlib.Path(volumes) / "gnomond.yaml"
+                file.write_text(text.replace("/srv/scenes", volumes).replace("/run/tokens", volumes))
+                arguments[arguments.index("--config") + 1] = file
+                done = subprocess.run([BUILD / "bin/gnomond", *arguments, "--check-config",
+                                       "--for-reload"], text=True,  # the other files that it names are in the container
+                                      stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                self.assertEqual(done.returncode, 0, f"{folder}: {done.stdout}")
 
 
 if __name__ == "__main__":

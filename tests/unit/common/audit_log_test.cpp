@@ -125,5 +125,30 @@ TEST_F(AuditLog, RefusalsAreLimitedInRateAndActionsAreNot) {
   EXPECT_EQ(lines_of(file_), before + kMany);
 }
 
+TEST_F(AuditLog, AnotherFormatHoldsForItAndForTheLogFromThenOn) {
+  configure(Level::info, Format::key_value);
+  open();
+  audit("first");
+  testing::internal::CaptureStderr();
+  info("one", {{"key", "a"}});
+  configure(Level::info, Format::json);
+  audit("second", {{"operator", "root"}});
+  info("two", {{"key", "b"}});
+  configure(Level::warning, Format::key_value);
+  audit("third");
+  info("three");
+  warning("four");
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(std::regex_search(
+      log, std::regex("info one key=a\n.*\"level\":\"info\",\"event\":\"two\",\"key\":\"b\"\\}\n.*warning four\n")))
+      << log;
+  EXPECT_EQ(log.find("three"), std::string::npos);
+  const std::string text = text_of(file_);
+  EXPECT_TRUE(std::regex_search(
+      text, std::regex(" audit first\n\\{.*\"logger\":\"audit\",\"event\":\"second\",\"operator\":\"root\"\\}\n.* "
+                       "audit third\n")))
+      << text;
+}
+
 }  // namespace
 }  // namespace gnomon::log

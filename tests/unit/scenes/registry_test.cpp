@@ -53,7 +53,7 @@ TEST(Registry, ARefusalIsRememberedWhileTheFileStaysTheSame) {
   const auto file = folder.write("slow.gltf", std::string("{}"));
   int reads = 0;
   Registry registry({{"slow", file}}, {},
-                    [&](const SceneSource&, const LoadLimits&, std::stop_token) -> Result<ScenePtr> {
+                    [&](const SceneSource&, const LoadLimits&, const Watch&) -> Result<ScenePtr> {
                       ++reads;
                       return Error{"it is a bomb"};
                     });

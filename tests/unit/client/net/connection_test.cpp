@@ -82,6 +82,24 @@ TEST(Connection, ARefusalSaysWhyAndWhatWouldFit) {
   EXPECT_EQ(watched.stream.connection().refusal()->code, protocol::RefusalCode::over_capacity);
 }
 
+TEST(Connection, WhatAServerSaysStaysOneLineAsItReads) {
+  const auto heard = [](const protocol::Message& said) {
+    FakeServer server([&](Peer& peer) {
+      peer.read();
+      peer.write(said);
+      peer.read();
+    });
+    Watched watched(options_for(server.address()));
+    const auto opened = watched.stream.wait_open();
+    return opened ? std::string("opened") : opened.error().message;
+  };
+  // The protocol has no control characters; these turn the direction of writing, and break the line.
+  const std::string text = "no\u202egnp.exe\u2028root@here:~# ";
+  const std::string shown = "no\\u202egnp.exe\\u2028root@here:~# ";
+  EXPECT_EQ(heard(protocol::Refused{protocol::RefusalCode::internal, text}), "refused (internal): " + shown);
+  EXPECT_EQ(heard(protocol::Bye{text}), "the server ended the session: " + shown);
+}
+
 TEST(Connection, NobodyListeningIsOneClearLine) {
   Address address;
   {

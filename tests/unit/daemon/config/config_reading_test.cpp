@@ -53,6 +53,8 @@ TEST(ConfigReading, ARestartIsNeededForWhatARunningDaemonCannotChange) {
   next.scenes.list = {{"a", "a.glb", ""}};
   next.scenes.allow_files = {"files"};
   next.log.level = log::Level::debug;
+  next.log.format = log::Format::json;
+  next.render.cache_mb = 1;
   EXPECT_TRUE(restart_keys(next, running).empty());
   next.server.control_port = 1;
   next.render.tracer = "bvh";

@@ -2,8 +2,11 @@
 #include "daemon/ctl/init.h"
 
 #include <gtest/gtest.h>
+#include <openssl/pem.h>
+#include <openssl/x509v3.h>
 
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include "daemon/config/config.h"
@@ -15,6 +18,14 @@ namespace gnomon::ctl {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool is_good_for(const std::string& pem, const std::string& host) {
+  const std::unique_ptr<BIO, decltype(&BIO_free_all)> bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())),
+                                                          BIO_free_all);
+  const std::unique_ptr<X509, decltype(&X509_free)> read(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr),
+                                                         X509_free);
+  return read && X509_check_host(read.get(), host.c_str(), host.size(), 0, nullptr) == 1;
+}
 
 class Init : public testing::Test {
  protected:
@@ -89,6 +100,87 @@ TEST_F(Init, ASecondTimeKeepsTheAuthorityTheTokensAndTheConfigurationBefore) {
   EXPECT_EQ(made("gnomond.yaml.before"), config);
 }
 
+TEST_F(Init, ASecondTimeKeepsWhatItIsNotAskedFor) {
+  request_.tenants = {"lab", "null", "1.50"};
+  ASSERT_TRUE(init(request_));
+  const std::string written = made("gnomond.yaml");
+  std::string changed = written + "scheduler: {policy: priority}\n";
+  changed.replace(changed.find("  mode: production"), 18, "  mode: production\n  max_sessions: 77");
+  changed.replace(changed.find("  - name: lab"), 13, "  - name: lab\n    weight: 3");
+  ASSERT_TRUE(write_file(request_.out / "gnomond.yaml", changed, 0644));
+  InitRequest again;
+  again.out = request_.out;
+  again.hosts = request_.hosts;
+  again.listen = "192.0.2.7";
+  again.port = 7700;
+  const auto done = init(again);
+  ASSERT_TRUE(done) << done.error().message;
+  const auto config = daemon::read_config(request_.out / "gnomond.yaml", {});
+  ASSERT_TRUE(config) << config.error().message << made("gnomond.yaml");
+  EXPECT_EQ(config->server.max_sessions, 77u);
+  EXPECT_EQ(config->scheduler.policy, "priority");
+  EXPECT_EQ(config->server.listen, "192.0.2.7");
+  EXPECT_EQ(config->server.data_port, 7700);
+  ASSERT_EQ(config->tenants.size(), 3u) << "nobody said that they are to go";
+  EXPECT_EQ(config->tenants[0].weight, 3u);
+  EXPECT_EQ(config->tenants[1].name, "null");
+  EXPECT_EQ(config->tenants[2].name, "1.50");
+  EXPECT_EQ(config->scenes.list.at(0).name, "show");
+  again.listen = {};
+  again.tenants = {"museum", "lab"};
+  ASSERT_TRUE(init(again));
+  const auto next = daemon::read_config(request_.out / "gnomond.yaml", {});
+  EXPECT_EQ(next->server.listen, "192.0.2.7");
+  ASSERT_EQ(next->tenants.size(), 2u) << "those that are said are all";
+  EXPECT_EQ(next->tenants[1].weight, 3u);
+}
+
+TEST_F(Init, AConfigurationOfAnothersHandIsReplaced) {
+  fs::create_directories(request_.out);
+  const std::string others = "# The package's\nserver: {max_sessions: 77}\n";
+  ASSERT_TRUE(write_file(request_.out / "gnomond.yaml", others, 0644));
+  ASSERT_TRUE(init(request_));
+  EXPECT_NE(daemon::read_config(request_.out / "gnomond.yaml", {})->server.max_sessions, 77u);
+  EXPECT_EQ(made("gnomond.yaml.before"), others);
+}
+
+TEST_F(Init, ANodeOfAFleetHasWhatItsDoorAndItsClientsNeed) {
+  request_.hosts = {};
+  request_.fleet = "gnomon.example";
+  request_.public_address = "10.0.0.11";
+  request_.proxies = {"10.0.0.2", "10.64.0.0/10"};
+  const auto steps = init(request_);
+  ASSERT_TRUE(steps) << steps.error().message;
+  EXPECT_NE(steps->find("--server gnomon.example:7600 --fleet gnomon.example --ca ca.pem"), std::string::npos)
+      << *steps;
+  const auto expect_fleet = [&] {
+    const auto config = daemon::read_config(request_.out / "gnomond.yaml", {});
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_EQ(config->fleet.name, "gnomon.example");
+    EXPECT_EQ(config->fleet.door_listen, "10.0.0.11");
+    EXPECT_EQ(config->fleet.door_port, 7602);
+    EXPECT_EQ(config->server.public_address, "10.0.0.11");
+    EXPECT_EQ(config->server.proxies, (std::vector<std::string>{"10.0.0.2", "10.64.0.0/10"}));
+    EXPECT_EQ(config->server.drain_timeout, std::chrono::seconds(40));
+    for (const char* host : {"gnomon.example", "s-67425801bf1a60fe.gnomon.example"})
+      EXPECT_TRUE(is_good_for(made("credentials/server.pem"), host)) << host;
+  };
+  expect_fleet();
+  InitRequest again;
+  again.out = request_.out;
+  again.tenants = {"lab"};
+  const auto second = init(again);
+  ASSERT_TRUE(second) << second.error().message;
+  expect_fleet();
+  again.door_port = 7612;
+  again.door_listen = "10.1.0.11";
+  ASSERT_TRUE(init(again));
+  const auto config = daemon::read_config(request_.out / "gnomond.yaml", {});
+  EXPECT_EQ(config->fleet.door_port, 7612);
+  EXPECT_EQ(config->fleet.door_listen, "10.1.0.11");
+  EXPECT_EQ(config->server.public_address, "10.0.0.11");
+}
+
 TEST_F(Init, RefusesWhatItCannotMake) {
   const auto refused = [&](InitRequest request) {
     const auto done = init(request);
@@ -103,6 +195,14 @@ TEST_F(Init, RefusesWhatItCannotMake) {
   request = request_;
   request.scenes = {"show=/no/such.glb"};
   EXPECT_NE(refused(request).find("/no/such.glb is no file"), std::string::npos);
+  request = request_;
+  request.fleet = "gnomon.example";
+  EXPECT_NE(refused(request).find("--public-address is missing"), std::string::npos);
+  request.public_address = "node1";
+  EXPECT_NE(refused(request).find("--proxies is missing"), std::string::npos);
+  request.proxies = {"10.0.0.2"};
+  EXPECT_NE(refused(request).find("server.public_address: \"node1\" is not allowed"), std::string::npos)
+      << refused(request);
   EXPECT_FALSE(fs::exists(request_.out)) << "nothing was written";
   ASSERT_TRUE(init(request_));
   fs::remove(request_.out / "private/ca-key.pem");

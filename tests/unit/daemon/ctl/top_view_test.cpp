@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "daemon/ctl/scene_load.h"
+
 namespace gnomon::ctl {
 namespace {
 
@@ -120,6 +122,15 @@ TEST_F(Top, FitsAnyTerminal) {
 TEST_F(Top, TroubleStandsWhereTheHeadingWas) {
   const auto lines = view_.screen(top_tables({before_, now_, 1.0}), 24, 80, "does not answer");
   EXPECT_EQ(lines.front(), "does not answer");
+}
+
+TEST(SceneLoad, SaysWhatASceneIsAtAndHowFarThatIs) {
+  const auto line = [](nlohmann::json scene) {
+    scene["name"] = "temple";
+    return stage_line({{"scenes_under_way", {scene}}}, "temple");
+  };
+  EXPECT_EQ(line({{"stage", "reading"}, {"seconds", 3.2}, {"share", 0.437}}), "temple is being read, 43%, 3 s");
+  EXPECT_EQ(line({{"stage", "queued"}, {"seconds", 1.0}}), "temple waits for others to be read, 1 s");
 }
 
 }  // namespace

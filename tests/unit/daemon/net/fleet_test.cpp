@@ -147,6 +147,22 @@ TEST_F(Fleet, AProxysConnectionBeginsWithAHeader) {
   EXPECT_TRUE(eventually([&] { return count_of(Fault::proxy_header) == 2; })) << "one that says nothing is closed";
 }
 
+TEST_F(Fleet, ADoorThatIsNotListedIsNamed) {
+  config_.server.proxies = {"192.0.2.1"};
+  start();
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(through_proxy("192.0.2.7")->shook_hands());
+  const std::string version_1 = "PROXY TCP4 192.0.2.7 192.0.2.1 12345 7600\r\n";
+  EXPECT_FALSE(TestClient(daemon_->control_port(), {}, {version_1.begin(), version_1.end()}).shook_hands());
+  EXPECT_TRUE(eventually([&] { return count_of(Fault::proxy_unlisted) == 2; }));
+  EXPECT_EQ(count_of(Fault::tls_failed), 0u);
+  const std::string logged = testing::internal::GetCapturedStderr();
+  EXPECT_NE(logged.find("server.proxies"), std::string::npos) << logged;
+  EXPECT_NE(logged.find("address=127.0.0.1"), std::string::npos) << logged;
+  EXPECT_EQ(logged.find("192.0.2.7"), std::string::npos) << "what a stranger says of others is not believed";
+  EXPECT_TRUE(client().shook_hands()) << "those who come without a header are clients";
+}
+
 TEST_F(Fleet, AClientIsToldWhereTheNodeItselfIs) {
   config_.server.public_address = "127.0.0.1";
   start();

@@ -3,6 +3,7 @@
 
 #include "daemon/net/connection_rate.h"
 #include "daemon/net/half_open_places.h"
+#include "daemon/net/words_for_clients.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -81,6 +82,18 @@ TEST(HalfOpenPlaces, WhoComesLaterFromElsewhereFindsAPlace) {
   EXPECT_EQ(places.take(11, at("192.0.2.3")), 1);
   EXPECT_EQ(places.take(12, at("192.0.2.4")), 2);
   EXPECT_EQ(places.take(13, at("192.0.2.5")), 3) << "of equals the oldest";
+}
+
+TEST(WordsForClients, SayHowMuchOfASceneIsRead) {
+  Health health;
+  SceneUnderWay scene{.name = "temple", .stage = SceneUnderWay::Stage::reading, .share = 0.437};
+  EXPECT_EQ(what_is_waited_for(health, scene), (protocol::Waiting{"the server is starting"}));
+  health.serving = true;
+  EXPECT_EQ(what_is_waited_for(health, scene), (protocol::Waiting{"the scene is being read", 43}));
+  scene.share = std::nullopt;
+  EXPECT_EQ(what_is_waited_for(health, scene).percent, protocol::Waiting::kUnknown);
+  scene = {.name = "temple", .stage = SceneUnderWay::Stage::preparing};
+  EXPECT_EQ(what_is_waited_for(health, scene), (protocol::Waiting{"the scene is being prepared on the devices"}));
 }
 
 }  // namespace

@@ -37,6 +37,19 @@ TEST(ProxyHeader, PassesOverWhatAProxyAdds) {
   EXPECT_EQ(read(header), "192.0.2.7");
 }
 
+TEST(ProxyHeader, IsToldFromAClientByItsFirstBytes) {
+  const auto header = proxy_bytes("192.0.2.7");
+  EXPECT_TRUE(is_proxy_start(header));
+  EXPECT_TRUE(is_proxy_start(std::span(header).first(12)));
+  EXPECT_FALSE(is_proxy_start(std::span(header).first(11)));
+  const std::string version_1 = "PROXY TCP4 192.0.2.7 192.0.2.1 12345 7600\r\n";
+  const std::vector<uint8_t> text(version_1.begin(), version_1.end());
+  EXPECT_TRUE(is_proxy_start(text));
+  const std::vector<uint8_t> hello{0x16, 0x03, 0x01, 0x02, 0x00, 0x01};
+  EXPECT_FALSE(is_proxy_start(hello));
+  EXPECT_FALSE(is_proxy_start({}));
+}
+
 TEST(ProxyHeader, NamesNobodyWhereTheProxySpeaksForItself) {
   auto local = proxy_bytes("192.0.2.7"), unspecified = local;
   local[12] = 0x20;

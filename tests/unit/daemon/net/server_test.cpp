@@ -227,6 +227,19 @@ TEST_F(Served, AReloadBringsChangesAndTakesScenes) {
   EXPECT_TRUE(eventually([&] { return daemon_->reload(next).has_value(); }));
 }
 
+TEST_F(Served, AReloadChangesHowTheLogIsWritten) {
+  start();
+  Config next = config_;
+  next.log.level = log::Level::info;
+  next.log.format = log::Format::json;
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(daemon_->reload(next) && daemon_->reload(config_));
+  const std::string text = testing::internal::GetCapturedStderr();
+  log::configure(log::Level::warning, log::Format::key_value);
+  EXPECT_NE(text.find("\"event\":\"configuration reloaded\""), std::string::npos) << text;
+  EXPECT_NE(text.find(" configuration reloaded policy=fair"), std::string::npos) << text;
+}
+
 TEST_F(Served, AReloadNamesTheKeysThatTakeARestart) {
   start();
   Config next = config_;

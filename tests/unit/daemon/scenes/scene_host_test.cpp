@@ -18,11 +18,12 @@ class SlowReader {
  public:
   scenes::SceneReader reader() {
     return [this](const scenes::SceneSource&, const scenes::LoadLimits&,
-                  std::stop_token stop) -> Result<scenes::ScenePtr> {
+                  const scenes::Watch& watch) -> Result<scenes::ScenePtr> {
+      for (const double share : {0.25, 0.5, 0.4}) watch.on_share(share);
       ++begun_;
       begun_.notify_all();
       std::binary_semaphore over{0};
-      const std::stop_callback wake(stop, [&] { over.release(); });
+      const std::stop_callback wake(watch.stop, [&] { over.release(); });
       over.acquire();
       return Error{"stopped"};
     };
@@ -92,6 +93,17 @@ TEST(SceneHost, AReaderIsStoppedWhenTheLastOneGivesUp) {
   Answer third;  // its reader can only begin when a loader is free of the stopped one, or beside it
   to.host->fetch("a", third.ready(), kTenant);
   to.slow.wait_for(2);
+}
+
+TEST(SceneHost, SaysHowFarAReadingIsAndNeverLess) {
+  Host to;
+  Answer answers[3];
+  for (int i = 0; i < 3; ++i) to.host->fetch(std::string(1, "abc"[i]), answers[i].ready(), kTenant);
+  to.slow.wait_for(2);
+  EXPECT_EQ(under_way(*to.host, "a")->share, 0.5);
+  EXPECT_EQ(under_way(*to.host, "b")->share, 0.5);
+  EXPECT_EQ(under_way(*to.host, "c")->share, std::nullopt) << "it is not read yet";
+  EXPECT_EQ(under_way(*to.host, "d"), std::nullopt);
 }
 
 TEST(SceneHost, WhatNobodyWaitsForIsNotRead) {

@@ -20,7 +20,7 @@ SceneWorkerOptions options() {
 
 Result<scenes::ScenePtr> read(const std::filesystem::path& file, const SceneWorkerOptions& how = options(),
                               std::stop_token stop = {}) {
-  return load_in_worker(how, {"scene", file}, {}, stop);
+  return load_in_worker(how, {"scene", file}, {}, {.stop = std::move(stop)});
 }
 
 // A program in the worker's place.
@@ -41,6 +41,18 @@ TEST(SceneWorker, ReadsWhatTheLoaderReads) {
   EXPECT_EQ((*there)->content_hash, (*here)->content_hash);
   EXPECT_EQ((*there)->name, (*here)->name);
   EXPECT_EQ((*there)->meshes[0].primitives[0].positions, (*here)->meshes[0].primitives[0].positions);
+}
+
+TEST(SceneWorker, TellsHowFarTheReadingIs) {
+  const auto file = std::filesystem::path(GNOMON_BINARY_DIR) / "../share/gnomon/scenes/living_room.glb";
+  std::vector<double> shares;
+  const auto scene =
+      load_in_worker(options(), {"scene", file}, {}, {.on_share = [&](double share) { shares.push_back(share); }});
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_FALSE(shares.empty());
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GT(shares.front(), 0);
+  EXPECT_NEAR(shares.back(), 0.95, 1e-9) << "the last cluster";
 }
 
 TEST(SceneWorker, HandsOnTheLoadersReason) {
