@@ -27,7 +27,7 @@ struct FrameResources {
   };
   Capacity capacity;
   Buffer uniforms;             // FrameUniforms, mapped
-  Buffer resting_uniforms;     // FrameUniforms for Pass::for_resting_lights, mapped; only in plans for motion
+  Buffer resting_uniforms;     // FrameUniforms for Pass::for_resting_lights, mapped; only in plans that have such
   std::vector<Entry> entries;  // in the order of FramePlan's resources
   Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool;
   std::vector<VkDescriptorSet> sets;          // one for each pass
@@ -37,10 +37,10 @@ struct FrameResources {
 // Immutable once compiled; shared by all slots of a variant.
 class FramePlan {
  public:
-  // `tracer` may be null if no pass traces, and outlives the plan. `motion`: whether the plan is for scenes in which
-  // something moves. Error: see make_passes; or a pass reads a resource that no pass before it writes.
+  // `tracer` may be null if no pass traces, and outlives the plan. Error: see make_passes; or a pass reads a resource
+  // that no pass before it writes.
   static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                   const Tracer* tracer, bool motion = false);
+                                   const Tracer* tracer, PlanKind kind = {});
 
   size_t pass_count() const { return passes_.size(); }
   std::string_view pass_name(size_t i) const { return passes_[i]->name(); }
@@ -85,7 +85,7 @@ class FramePlan {
   Result<VkDescriptorSet> make_descriptor_set(size_t pass, const FrameResources& resources) const;
 
   DevicePtr device_;
-  bool motion_ = false;
+  PlanKind kind_;
   std::vector<std::unique_ptr<Pass>> passes_;
   std::vector<std::vector<Port>> ports_;        // for each pass
   std::vector<std::vector<size_t>> wiring_;     // for each pass and port: the resource

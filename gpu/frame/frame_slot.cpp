@@ -65,25 +65,39 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
   return made.error();
 }
 
+namespace {
+
+void set_planes(FrameUniforms& uniforms, const ResidentScene& scene, uint32_t samples) {
+  uint32_t plane = 0;
+  for (uint32_t light = 0; light < scene.light_count(); ++light) {
+    uniforms.planes[light] = plane;
+    plane += scene.area_lights().is_area(light) ? planes_of(samples) : 1;
+  }
+}
+
+}  // namespace
+
 void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) {
   FrameUniforms uniforms{};
   set_view(uniforms, view_.camera, view_.grid.width, view_.grid.height);
   scene.describe(uniforms, *posed_);
+  set_planes(uniforms, scene, view_.samples);
   const exact::TracedLight silenced = silenced_light(scene.scene().bounds);
-  const auto silence = [&] {
+  const auto silence = [&](const LightSet& which) {
     for (size_t i = 0; i < uniforms.light_count; ++i) {
-      if (view_.untraced[i]) uniforms.lights[i] = silenced;
+      if (which[i]) uniforms.lights[i] = silenced;
     }
   };
-  silence();
+  silence(view_.untraced);
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
   if (resources_->resting_uniforms.mapped()) {
     std::copy(posed_->resting_lights.begin(), posed_->resting_lights.end(), uniforms.lights);
-    silence();
+    silence(view_.samples > 1 ? view_.untraced | scene.area_lights().set() : view_.untraced);
     std::memcpy(resources_->resting_uniforms.mapped(), &uniforms, sizeof(uniforms));
   }
   if (const auto moving = host(plan, resource::kMovingHost); !moving.empty())
     write_moving(moving, scene, *posed_, number_);
+  if (const auto soft = host(plan, resource::kSoftHost); !soft.empty()) write_soft(soft, scene, *posed_, view_);
 }
 
 Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene,

@@ -29,8 +29,8 @@ void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::funct
                            std::function<void()> wake) {
   light_builds_.hold();  // until the scene is resident, with at least a hierarchy for its lights
   background_.run(
-      [this, id, scene, pool = pool_, built = built_, variant_is_there = pool_->variants().has_motion(), resident] {
-        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, variant_is_there));
+      [this, id, scene, pool = pool_, built = built_, missing = missing_variants(), resident] {
+        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, missing));
         return [this, id, made, resident] {
           resident(settle_in(id, *made));
           light_builds_.release();
@@ -89,22 +89,34 @@ void ResidentScenes::finish_background() {
   light_builds_.finish();
 }
 
+std::vector<PlanKind> ResidentScenes::missing_variants() const {
+  std::vector<PlanKind> missing;
+  for (const PlanKind kind : {PlanKind{true, false}, PlanKind{false, true}, PlanKind{true, true}}) {
+    if (!pool_->variants().has(kind)) missing.push_back(kind);
+  }
+  return missing;
+}
+
 // Any thread may call this.
 ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
-                                               bool variant_is_there) {
+                                               const std::vector<PlanKind>& missing) {
   Arrived made{within_memory([&] {
                  return ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built);
                }),
-               nullptr};
-  if (!made.scene || variant_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
-  if (auto variant = pool.variants().make_motion())
-    made.motion = std::move(*variant);  // on an error, the first frame tries again and reports it
+               {}};
+  if (!made.scene) return made;
+  const bool moves = (*made.scene)->unbuilt() || scenes::moves(*scene);
+  for (const PlanKind kind : missing) {
+    if ((kind.motion && !moves) || (kind.soft && !(*made.scene)->area_lights().any())) continue;
+    // On an error, the first frame tries again and reports it.
+    if (auto variant = pool.variants().make(kind)) made.variants.emplace_back(kind, std::move(*variant));
+  }
   return made;
 }
 
 Result<void> ResidentScenes::settle_in(SceneId id, Arrived& made) {
   if (!made.scene) return made.scene.error();
-  if (made.motion) pool_->variants().give_motion(std::move(made.motion));
+  for (auto& [kind, variant] : made.variants) pool_->variants().give(kind, std::move(variant));
   scenes_[id] = std::move(*made.scene);
   return {};
 }

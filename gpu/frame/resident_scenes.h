@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "gpu/frame/slot_pool.h"
@@ -35,13 +36,16 @@ class ResidentScenes {
   void finish_background();
 
  private:
-  // A scene made beside the frames, and the variant for motion if the scene is the first that needs it.
+  // A scene made beside the frames, and the variants that the scene is the first to need.
   struct Arrived {
     Result<std::unique_ptr<ResidentScene>> scene;
-    std::unique_ptr<PlanVariant> motion;
+    std::vector<std::pair<PlanKind, std::unique_ptr<PlanVariant>>> variants;
   };
 
-  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built, bool variant_is_there);
+  // `missing`: the kinds of variants that there are none of.
+  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
+                        const std::vector<PlanKind>& missing);
+  std::vector<PlanKind> missing_variants() const;
   Result<void> settle_in(SceneId id, Arrived& made);
   ResidentScene* same_scene(SceneId id, const scenes::ScenePtr& scene) const;
 

@@ -12,12 +12,12 @@ namespace {
 
 class TracePass : public Pass {
  public:
-  TracePass(ComputeStep step, bool motion) : step_(std::move(step)), motion_(motion) {}
+  TracePass(ComputeStep step, PlanKind kind) : step_(std::move(step)), kind_(kind) {}
 
   std::string_view name() const override { return "trace"; }
   const PassLayout* layout() const override { return &step_.layout; }
   RunsIn runs_in() const override { return RunsIn::every_band; }
-  bool for_resting_lights() const override { return motion_; }
+  bool for_resting_lights() const override { return kind_.motion || kind_.soft; }
   std::vector<Port> ports() const override {
     const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
     return {{resource::kTriangleId, Use::sampled},
@@ -37,16 +37,16 @@ class TracePass : public Pass {
 
  private:
   ComputeStep step_;
-  bool motion_;
+  PlanKind kind_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, PlanKind kind) {
   const TraceShader shader = tracer.shader();
   auto step = make_compute_step(device, 1, shader.spirv, 0, shader.lanes);
   if (step) step->tiles_at_once = shader.tiles;
-  return pass_of<TracePass>(std::move(step), motion);
+  return pass_of<TracePass>(std::move(step), kind);
 }
 
 }  // namespace gnomon::gpu

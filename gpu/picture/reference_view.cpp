@@ -67,7 +67,7 @@ class ReferenceView::Shader {
     if (!grid) return grid.error();
     if (*grid != masks.grid || masks.words.size() != grid->word_count())
       return Error{"a mask of " + std::to_string(masks.grid.planes) + " lights for a scene of " +
-                   std::to_string(grid->lights)};
+                   std::to_string(grid->planes)};
     std::memcpy(frame_->host(resource::kShading).data(), &shading, sizeof(shading));
     if (!masks.words.empty())
       std::memcpy(frame_->host(resource::kUploadedMasks).data(), masks.words.data(), masks.words.size_bytes());

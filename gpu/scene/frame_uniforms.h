@@ -47,6 +47,7 @@ struct FrameUniforms {
   uint32_t light_count = 0;
   SceneAddresses scene;
   exact::TracedLight lights[kMaxLights];
+  uint32_t planes[kMaxLights];  // of each light's masks, the first (common/light_planes.h)
 };
 static_assert(sizeof(exact::TracedLight) == 36);
 static_assert(offsetof(FrameUniforms, scene) == 144);

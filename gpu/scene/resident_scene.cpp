@@ -65,6 +65,7 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   auto resident = std::make_unique<ResidentScene>();
   resident->scene_ = scene;
   resident->lights_ = scene->lights;
+  resident->area_lights_ = AreaLights(scene->lights);
   resident->moving_size_ = scenes::moving_mesh_size(*scene);
   resident->geometry_ = scenes::geometry_of(*scene);
   const scenes::WorldMesh& mesh = resident->geometry_->mesh;
@@ -90,6 +91,10 @@ Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::Wor
     traced_ = std::move(*none);
   }
   if (!needs_static_bvh(lights_)) return {};
+  if (tracer.is_hierarchy()) {
+    static_bvh_ = traced_.traced;
+    return {};
+  }
   auto bvh = tracer.build_hierarchy(input);
   if (!bvh) return bvh.error();
   static_bvh_ = std::move(*bvh);
@@ -97,7 +102,9 @@ Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::Wor
 }
 
 bool ResidentScene::needs_static_bvh(const std::vector<scenes::Light>& lights) const {
-  if (!built_for_lights_ || static_bvh_) return false;
+  if (static_bvh_) return false;
+  if (area_lights_.any()) return traced_.traced != nullptr;
+  if (!built_for_lights_) return false;
   const std::vector<exact::TracedLight> wanted = traced_lights(*scene_, lights);
   return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
 }
@@ -138,7 +145,9 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
   posed->mesh = scenes::build_moving_mesh(*scene_, time);
   if (traced_.traced) posed->bvh = build_bvh(posed->mesh, 1);
   posed->draws = draws_of(*scene_, posed->mesh);
-  posed->lights = traced_lights(*scene_, scenes::lights_at(*scene_, lights_, time));
+  const std::vector<scenes::Light> lights = scenes::lights_at(*scene_, lights_, time);
+  posed->lights = traced_lights(*scene_, lights);
+  for (const scenes::Light& light : lights) posed->areas.push_back(light.area);
   posed->resting_lights = posed->lights;
   posed->traced = traced_.traced;
   if (built_for_lights_) {
@@ -148,7 +157,7 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
       posed->resting_lights[i] = silenced_light(scene_->bounds);
     }
   }
-  if (posed->any_light_moves()) posed->static_bvh = static_bvh_;
+  if (posed->any_light_moves() || area_lights_.any()) posed->static_bvh = static_bvh_;
   posed_ = std::move(posed);
   return posed_;
 }
@@ -248,7 +257,7 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device, bool drawn
 
 uint64_t ResidentScene::memory_bytes() const {
   uint64_t bytes = traced_.traced ? traced_.traced->memory_bytes() : 0;
-  if (static_bvh_) bytes += static_bvh_->memory_bytes();
+  if (static_bvh_ && static_bvh_ != traced_.traced) bytes += static_bvh_->memory_bytes();
   for (const Buffer* b :
        {&buffers_.positions, &buffers_.normals, &buffers_.uvs, &buffers_.triangles, &buffers_.triangle_materials,
         &buffers_.materials, &buffers_.clusters, &buffers_.cluster_chunks})

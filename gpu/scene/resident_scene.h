@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "gpu/scene/area_lights.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/scene/posed_scene.h"
 #include "gpu/tracers/tracer.h"
@@ -51,6 +52,7 @@ class ResidentScene {
   const scenes::ScenePtr& scene_ptr() const { return scene_; }
   uint32_t triangle_count() const { return triangle_count_; }
   uint32_t light_count() const { return static_cast<uint32_t>(scene_->lights.size()); }
+  const AreaLights& area_lights() const { return area_lights_; }
   const SceneBuffers& buffers() const { return buffers_; }
   const scenes::Clusters& clusters() const { return geometry_->clusters; }
   const TracedScene& traced() const { return *traced_.traced; }  // precondition: made with a tracer
@@ -70,6 +72,8 @@ class ResidentScene {
   // needs_static_bvh() of these lights, so that give_static_bvh() has to be called first; or another number of lights.
   Result<void> set_lights(std::vector<scenes::Light> lights);
   const std::vector<scenes::Light>& lights() const { return lights_; }
+  // Whether something has to be traced by a hierarchy of the resting geometry and there is none: lights that are not
+  // where the tracer built for them, and area lights in soft frames.
   bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
   void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
@@ -95,6 +99,7 @@ class ResidentScene {
   scenes::MovingMeshSize moving_size_;
   scenes::GeometryPtr geometry_;
   std::vector<scenes::Light> lights_;
+  AreaLights area_lights_;
   bool built_for_lights_ = false;
   bool unbuilt_ = false;
   SceneBuffers buffers_;

@@ -95,6 +95,18 @@ EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight l
   return segment;
 }
 
+// The segment from a surface to one sample point of an area light, of a pair whose segment to the light's middle is
+// traced. `origin`: of that segment. The point is not seen, without tracing, if it is behind the surface.
+EXACT_FN ShadowSegment sample_segment(vec3 origin, vec3 normal, vec3 point) {
+  ShadowSegment segment;
+  segment.origin = origin;
+  EXACT vec3 to_point = point - origin;
+  segment.direction = to_point;
+  EXACT float facing = exact_dot(normal, to_point);
+  segment.traced = facing > 0.0f;
+  return segment;
+}
+
 // Whether the segment meets the triangle. The edge tests are in Pluecker form: an edge shared by two triangles gives
 // exactly opposite numbers, so that no segment passes between neighbours. Both sides of the triangle count; the end
 // points of the segment do not.

@@ -47,6 +47,7 @@ layout(set = 0, binding = 0, scalar) uniform Frame {
   Uints triangle_materials;
   Materials materials;
   TracedLight lights[kMaxLights];
+  uint planes[kMaxLights];  // of each light's masks, the first
 } frame;
 
 float near_plane() { return frame.camera_to_clip[3][2]; }

@@ -135,7 +135,7 @@ void store_words(uint light, uint lit, uint care) {
   uvec2 tile = tile_of_lane();
   bool is_first_of_tile = lane() % 64u == 0u;
   if (is_first_of_tile && (kTiles == 1u || tile.x < frame.tiles_x)) {
-    uint word = light * frame.tile_count + tile.y * frame.tiles_x + tile.x;
+    uint word = frame.planes[light] * frame.tile_count + tile.y * frame.tiles_x + tile.x;
     push.masks.at[word] = mask_word;
     push.valid_bits.at[word] = care_word;
   }

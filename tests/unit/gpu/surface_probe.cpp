@@ -43,8 +43,8 @@ Result<void> SurfaceProbe::rebuild() {
 }
 
 Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t width, uint32_t height,
-                                         scenes::SceneTime time) {
-  const auto grid = frame_->reserve(width, height, time);
+                                         scenes::SceneTime time, uint32_t samples) {
+  const auto grid = frame_->reserve(width, height, time, samples);
   if (!grid) return grid.error();
   auto timing = frame_->render(camera, *grid);
   if (!timing) return timing.error();
@@ -58,6 +58,7 @@ Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t widt
   probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
   probed.valid_bits = copied<uint64_t>(frame_->host(resource::kHostValidBits), grid->word_count());
   probed.timing = std::move(*timing);
+  probed.light_samples = frame_->scene().area_lights().samples(samples);
   return probed;
 }
 
