@@ -101,6 +101,7 @@ class VulkanRenderer : public Renderer {
     if (auto fits = check_size(*pool_->device(), job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
     const uint32_t samples = scene->area_lights().samples(job.samples);
+    if (samples > 1) scenes_.build_areas(job.scene);
     const TileGrid grid{job.width, job.height, scene->area_lights().plane_count(samples)};
     const uint32_t rows = std::min(job.tile_rows.value_or(grid.tiles_y()), grid.tiles_y());
     const PosedScenePtr posed = scene->pose(job.time);

@@ -90,7 +90,7 @@ Result<FramePlan> FramePlan::compile(const DevicePtr& device, const std::vector<
                                      const Tracer* tracer, PlanKind kind) {
   FramePlan plan;
   plan.device_ = device;
-  plan.kind_ = kind;
+  plan.motion_ = kind.motion;
   std::vector<std::string> names = passes;
   if (kind.motion) names.insert(names.begin(), "pose");
   for (const std::string& name : names) {
@@ -154,7 +154,7 @@ void FramePlan::add_barrier(size_t pass, size_t resource, Use use, LastUse& last
 Result<FrameResources> FramePlan::allocate(const Capacity& capacity) const {
   FrameResources out;
   out.capacity = capacity;
-  for (Buffer* buffer : {&out.uniforms, kind_.motion || kind_.soft ? &out.resting_uniforms : nullptr}) {
+  for (Buffer* buffer : {&out.uniforms, motion_ ? &out.resting_uniforms : nullptr}) {
     if (!buffer) continue;
     auto uniforms =
         Buffer::create(device_, sizeof(FrameUniforms), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryUse::upload);

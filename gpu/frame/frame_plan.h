@@ -27,7 +27,7 @@ struct FrameResources {
   };
   Capacity capacity;
   Buffer uniforms;             // FrameUniforms, mapped
-  Buffer resting_uniforms;     // FrameUniforms for Pass::for_resting_lights, mapped; only in plans that have such
+  Buffer resting_uniforms;     // FrameUniforms for Pass::for_resting_lights, mapped; only in plans for motion
   std::vector<Entry> entries;  // in the order of FramePlan's resources
   Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool;
   std::vector<VkDescriptorSet> sets;          // one for each pass
@@ -85,7 +85,7 @@ class FramePlan {
   Result<VkDescriptorSet> make_descriptor_set(size_t pass, const FrameResources& resources) const;
 
   DevicePtr device_;
-  PlanKind kind_;
+  bool motion_ = false;
   std::vector<std::unique_ptr<Pass>> passes_;
   std::vector<std::vector<Port>> ports_;        // for each pass
   std::vector<std::vector<size_t>> wiring_;     // for each pass and port: the resource

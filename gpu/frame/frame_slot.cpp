@@ -67,11 +67,13 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
 
 namespace {
 
+// Area lights of soft frames are left to trace_soft.
 void set_planes(FrameUniforms& uniforms, const ResidentScene& scene, uint32_t samples) {
   uint32_t plane = 0;
   for (uint32_t light = 0; light < scene.light_count(); ++light) {
-    uniforms.planes[light] = plane;
-    plane += scene.area_lights().is_area(light) ? planes_of(samples) : 1;
+    const bool soft = samples > 1 && scene.area_lights().is_area(light);
+    uniforms.planes[light] = soft ? kLeftOut : plane;
+    plane += soft ? planes_of(samples) : 1;
   }
 }
 
@@ -83,16 +85,16 @@ void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) 
   scene.describe(uniforms, *posed_);
   set_planes(uniforms, scene, view_.samples);
   const exact::TracedLight silenced = silenced_light(scene.scene().bounds);
-  const auto silence = [&](const LightSet& which) {
+  const auto silence = [&] {
     for (size_t i = 0; i < uniforms.light_count; ++i) {
-      if (which[i]) uniforms.lights[i] = silenced;
+      if (view_.untraced[i]) uniforms.lights[i] = silenced;
     }
   };
-  silence(view_.untraced);
+  silence();
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
   if (resources_->resting_uniforms.mapped()) {
     std::copy(posed_->resting_lights.begin(), posed_->resting_lights.end(), uniforms.lights);
-    silence(view_.samples > 1 ? view_.untraced | scene.area_lights().set() : view_.untraced);
+    silence();
     std::memcpy(resources_->resting_uniforms.mapped(), &uniforms, sizeof(uniforms));
   }
   if (const auto moving = host(plan, resource::kMovingHost); !moving.empty())

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,9 @@ class ResidentScenes {
   void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
                   std::function<void()> wake);
   void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake);
+  // Before a soft frame of the scene: takes over what was built for the extents of area lights, and has it built beside
+  // the frames if it was not yet. Until then, hierarchies trace them. Precondition: the scene is resident.
+  void build_areas(SceneId id);
   BuildProgress build_progress(SceneId id) const { return light_builds_.progress(id); }
   void finish_background();
 
@@ -54,6 +58,8 @@ class ResidentScenes {
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;
   Background background_;  // declared last, so that its threads and those of the builds end first
   LightBuilds light_builds_;
+  std::set<SceneId> areas_asked_;  // scenes whose areas are built, or being built, or could not be
+  LightBuilds area_builds_;
 };
 
 Error not_resident(SceneId id);

@@ -141,8 +141,7 @@ class Pass {
   virtual std::vector<Port> ports() const = 0;
   virtual const PassLayout* layout() const = 0;  // nullptr if the pass binds nothing
   virtual RunsIn runs_in() const { return RunsIn::first_band; }
-  // Whether the pass sees the lights that a later pass traces, moving lights and those of which several points are
-  // traced, as lights that reach nothing. Only in plans for scenes in motion and for soft frames.
+  // Whether the pass sees moving lights as lights that reach nothing. Only in plans for scenes in motion.
   virtual bool for_resting_lights() const { return false; }
   virtual void record(const FrameContext& frame) const = 0;
 };

@@ -15,7 +15,7 @@ struct Recipe {
 std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, PlanKind kind) {
   const auto trace = [&]() -> Result<std::unique_ptr<Pass>> {
     if (!tracer) return Error{"pass 'trace' needs a tracer"};
-    return make_trace_pass(device, *tracer, kind);
+    return make_trace_pass(device, *tracer, kind.motion);
   };
   std::vector<Make> trace_steps{trace};
   if (kind.motion) trace_steps.push_back([&] { return make_trace_moving_pass(device); });

@@ -131,7 +131,7 @@ Result<std::unique_ptr<Pass>> make_visibility_tiles_pass(const DevicePtr& device
 Result<std::unique_ptr<Pass>> make_triangle_runs_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_large_triangles_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_resolve_pass(const DevicePtr& device);
-Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, PlanKind kind);
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
 Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_sample_points_pass();
 Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, const Tracer& tracer, bool motion);

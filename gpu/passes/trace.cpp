@@ -12,12 +12,12 @@ namespace {
 
 class TracePass : public Pass {
  public:
-  TracePass(ComputeStep step, PlanKind kind) : step_(std::move(step)), kind_(kind) {}
+  TracePass(ComputeStep step, bool motion) : step_(std::move(step)), motion_(motion) {}
 
   std::string_view name() const override { return "trace"; }
   const PassLayout* layout() const override { return &step_.layout; }
   RunsIn runs_in() const override { return RunsIn::every_band; }
-  bool for_resting_lights() const override { return kind_.motion || kind_.soft; }
+  bool for_resting_lights() const override { return motion_; }
   std::vector<Port> ports() const override {
     const auto bytes = [](const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); };
     return {{resource::kTriangleId, Use::sampled},
@@ -27,6 +27,7 @@ class TracePass : public Pass {
 
   // Push constants: the addresses of the masks and the valid_bits, then those of the tracer.
   void record(const FrameContext& frame) const override {
+    if (frame.samples > 1 && frame.scene.area_lights().set().count() == frame.scene.light_count()) return;
     std::array<std::byte, kPushConstantBytes> push{};
     const std::array words{frame.ports[1].buffer->address(), frame.ports[2].buffer->address()};
     const std::span<const std::byte> tracer = frame.posed.traced->push_constants();
@@ -37,16 +38,16 @@ class TracePass : public Pass {
 
  private:
   ComputeStep step_;
-  PlanKind kind_;
+  bool motion_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, PlanKind kind) {
+Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
   const TraceShader shader = tracer.shader();
   auto step = make_compute_step(device, 1, shader.spirv, 0, shader.lanes);
   if (step) step->tiles_at_once = shader.tiles;
-  return pass_of<TracePass>(std::move(step), kind);
+  return pass_of<TracePass>(std::move(step), motion);
 }
 
 }  // namespace gnomon::gpu

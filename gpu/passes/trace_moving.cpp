@@ -17,12 +17,6 @@ struct Push {
 };
 static_assert(sizeof(Push) <= kPushConstantBytes);
 
-// trace_soft traces them.
-void leave_out(const LightSet& lights, std::array<uint32_t, kMaxLights / 32>& bits) {
-  for (uint32_t light = 0; light < kMaxLights; ++light)
-    bits[light / 32] &= ~(uint32_t{lights[light]} << (light % 32));
-}
-
 class TraceMovingPass : public Pass {
  public:
   explicit TraceMovingPass(ComputeStep step) : step_(std::move(step)) {}
@@ -39,9 +33,9 @@ class TraceMovingPass : public Pass {
 
   void record(const FrameContext& frame) const override {
     if (frame.posed.at_rest()) return;
-    Push push{frame.ports[1].buffer->address(), frame.ports[2].buffer->address(), resting_hierarchy(frame.posed),
-              moving_hierarchy(frame, *frame.ports[3].buffer), frame.posed.moving_lights};
-    if (frame.samples > 1) leave_out(frame.scene.area_lights().set(), push.moving_lights);
+    const Push push{frame.ports[1].buffer->address(), frame.ports[2].buffer->address(),
+                    resting_hierarchy(frame.posed), moving_hierarchy(frame, *frame.ports[3].buffer),
+                    frame.posed.moving_lights};
     dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)));
   }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "gpu/renderer.h"
+#include "gpu/scene/traced_lights.h"
 #include "scenes/light_samples.h"
 
 namespace gnomon::gpu {
@@ -31,6 +33,10 @@ class AreaLights {
     return static_cast<uint32_t>(set_.count()) * scenes::kSamplePatterns * kMostSamples;
   }
 
+  // What was built for the extents of the area lights, in their order; no `traced` until then.
+  const TracedLights& built() const { return built_; }
+  void give(TracedLights built) { built_ = std::move(built); }
+
   // As scenes::sample_offsets of an area light that has this area now; kept until the light has another one. The render
   // loop's thread. Valid until the next call.
   const std::vector<glm::vec3>& offsets(size_t light, const scenes::LightArea& area, uint32_t samples) const;
@@ -43,7 +49,11 @@ class AreaLights {
 
   uint32_t lights_ = 0;
   LightSet set_;
+  TracedLights built_;
   mutable std::vector<std::array<Kept, 2>> kept_;  // light by light: for 4 samples, for 16
 };
+
+// The light with its extent, as a build for areas takes it. `traced`: the light as tracers use it.
+exact::TracedLight with_extent(exact::TracedLight traced, const scenes::LightArea& area);
 
 }  // namespace gnomon::gpu

@@ -30,6 +30,9 @@ struct PosedScene {
   std::shared_ptr<const TracedScene> traced;              // nullptr if the scene is only drawn
   std::shared_ptr<const TracedScene> static_bvh;          // of the resting geometry; nullptr if nothing needs it
 
+  std::shared_ptr<const TracedScene> area_traced;  // built for extents of area lights; nullptr: none yet
+  LightSet area_built;                             // the area lights that are as it was built for
+
   bool any_light_moves() const {
     return std::any_of(moving_lights.begin(), moving_lights.end(), [](uint32_t bits) { return bits != 0; });
   }

@@ -10,22 +10,20 @@
 #include "gpu/scene/area_lights.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/scene/posed_scene.h"
+#include "gpu/scene/traced_lights.h"
 #include "gpu/tracers/tracer.h"
 #include "scenes/geometry/geometry.h"
 
 namespace gnomon::gpu {
-
-// What a tracer built, and the lights that it built for.
-struct TracedLights {
-  std::shared_ptr<const TracedScene> traced;
-  std::vector<exact::TracedLight> built_for;
-};
 
 // What a scene waits for before it is resident.
 enum class Built {
   everything,    // the tracer's complete build
   what_is_quick  // short builds only; instead of a long one, a hierarchy is traced for all lights until give_traced
 };
+
+// Lights as they are traced: to their middles, or to points all over them.
+enum class Shadows { hard, soft };
 
 // The buffers of a scene that shaders read.
 struct SceneBuffers {
@@ -77,8 +75,9 @@ class ResidentScene {
   bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
   void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
-  // Later frames use `traced` for the lights that are where it was built for.
-  void give_traced(TracedLights traced);
+  // Later frames use `traced` for the lights that are where it was built for: hard frames, or soft ones for what
+  // build_for_areas made.
+  void give_traced(TracedLights traced, Shadows shadows = Shadows::hard);
   // Whether the scene was made without the tracer's build, and give_traced() has not been called yet.
   bool unbuilt() const { return unbuilt_; }
 
@@ -112,8 +111,10 @@ class ResidentScene {
 // of memory, device lost, stopped.
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
-// Builds a hierarchy of the scene's resting geometry by a tracer that builds for lights. Blocking; any thread. Error:
-// out of memory, device lost.
+// As build_for_lights, for the extents of the area lights alone. Precondition: the tracer has a soft_shader().
+Result<TracedLights> build_for_areas(const Tracer& tracer, const scenes::Scene& scene,
+                                     const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
+// Builds a hierarchy of the scene's resting geometry. Blocking; any thread. Error: out of memory, device lost.
 Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene);
 
 // The light as tracers use it. The `reach` of a directional light is twice the scene's diagonal.

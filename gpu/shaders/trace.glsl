@@ -60,6 +60,7 @@ void main() {
     tile_words[invocation + 64u] = 0u;
     barrier();
     for (uint light = 0u; light < lights; ++light) {
+      if (frame.planes[first + light] == kLeftOut) continue;
       uvec4 bits = uvec4(0u);
       if (id != 0u) bits = answer(surface, first + light, word_of(first + light), my_bit);
       bits = subgroupOr(bits);
@@ -67,7 +68,7 @@ void main() {
         for (uint i = 0u; i < 4u; ++i) atomicOr(tile_words[4u * light + i], bits[i]);
     }
     barrier();
-    if (invocation < lights) {
+    if (invocation < lights && frame.planes[first + invocation] != kLeftOut) {
       uint i = 4u * invocation, light = first + invocation;
       store(light, word_of(light),
             uvec4(tile_words[i], tile_words[i + 1u], tile_words[i + 2u], tile_words[i + 3u]));

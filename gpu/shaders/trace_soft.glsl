@@ -5,24 +5,10 @@
 // The includer defines struct Hierarchy and TRACER_PUSH before including this file, and afterwards seen_samples.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#include "frame.glsl"
+#include "soft_lights.glsl"
 #include "surface.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer TileWords { uvec2 at[]; };
-
-const uint kLitEverywhere = 0u;
-struct SoftLight {
-  uint light;
-  uint plane, planes;  // of the mask
-  uint points;         // the first of its points, pattern by pattern
-  uint how;
-};
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SoftFrame {
-  uint light_count;
-  uint samples;
-  SoftLight lights[kMaxLights];
-  vec3 points[];  // in the world
-};
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
@@ -35,16 +21,8 @@ layout(push_constant, scalar) uniform Push {
 // `first_point`: of those that are the pixel's.
 uint seen_samples(SoftLight light, SurfacePoint surface, vec3 origin, uint first_point);
 
-const uint kMostPlanes = 5u;
 // The two halves of the words of every plane, then those of the word of traced bits.
 shared uint tile_words[2u * (kMostPlanes + 1u)];
-
-// As scenes::sample_pattern.
-uint sample_pattern(uvec2 pixel) {
-  uvec2 fine = pixel & 1u, coarse = (pixel >> 1) & 1u;
-  uint within = ((fine.x ^ fine.y) << 1 | fine.y) & 3u, block = ((coarse.x ^ coarse.y) << 1 | coarse.y) & 3u;
-  return 4u * block + within;
-}
 
 void gather(uint slot, bool set, uvec2 my_bit) {
   uvec2 bits = subgroupOr(set ? my_bit : uvec2(0u));

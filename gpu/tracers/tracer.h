@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -62,6 +63,8 @@ class Tracer {
   virtual TraceShader shader() const = 0;
   // Whether the tracer's data is valid only for the lights that it was built for.
   virtual bool builds_for_lights() const { return false; }
+  // The shader that traces area lights by what build() makes for lights with a radius; nullopt: hierarchies trace them.
+  virtual std::optional<TraceShader> soft_shader() const { return std::nullopt; }
   // Blocking; any thread. Error: out of memory, device lost, stopped.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
   // Whether build() makes the structure of the tracer "bvh".

@@ -20,9 +20,12 @@ struct TraceShader {
 struct TracerOptions {
   std::filesystem::path cache_folder;  // for the results of builds; empty: no cache
   uint64_t cache_bytes = UINT64_MAX;   // most that the folder may hold; what was used least recently leaves first
-  uint64_t light_buffer_bytes = 0;     // memory budget of a scene's light buffers; 0: by the number of lights
+  // Memory budget of a scene's light buffers; a scene with area lights has half of it for their middles and half for
+  // their extents. 0: for each by the number of lights.
+  uint64_t light_buffer_bytes = 0;
   StructureBuildsPtr builds = builds_here();
   std::optional<TraceShader> light_buffer_shader = {};  // instead of the one for the device's subgroups: for tests
+  std::optional<TraceShader> light_buffer_soft_shader = {};  // likewise
 };
 
 }  // namespace gnomon::gpu

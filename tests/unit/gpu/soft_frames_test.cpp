@@ -84,6 +84,17 @@ TEST_F(SoftFrames, InBandsAreThoseInOnePiece) {
   for (const uint32_t rows : {1u, 3u, 7u}) EXPECT_EQ(render(job(16), rows).words, whole.words) << rows;
 }
 
+// The masks are the same while what is built for areas is not there yet, and with it.
+TEST_F(SoftFrames, AreTracedByWhatIsBuiltForAreasWhenThatIsThere) {
+  const uint64_t before = renderer_->footprint(kScene).memory_bytes;
+  const std::vector<uint64_t> first = render(job(16)).words;
+  const TimePoint end = Clock::now() + std::chrono::minutes(1);
+  while (renderer_->footprint(kScene).memory_bytes == before && Clock::now() < end)
+    EXPECT_EQ(render(job(16)).words, first);
+  EXPECT_GT(renderer_->footprint(kScene).memory_bytes, before);
+  EXPECT_EQ(render(job(16)).words, first);
+}
+
 TEST_F(SoftFrames, LightsThatAreNotTracedAreLitAndTheirOtherPlanesFree) {
   RenderJob some = job(16);
   some.untraced[0] = some.untraced[2] = true;  // of which one is directional

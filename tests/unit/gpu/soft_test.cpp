@@ -39,11 +39,16 @@ TEST_P(SoftSoups, EqualBruteForce) {
   for (const std::string& tracer : tracers()) {
     auto probe = SurfaceProbe::create(device_options(tracer), scene);
     ASSERT_TRUE(probe) << probe.error().message;
-    for (const uint32_t samples : {4u, 16u}) {
-      const SoftCount count = expect_exact(*probe, *scene, camera(), samples);
-      EXPECT_GT(count.lit, 50u);
-      EXPECT_GT(count.dark, 50u);
-      EXPECT_GT(count.penumbrae, reach < 0.05f ? 20u : 200u);
+    for (const bool built : {false, true}) {
+      if (built) {
+        ASSERT_TRUE(probe->build_areas());
+      }
+      for (const uint32_t samples : {4u, 16u}) {
+        const SoftCount count = expect_exact(*probe, *scene, camera(), samples);
+        EXPECT_GT(count.lit, 50u);
+        EXPECT_GT(count.dark, 50u);
+        EXPECT_GT(count.penumbrae, reach < 0.05f ? 20u : 200u);
+      }
     }
   }
 }
@@ -61,6 +66,8 @@ TEST(Soft, EqualsBruteForceFarFromTheOrigin) {
     auto probe = SurfaceProbe::create(device_options(tracer), far);
     ASSERT_TRUE(probe) << probe.error().message;
     const CameraView from = look_at(shift + glm::vec3(0.5f, 0.6f, 2.2f), shift + 0.5f, 0.8f, kWidth, kHeight);
+    EXPECT_GT(expect_exact(*probe, *far, from, 16).lit, 100u);
+    ASSERT_TRUE(probe->build_areas());
     EXPECT_GT(expect_exact(*probe, *far, from, 16).lit, 100u);
   }
 }
@@ -91,6 +98,9 @@ TEST_P(SoftMotion, MasksAreThoseOfTheSceneStopped) {
     auto probe = SurfaceProbe::create(device_options(tracer), scene);
     ASSERT_TRUE(probe) << probe.error().message;
     for (const SceneTime time : {SceneTime(0), SceneTime(430ms), SceneTime(1s)}) {
+      if (time == SceneTime(430ms)) {
+        ASSERT_TRUE(probe->build_areas());
+      }
       EXPECT_GT(expect_exact(*probe, *scene, camera(), 4, time).penumbrae, 200u);
       EXPECT_GT(expect_exact(*probe, *scene, camera(), 16, time).penumbrae, 200u);
     }
@@ -108,12 +118,14 @@ TEST(Soft, LightsThatWereMovedAndResizedAreExact) {
     auto scene = std::make_shared<scenes::Scene>(*with_areas(*triangle_soup(5, 200, 4), 0.2f));
     auto probe = SurfaceProbe::create(device_options(tracer), scene);
     ASSERT_TRUE(probe) << probe.error().message;
+    ASSERT_TRUE(probe->build_areas());
     expect_exact(*probe, *scene, camera(), 16);
     scene->lights[0].position += glm::vec3(0.2f, 0.1f, -0.1f);
     scene->lights[1].area.u *= 1.5f;
     ASSERT_TRUE(probe->set_lights(scene->lights));
     expect_exact(*probe, *scene, camera(), 16);
     ASSERT_TRUE(probe->rebuild());
+    ASSERT_TRUE(probe->build_areas());
     expect_exact(*probe, *scene, camera(), 16);
   }
 }

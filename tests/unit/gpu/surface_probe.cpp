@@ -42,6 +42,15 @@ Result<void> SurfaceProbe::rebuild() {
   return {};
 }
 
+Result<void> SurfaceProbe::build_areas() {
+  if (!frame_->tracer()->soft_shader()) return {};
+  ResidentScene& scene = frame_->scene();
+  auto traced = build_for_areas(*frame_->tracer(), scene.scene(), scene.lights());
+  if (!traced) return traced.error();
+  scene.give_traced(std::move(*traced), Shadows::soft);
+  return {};
+}
+
 Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t width, uint32_t height,
                                          scenes::SceneTime time, uint32_t samples) {
   const auto grid = frame_->reserve(width, height, time, samples);

@@ -39,6 +39,8 @@ class SurfaceProbe {
   // Lights where they are from now on; then, with `rebuild`, what the tracer builds for these.
   Result<void> set_lights(const std::vector<scenes::Light>& lights);
   Result<void> rebuild();
+  // What the tracer builds for the extents of area lights, if it does.
+  Result<void> build_areas();
 
  private:
   std::unique_ptr<BlockingFrame> frame_;
