@@ -81,8 +81,9 @@ class VulkanRenderer : public Renderer {
     const ResidentScene* scene = scenes_.find(job.scene);
     if (!scene) return not_resident(job.scene);
     if (auto fits = check_size(*pool_->device(), job.width, job.height); !fits) return fits;
-    const TileGrid grid{job.width, job.height, scene->light_count()};
-    const auto variant = pool_->variants().variant_for(*scene->pose(job.time));
+    const uint32_t samples = scene->area_lights().samples(job.samples);
+    const TileGrid grid{job.width, job.height, scene->area_lights().plane_count(samples)};
+    const auto variant = pool_->variants().variant_for(*scene->pose(job.time), samples);
     if (!variant) return variant.error();
     std::vector<FrameSlot>& slots = (*variant)->slots;
     const bool held =
@@ -99,13 +100,15 @@ class VulkanRenderer : public Renderer {
     if (!scene) return not_resident(job.scene);
     if (auto fits = check_size(*pool_->device(), job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
-    const TileGrid grid{job.width, job.height, scene->light_count()};
+    const uint32_t samples = scene->area_lights().samples(job.samples);
+    if (samples > 1) scenes_.build_areas(job.scene);
+    const TileGrid grid{job.width, job.height, scene->area_lights().plane_count(samples)};
     const uint32_t rows = std::min(job.tile_rows.value_or(grid.tiles_y()), grid.tiles_y());
     const PosedScenePtr posed = scene->pose(job.time);
-    const auto variant = pool_->variants().variant_for(*posed);
+    const auto variant = pool_->variants().variant_for(*posed, samples);
     if (!variant) return variant.error();
     const size_t slot = pool_->take();
-    const auto band = record(**variant, slot, *scene, posed, {job.camera, grid, job.untraced}, rows);
+    const auto band = record(**variant, slot, *scene, posed, {job.camera, grid, job.untraced, samples}, rows);
     if (!band) {
       pool_->give_back(slot);
       return band.error();

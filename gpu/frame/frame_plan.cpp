@@ -87,14 +87,14 @@ bool is_image(const ResourceSpec& spec) { return spec.format != VK_FORMAT_UNDEFI
 }  // namespace
 
 Result<FramePlan> FramePlan::compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                     const Tracer* tracer, bool motion) {
+                                     const Tracer* tracer, PlanKind kind) {
   FramePlan plan;
   plan.device_ = device;
-  plan.motion_ = motion;
+  plan.motion_ = kind.motion;
   std::vector<std::string> names = passes;
-  if (motion) names.insert(names.begin(), "pose");
+  if (kind.motion) names.insert(names.begin(), "pose");
   for (const std::string& name : names) {
-    auto made = make_passes(name, device, tracer, motion);
+    auto made = make_passes(name, device, tracer, kind);
     if (!made) return made.error();
     for (auto& pass : *made) {
       plan.ports_.push_back(pass->ports());
@@ -347,7 +347,7 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
       // A pass that runs once processes all rows of the frame.
       const TileRows whole{0, view.grid.tiles_y()};
       passes_[pass]->record({commands, resources.sets[pass], resources.ports[pass], subject.scene, subject.posed,
-                             subject.slot, view.grid, view.untraced,
+                             subject.slot, view.grid, view.untraced, view.samples,
                              bands == RunsIn::every_band ? band.rows : whole});
     }
     stamp(pass + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);

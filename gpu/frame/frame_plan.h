@@ -37,10 +37,10 @@ struct FrameResources {
 // Immutable once compiled; shared by all slots of a variant.
 class FramePlan {
  public:
-  // `tracer` may be null if no pass traces, and outlives the plan. `motion`: whether the plan is for scenes in which
-  // something moves. Error: see make_passes; or a pass reads a resource that no pass before it writes.
+  // `tracer` may be null if no pass traces, and outlives the plan. Error: see make_passes; or a pass reads a resource
+  // that no pass before it writes.
   static Result<FramePlan> compile(const DevicePtr& device, const std::vector<std::string>& passes,
-                                   const Tracer* tracer, bool motion = false);
+                                   const Tracer* tracer, PlanKind kind = {});
 
   size_t pass_count() const { return passes_.size(); }
   std::string_view pass_name(size_t i) const { return passes_[i]->name(); }

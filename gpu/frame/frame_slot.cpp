@@ -65,10 +65,25 @@ Result<void> FrameSlot::reserve(const FramePlan& plan, const ResidentScene& scen
   return made.error();
 }
 
+namespace {
+
+// Area lights of soft frames are left to trace_soft.
+void set_planes(FrameUniforms& uniforms, const ResidentScene& scene, uint32_t samples) {
+  uint32_t plane = 0;
+  for (uint32_t light = 0; light < scene.light_count(); ++light) {
+    const bool soft = samples > 1 && scene.area_lights().is_area(light);
+    uniforms.planes[light] = soft ? kLeftOut : plane;
+    plane += soft ? planes_of(samples) : 1;
+  }
+}
+
+}  // namespace
+
 void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) {
   FrameUniforms uniforms{};
   set_view(uniforms, view_.camera, view_.grid.width, view_.grid.height);
   scene.describe(uniforms, *posed_);
+  set_planes(uniforms, scene, view_.samples);
   const exact::TracedLight silenced = silenced_light(scene.scene().bounds);
   const auto silence = [&] {
     for (size_t i = 0; i < uniforms.light_count; ++i) {
@@ -84,6 +99,7 @@ void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) 
   }
   if (const auto moving = host(plan, resource::kMovingHost); !moving.empty())
     write_moving(moving, scene, *posed_, number_);
+  if (const auto soft = host(plan, resource::kSoftHost); !soft.empty()) write_soft(soft, scene, *posed_, view_);
 }
 
 Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene,

@@ -9,24 +9,24 @@ Result<PlanVariants> PlanVariants::create(const DevicePtr& device, const std::ve
   variants.passes_ = passes;
   variants.tracer_ = tracer;
   variants.slots_ = slots;
-  auto rest = variants.make(false);
+  auto rest = variants.make({});
   if (!rest) return rest.error();
-  variants.rest_ = std::move(*rest);
+  variants.give({}, std::move(*rest));
   return variants;
 }
 
-Result<PlanVariant*> PlanVariants::variant_for(const PosedScene& posed) {
-  if (posed.at_rest()) return rest_.get();
-  if (!motion_) {
-    auto motion = make(true);
-    if (!motion) return motion.error();
-    motion_ = std::move(*motion);
+Result<PlanVariant*> PlanVariants::variant_for(const PosedScene& posed, uint32_t samples) {
+  const PlanKind kind{!posed.at_rest(), samples > 1};
+  if (!has(kind)) {
+    auto made = make(kind);
+    if (!made) return made.error();
+    give(kind, std::move(*made));
   }
-  return motion_.get();
+  return variants_[index(kind)].get();
 }
 
-Result<std::unique_ptr<PlanVariant>> PlanVariants::make(bool motion) const {
-  auto plan = FramePlan::compile(device_, passes_, tracer_, motion);
+Result<std::unique_ptr<PlanVariant>> PlanVariants::make(PlanKind kind) const {
+  auto plan = FramePlan::compile(device_, passes_, tracer_, kind);
   if (!plan) return plan.error();
   auto variant = std::make_unique<PlanVariant>(PlanVariant{std::move(*plan), {}});
   for (uint32_t i = 0; i < slots_; ++i) {

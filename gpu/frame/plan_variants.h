@@ -1,7 +1,8 @@
-// A renderer's plans and frame slots: one variant for scenes at rest, and another one with the passes for motion, which
-// is made when something first moves.
+// A renderer's plans and frame slots: one variant for scenes at rest, and one for each kind of frames that need further
+// passes, which is made when such a frame is first asked for.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ struct PlanVariant {
   std::vector<FrameSlot> slots;
 };
 
-// Slot i of both variants is the same frame in flight: at most one of the two is in use at a time. A PlanVariant keeps
+// Slot i of all variants is the same frame in flight: at most one of them is in use at a time. A PlanVariant keeps
 // its address. All calls: the render loop's thread, unless stated otherwise.
 class PlanVariants {
  public:
@@ -23,25 +24,26 @@ class PlanVariants {
   static Result<PlanVariants> create(const DevicePtr& device, const std::vector<std::string>& passes,
                                      const Tracer* tracer, uint32_t slots);
 
-  // The variant for frames of `posed`, which is made now if need be. Error: out of memory.
-  Result<PlanVariant*> variant_for(const PosedScene& posed);
-  // The variant for motion takes long to make. make_motion makes it on any thread; give_motion hands it over on the
-  // render loop's thread, so that variant_for finds it. give_motion does nothing if there is one already.
-  bool has_motion() const { return motion_ != nullptr; }
-  Result<std::unique_ptr<PlanVariant>> make_motion() const { return make(true); }
-  void give_motion(std::unique_ptr<PlanVariant> variant) {
-    if (!motion_) motion_ = std::move(variant);
+  // The variant for frames of `posed` with so many samples of each area light, as in FrameView; it is made now if need
+  // be. Error: out of memory.
+  Result<PlanVariant*> variant_for(const PosedScene& posed, uint32_t samples);
+  // A variant takes long to make. make() makes it on any thread; give() hands it over on the render loop's thread, so
+  // that variant_for finds it. give() does nothing if there is one already.
+  bool has(PlanKind kind) const { return variants_[index(kind)] != nullptr; }
+  Result<std::unique_ptr<PlanVariant>> make(PlanKind kind) const;
+  void give(PlanKind kind, std::unique_ptr<PlanVariant> variant) {
+    if (!has(kind)) variants_[index(kind)] = std::move(variant);
   }
   uint32_t slots() const { return slots_; }
 
  private:
-  Result<std::unique_ptr<PlanVariant>> make(bool motion) const;
+  static size_t index(PlanKind kind) { return (kind.motion ? 1 : 0) + (kind.soft ? 2 : 0); }
 
   DevicePtr device_;
   std::vector<std::string> passes_;
   const Tracer* tracer_ = nullptr;
   uint32_t slots_ = 0;
-  std::unique_ptr<PlanVariant> rest_, motion_;
+  std::array<std::unique_ptr<PlanVariant>, 4> variants_;
 };
 
 }  // namespace gnomon::gpu

@@ -13,7 +13,7 @@ constexpr uint64_t kNeverStarted = UINT64_MAX;
 void add_stages(FrameDone& done, std::vector<StageTime> stages) {
   for (const StageTime& stage : stages) {
     if (stage.pass == "readback") done.readback_ns = stage.gpu_ns;
-    if (stage.pass == "trace" || stage.pass == "trace_moving") done.trace_ns += stage.gpu_ns;
+    if (stage.pass.starts_with("trace")) done.trace_ns += stage.gpu_ns;
   }
   done.stages = std::move(stages);
 }

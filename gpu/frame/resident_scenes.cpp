@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/freed_memory.h"
+#include "common/log.h"
 #include "common/within_memory.h"
 
 namespace gnomon::gpu {
@@ -28,12 +29,14 @@ Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& s
 void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
                            std::function<void()> wake) {
   light_builds_.hold();  // until the scene is resident, with at least a hierarchy for its lights
+  area_builds_.hold();
   background_.run(
-      [this, id, scene, pool = pool_, built = built_, variant_is_there = pool_->variants().has_motion(), resident] {
-        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, variant_is_there));
+      [this, id, scene, pool = pool_, built = built_, missing = missing_variants(), resident] {
+        const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, missing));
         return [this, id, made, resident] {
           resident(settle_in(id, *made));
           light_builds_.release();
+          area_builds_.release();
         };
       },
       std::move(wake));
@@ -42,6 +45,8 @@ void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::funct
 void ResidentScenes::evict(SceneId id) {
   scenes_.erase(id);
   light_builds_.stop(id);
+  area_builds_.stop(id);
+  areas_asked_.erase(id);
 }
 
 void ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights,
@@ -78,10 +83,32 @@ void ResidentScenes::rebuild_lights(SceneId id, std::function<void(Result<void>)
           if (!resident) return settled(not_resident(id));
           if (!built) return settled(built.error());
           resident->give_traced(*built);
+          areas_asked_.erase(id);  // the next soft frame has them built for these lights
           settled({});
         };
       },
       std::move(wake));
+}
+
+void ResidentScenes::build_areas(SceneId id) {
+  area_builds_.finish();
+  const ResidentScene& scene = *scenes_.at(id);
+  const bool builds = pool_->tracer().soft_shader() && scene.area_lights().any();
+  if (!builds || !light_builds_.progress(id).lights.empty() || !areas_asked_.insert(id).second) return;
+  area_builds_.start(
+      id, scene.area_lights().set().count(),
+      [this, id, scene = scene.scene_ptr(), pool = pool_, lights = scene.lights()](const BuildWatch& watch) {
+        const auto built = within_memory([&] { return build_for_areas(pool->tracer(), *scene, lights, watch); });
+        return [this, id, scene, built] {
+          ResidentScene* resident = same_scene(id, scene);
+          if (!built) {
+            log::warning("no light buffers for areas", {{"scene", scene->name}, {"reason", built.error().message}});
+          } else if (resident) {
+            resident->give_traced(*built, Shadows::soft);
+          }
+        };
+      },
+      [] {});  // the next soft frame takes it over
 }
 
 void ResidentScenes::finish_background() {
@@ -89,22 +116,34 @@ void ResidentScenes::finish_background() {
   light_builds_.finish();
 }
 
+std::vector<PlanKind> ResidentScenes::missing_variants() const {
+  std::vector<PlanKind> missing;
+  for (const PlanKind kind : {PlanKind{true, false}, PlanKind{false, true}, PlanKind{true, true}}) {
+    if (!pool_->variants().has(kind)) missing.push_back(kind);
+  }
+  return missing;
+}
+
 // Any thread may call this.
 ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
-                                               bool variant_is_there) {
+                                               const std::vector<PlanKind>& missing) {
   Arrived made{within_memory([&] {
                  return ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built);
                }),
-               nullptr};
-  if (!made.scene || variant_is_there || !((*made.scene)->unbuilt() || scenes::moves(*scene))) return made;
-  if (auto variant = pool.variants().make_motion())
-    made.motion = std::move(*variant);  // on an error, the first frame tries again and reports it
+               {}};
+  if (!made.scene) return made;
+  const bool moves = (*made.scene)->unbuilt() || scenes::moves(*scene);
+  for (const PlanKind kind : missing) {
+    if ((kind.motion && !moves) || (kind.soft && !(*made.scene)->area_lights().any())) continue;
+    // On an error, the first frame tries again and reports it.
+    if (auto variant = pool.variants().make(kind)) made.variants.emplace_back(kind, std::move(*variant));
+  }
   return made;
 }
 
 Result<void> ResidentScenes::settle_in(SceneId id, Arrived& made) {
   if (!made.scene) return made.scene.error();
-  if (made.motion) pool_->variants().give_motion(std::move(made.motion));
+  for (auto& [kind, variant] : made.variants) pool_->variants().give(kind, std::move(variant));
   scenes_[id] = std::move(*made.scene);
   return {};
 }

@@ -5,6 +5,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "gpu/frame/slot_pool.h"
@@ -31,17 +33,23 @@ class ResidentScenes {
   void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
                   std::function<void()> wake);
   void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake);
+  // Before a soft frame of the scene: takes over what was built for the extents of area lights, and has it built beside
+  // the frames if it was not yet. Until then, hierarchies trace them. Precondition: the scene is resident.
+  void build_areas(SceneId id);
   BuildProgress build_progress(SceneId id) const { return light_builds_.progress(id); }
   void finish_background();
 
  private:
-  // A scene made beside the frames, and the variant for motion if the scene is the first that needs it.
+  // A scene made beside the frames, and the variants that the scene is the first to need.
   struct Arrived {
     Result<std::unique_ptr<ResidentScene>> scene;
-    std::unique_ptr<PlanVariant> motion;
+    std::vector<std::pair<PlanKind, std::unique_ptr<PlanVariant>>> variants;
   };
 
-  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built, bool variant_is_there);
+  // `missing`: the kinds of variants that there are none of.
+  static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
+                        const std::vector<PlanKind>& missing);
+  std::vector<PlanKind> missing_variants() const;
   Result<void> settle_in(SceneId id, Arrived& made);
   ResidentScene* same_scene(SceneId id, const scenes::ScenePtr& scene) const;
 
@@ -50,6 +58,8 @@ class ResidentScenes {
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;
   Background background_;  // declared last, so that its threads and those of the builds end first
   LightBuilds light_builds_;
+  std::set<SceneId> areas_asked_;  // scenes whose areas are built, or being built, or could not be
+  LightBuilds area_builds_;
 };
 
 Error not_resident(SceneId id);

@@ -56,7 +56,7 @@ class PackClassesPass : public ComputePass {
            frame.ports[3].buffer->address(),
            words_of(frame),
            frame.grid.tile_count(),
-           frame.untraced.any(),
+           frame.samples == 1 && frame.untraced.any(),  // trace_soft writes them itself
            {}};
     for (uint32_t light = 0; light < kMaxLights; ++light) {
       push.untraced[light / 32] |= uint32_t{frame.untraced[light]} << (light % 32);

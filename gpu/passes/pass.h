@@ -21,6 +21,7 @@ struct FrameView {
   CameraView camera;
   TileGrid grid;
   LightSet untraced = {};
+  uint32_t samples = 1;  // of each area light; more than 1 (a soft frame) only if the scene has area lights
 };
 
 // How a pass uses a resource. An image may be a target, sampled or (compute) storage_write.
@@ -46,25 +47,28 @@ constexpr bool writes(Use use) {
 
 // The largest frame that a slot's resources can hold.
 struct Capacity {
-  uint32_t width = 0, height = 0, lights = 0;
+  uint32_t width = 0, height = 0, planes = 0;
   uint32_t cluster_chunks = 0, triangles = 0;          // of what rests in the scene
   uint32_t moving_vertices = 0, moving_triangles = 0;  // of what moves
+  uint32_t sample_points = 0;                          // of all area lights, in soft frames
 
   bool holds(const Capacity& other) const {
-    return width >= other.width && height >= other.height && lights >= other.lights &&
+    return width >= other.width && height >= other.height && planes >= other.planes &&
            cluster_chunks >= other.cluster_chunks && triangles >= other.triangles &&
-           moving_vertices >= other.moving_vertices && moving_triangles >= other.moving_triangles;
+           moving_vertices >= other.moving_vertices && moving_triangles >= other.moving_triangles &&
+           sample_points >= other.sample_points;
   }
   Capacity grown_to(const Capacity& other) const {
     return {std::max(width, other.width),
             std::max(height, other.height),
-            std::max(lights, other.lights),
+            std::max(planes, other.planes),
             std::max(cluster_chunks, other.cluster_chunks),
             std::max(triangles, other.triangles),
             std::max(moving_vertices, other.moving_vertices),
-            std::max(moving_triangles, other.moving_triangles)};
+            std::max(moving_triangles, other.moving_triangles),
+            std::max(sample_points, other.sample_points)};
   }
-  TileGrid grid() const { return {width, height, lights}; }
+  TileGrid grid() const { return {width, height, planes}; }
 };
 
 // What to allocate for a resource: an image if `format` is set, else a buffer. The first pass that uses the resource
@@ -85,7 +89,8 @@ inline Capacity frame_size(const ResidentScene& scene, const TileGrid& grid) {
           scene.clusters().chunk_count(),
           scene.triangle_count(),
           scene.moving_size().vertices,
-          scene.moving_size().triangles};
+          scene.moving_size().triangles,
+          grid.planes > scene.light_count() ? scene.area_lights().most_points() : 0};
 }
 
 struct Port {
@@ -122,6 +127,7 @@ struct FrameContext {
   uint32_t slot = 0;        // of the frames in flight
   TileGrid grid;            // this frame's, within the capacity
   LightSet untraced;        // lights that are lit everywhere in the mask
+  uint32_t samples = 1;     // of each area light, as in FrameView
   TileRows rows;            // this band's
 
   Capacity size() const { return frame_size(scene, grid); }
@@ -142,10 +148,17 @@ class Pass {
 
 class Tracer;
 
-// Makes the passes of that name; some names stand for several passes, and for more of them in plans for `motion`.
+// What the frames of a plan have that others go without.
+struct PlanKind {
+  bool motion = false;  // something moves in the scene
+  bool soft = false;    // several points of each area light are traced
+  friend bool operator==(const PlanKind&, const PlanKind&) = default;
+};
+
+// Makes the passes of that name; some names stand for several passes, and for more of them in plans of some kinds.
 // `tracer` may be null if nothing is traced. Error: there is no such pass (the message lists the names), or a pass
 // traces and `tracer` is null.
 using Passes = std::vector<std::unique_ptr<Pass>>;
-Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, bool motion);
+Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, PlanKind kind);
 
 }  // namespace gnomon::gpu

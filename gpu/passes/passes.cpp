@@ -12,13 +12,17 @@ struct Recipe {
   std::vector<Make> steps;
 };
 
-std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool motion) {
+std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, PlanKind kind) {
   const auto trace = [&]() -> Result<std::unique_ptr<Pass>> {
     if (!tracer) return Error{"pass 'trace' needs a tracer"};
-    return make_trace_pass(device, *tracer, motion);
+    return make_trace_pass(device, *tracer, kind.motion);
   };
   std::vector<Make> trace_steps{trace};
-  if (motion) trace_steps.push_back([&] { return make_trace_moving_pass(device); });
+  if (kind.motion) trace_steps.push_back([&] { return make_trace_moving_pass(device); });
+  if (kind.soft) {
+    trace_steps.push_back([] { return make_sample_points_pass(); });
+    trace_steps.push_back([&, kind] { return make_trace_soft_pass(device, *tracer, kind.motion); });
+  }
   const auto read = [](std::string_view name, std::string_view source, std::string_view target) {
     return [=] { return make_readback_pass(name, source, target); };
   };
@@ -62,9 +66,9 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, bool 
 
 }  // namespace
 
-Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, bool motion) {
+Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const Tracer* tracer, PlanKind kind) {
   std::string names;
-  for (const Recipe& recipe : recipes(device, tracer, motion)) {
+  for (const Recipe& recipe : recipes(device, tracer, kind)) {
     names += (names.empty() ? "" : ", ") + std::string(recipe.name);
     if (recipe.name != name) continue;
     Passes passes;

@@ -27,6 +27,10 @@
 //             in plans for scenes in motion in two steps:
 //     trace         as above, for resting lights and resting geometry
 //     trace_moving  moving_bvh -> masks, valid_bits: moving lights, and what moving geometry hides from all lights
+//             in plans for soft frames two more:
+//     sample_points  from the host soft_host -> soft_lights: the points of the area lights that are traced
+//     trace_soft     soft_lights, moving_bvh -> masks, valid_bits: all planes of the area lights, which the steps before
+//                    leave out
 //   pack      in these steps, which common/packed_mask.h explains:
 //     pack_classes  masks, valid_bits -> classes, mixed_places (as counts)
 //     pack_places   mixed_places -> mixed_places (the place of each group's mixed words, then their total number)
@@ -74,6 +78,8 @@ inline constexpr std::string_view kMasks = "masks";
 inline constexpr std::string_view kHostMasks = "host_masks";
 inline constexpr std::string_view kValidBits = "valid_bits";
 inline constexpr std::string_view kHostValidBits = "host_valid_bits";
+inline constexpr std::string_view kSoftHost = "soft_host";
+inline constexpr std::string_view kSoftLights = "soft_lights";
 inline constexpr std::string_view kClasses = "classes";
 inline constexpr std::string_view kMixedPlaces = "mixed_places";
 inline constexpr std::string_view kHostClasses = "host_classes";
@@ -127,6 +133,11 @@ Result<std::unique_ptr<Pass>> make_large_triangles_pass(const DevicePtr& device)
 Result<std::unique_ptr<Pass>> make_resolve_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
 Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_sample_points_pass();
+Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
+// Writes what the pass `sample_points` copies. `into`: the host memory of soft_host.
+void write_soft(std::span<std::byte> into, const ResidentScene& scene, const PosedScene& posed,
+                const FrameView& view);
 Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device);

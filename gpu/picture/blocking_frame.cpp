@@ -42,12 +42,13 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
   return self;
 }
 
-Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time) {
-  const TileGrid grid{width, height, scene_->light_count()};
+Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time, uint32_t samples) {
+  samples_ = scene_->area_lights().samples(samples);
+  const TileGrid grid{width, height, scene_->area_lights().plane_count(samples_)};
   if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
   if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
   posed_ = scene_->pose(time);
-  auto variant = variants_->variant_for(*posed_);
+  auto variant = variants_->variant_for(*posed_, samples_);
   if (!variant) return variant.error();
   variant_ = *variant;
   if (auto room = slot().reserve(variant_->plan, *scene_, grid); !room) return room.error();
@@ -61,7 +62,7 @@ Result<FrameTiming> BlockingFrame::render(const CameraView& camera, const TileGr
 }
 
 Result<void> BlockingFrame::start(const CameraView& camera, const TileGrid& grid) {
-  const auto timeline = slot().submit(variant_->plan, *scene_, posed_, {camera, grid});
+  const auto timeline = slot().submit(variant_->plan, *scene_, posed_, {camera, grid, {}, samples_});
   if (!timeline) return timeline.error();
   started_ = *timeline;
   return {};

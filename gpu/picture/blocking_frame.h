@@ -31,9 +31,9 @@ class BlockingFrame {
   const Tracer* tracer() const { return tracer_.get(); }
   const DevicePtr& device_ptr() const { return device_; }
 
-  // Makes room for a frame of the scene at `time`, so that host() can be written. Error: size out of range, out of
-  // memory.
-  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {});
+  // Makes room for a frame of the scene at `time`, so that host() can be written. `samples`: of each area light, as
+  // RenderJob::samples. Error: size out of range, out of memory.
+  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {}, uint32_t samples = 1);
   // Renders what was reserved and waits. Error: device lost, out of memory.
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
   // As render, but does not wait: for passes that write to given buffers, which later frames of this scene on this
@@ -57,6 +57,7 @@ class BlockingFrame {
   uint64_t started_ = 0;            // the timeline's value of the last frame; 0: none
   PlanVariant* variant_ = nullptr;  // of the frame that was reserved last
   PosedScenePtr posed_;             // of the frame that was reserved last
+  uint32_t samples_ = 1;            // of the frame that was reserved last
   std::shared_ptr<ResidentScene> scene_;
 };
 

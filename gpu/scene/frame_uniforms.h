@@ -31,6 +31,8 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 64);
 
+inline constexpr uint32_t kLeftOut = UINT32_MAX;
+
 struct FrameUniforms {
   glm::mat4 camera_to_clip{1.0f};  // of points relative to the camera's position, in world axes
   glm::vec3 camera{0.0f};
@@ -47,8 +49,9 @@ struct FrameUniforms {
   uint32_t light_count = 0;
   SceneAddresses scene;
   exact::TracedLight lights[kMaxLights];
+  uint32_t planes[kMaxLights];  // of each light's masks, the first (common/light_planes.h); kLeftOut: a later pass traces the light
 };
-static_assert(sizeof(exact::TracedLight) == 36);
+static_assert(sizeof(exact::TracedLight) == 40);
 static_assert(offsetof(FrameUniforms, scene) == 144);
 static_assert(offsetof(FrameUniforms, lights) == 192);
 static_assert(sizeof(FrameUniforms) <= 16384, "the least maxUniformBufferRange");

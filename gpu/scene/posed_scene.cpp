@@ -13,7 +13,7 @@ exact::TracedLight silenced_light(const scenes::Bounds& bounds) {
 }
 
 bool same_light(const exact::TracedLight& a, const exact::TracedLight& b) {
-  static_assert(sizeof(exact::TracedLight) == 36, "no padding");
+  static_assert(sizeof(exact::TracedLight) == 40, "no padding");
   return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 

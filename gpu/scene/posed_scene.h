@@ -24,10 +24,14 @@ struct PosedScene {
   Bvh bvh;                                  // over `mesh`; empty if nothing is traced
   std::vector<scenes::ClusterGroup> draws;  // triangles of `mesh` by pipeline state; without chunks
   std::vector<exact::TracedLight> lights;
+  std::vector<scenes::LightArea> areas;                   // of each light
   std::vector<exact::TracedLight> resting_lights;         // as `lights`, but moving lights reach nothing
   std::array<uint32_t, kMaxLights / 32> moving_lights{};  // a bit for each light
   std::shared_ptr<const TracedScene> traced;              // nullptr if the scene is only drawn
-  std::shared_ptr<const TracedScene> static_bvh;          // of the resting geometry; nullptr if no light moves
+  std::shared_ptr<const TracedScene> static_bvh;          // of the resting geometry; nullptr if nothing needs it
+
+  std::shared_ptr<const TracedScene> area_traced;  // built for extents of area lights; nullptr: none yet
+  LightSet area_built;                             // the area lights that are as it was built for
 
   bool any_light_moves() const {
     return std::any_of(moving_lights.begin(), moving_lights.end(), [](uint32_t bits) { return bits != 0; });

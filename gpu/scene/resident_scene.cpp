@@ -38,6 +38,43 @@ Result<TracedLights> traced_for_none(const Tracer& tracer, const scenes::Scene& 
   return none;
 }
 
+void set_area_traced(PosedScene& posed, const AreaLights& areas) {
+  posed.area_traced = areas.built().traced;
+  if (!posed.area_traced) return;
+  size_t built = 0;
+  for (size_t i = 0; i < posed.lights.size(); ++i) {
+    if (!areas.is_area(i)) continue;
+    posed.area_built[i] =
+        same_light(with_extent(posed.lights[i], posed.areas[i]), areas.built().built_for[built++]);
+  }
+}
+
+// The area lights with their extents; those that animations move are replaced as in lights_to_build_for.
+std::vector<exact::TracedLight> areas_to_build_for(const scenes::Scene& scene,
+                                                   const std::vector<scenes::Light>& lights) {
+  std::vector<exact::TracedLight> out;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (scene.lights[i].area.shape == scenes::LightShape::point) continue;
+    out.push_back(lights[i].moved_by != scenes::kNone
+                      ? silenced_light(scene.bounds)
+                      : with_extent(traced_light(lights[i], scene.bounds), lights[i].area));
+  }
+  return out;
+}
+
+Result<TracedLights> build(const Tracer& tracer, const scenes::Scene& scene, std::vector<exact::TracedLight> lights,
+                           const std::vector<exact::TracedLight>& loaded, const BuildWatch& watch) {
+  const scenes::GeometryPtr geometry = scenes::geometry_of(scene);
+  TracedLights built{nullptr, std::move(lights)};
+  const bool as_loaded =
+      std::equal(loaded.begin(), loaded.end(), built.built_for.begin(), built.built_for.end(), same_light);
+  const Buffer none;  // tracers that build for lights do so from the mesh
+  auto traced = tracer.build({scene, geometry->mesh, built.built_for, as_loaded, none, none, watch});
+  if (!traced) return traced.error();
+  built.traced = std::move(*traced);
+  return built;
+}
+
 }  // namespace
 
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds) {
@@ -65,6 +102,7 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   auto resident = std::make_unique<ResidentScene>();
   resident->scene_ = scene;
   resident->lights_ = scene->lights;
+  resident->area_lights_ = AreaLights(scene->lights);
   resident->moving_size_ = scenes::moving_mesh_size(*scene);
   resident->geometry_ = scenes::geometry_of(*scene);
   const scenes::WorldMesh& mesh = resident->geometry_->mesh;
@@ -90,6 +128,10 @@ Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::Wor
     traced_ = std::move(*none);
   }
   if (!needs_static_bvh(lights_)) return {};
+  if (tracer.is_hierarchy()) {
+    static_bvh_ = traced_.traced;
+    return {};
+  }
   auto bvh = tracer.build_hierarchy(input);
   if (!bvh) return bvh.error();
   static_bvh_ = std::move(*bvh);
@@ -97,7 +139,9 @@ Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::Wor
 }
 
 bool ResidentScene::needs_static_bvh(const std::vector<scenes::Light>& lights) const {
-  if (!built_for_lights_ || static_bvh_) return false;
+  if (static_bvh_) return false;
+  if (area_lights_.any()) return traced_.traced != nullptr;
+  if (!built_for_lights_) return false;
   const std::vector<exact::TracedLight> wanted = traced_lights(*scene_, lights);
   return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
 }
@@ -111,9 +155,10 @@ Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
   return {};
 }
 
-void ResidentScene::give_traced(TracedLights traced) {
-  traced_ = std::move(traced);
+void ResidentScene::give_traced(TracedLights traced, Shadows shadows) {
   posed_.reset();
+  if (shadows == Shadows::soft) return area_lights_.give(std::move(traced));
+  traced_ = std::move(traced);
   if (!std::exchange(unbuilt_, false)) return;
   // Frames in flight keep the hierarchy that they were recorded with.
   auto bvh = std::exchange(static_bvh_, nullptr);
@@ -138,7 +183,9 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
   posed->mesh = scenes::build_moving_mesh(*scene_, time);
   if (traced_.traced) posed->bvh = build_bvh(posed->mesh, 1);
   posed->draws = draws_of(*scene_, posed->mesh);
-  posed->lights = traced_lights(*scene_, scenes::lights_at(*scene_, lights_, time));
+  const std::vector<scenes::Light> lights = scenes::lights_at(*scene_, lights_, time);
+  posed->lights = traced_lights(*scene_, lights);
+  for (const scenes::Light& light : lights) posed->areas.push_back(light.area);
   posed->resting_lights = posed->lights;
   posed->traced = traced_.traced;
   if (built_for_lights_) {
@@ -148,23 +195,21 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
       posed->resting_lights[i] = silenced_light(scene_->bounds);
     }
   }
-  if (posed->any_light_moves()) posed->static_bvh = static_bvh_;
+  set_area_traced(*posed, area_lights_);
+  if (posed->any_light_moves() || area_lights_.any()) posed->static_bvh = static_bvh_;
   posed_ = std::move(posed);
   return posed_;
 }
 
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch) {
-  const scenes::GeometryPtr geometry = scenes::geometry_of(scene);
-  TracedLights built{nullptr, lights_to_build_for(tracer, scene, lights)};
-  const std::vector<exact::TracedLight> loaded = lights_to_build_for(tracer, scene, scene.lights);
-  const bool as_loaded =
-      std::equal(loaded.begin(), loaded.end(), built.built_for.begin(), built.built_for.end(), same_light);
-  const Buffer none;  // tracers that build for lights do so from the mesh
-  auto traced = tracer.build({scene, geometry->mesh, built.built_for, as_loaded, none, none, watch});
-  if (!traced) return traced.error();
-  built.traced = std::move(*traced);
-  return built;
+  return build(tracer, scene, lights_to_build_for(tracer, scene, lights),
+               lights_to_build_for(tracer, scene, scene.lights), watch);
+}
+
+Result<TracedLights> build_for_areas(const Tracer& tracer, const scenes::Scene& scene,
+                                     const std::vector<scenes::Light>& lights, const BuildWatch& watch) {
+  return build(tracer, scene, areas_to_build_for(scene, lights), areas_to_build_for(scene, scene.lights), watch);
 }
 
 Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene) {
@@ -248,7 +293,8 @@ Result<void> ResidentScene::upload_materials(const DevicePtr& device, bool drawn
 
 uint64_t ResidentScene::memory_bytes() const {
   uint64_t bytes = traced_.traced ? traced_.traced->memory_bytes() : 0;
-  if (static_bvh_) bytes += static_bvh_->memory_bytes();
+  if (area_lights_.built().traced) bytes += area_lights_.built().traced->memory_bytes();
+  if (static_bvh_ && static_bvh_ != traced_.traced) bytes += static_bvh_->memory_bytes();
   for (const Buffer* b :
        {&buffers_.positions, &buffers_.normals, &buffers_.uvs, &buffers_.triangles, &buffers_.triangle_materials,
         &buffers_.materials, &buffers_.clusters, &buffers_.cluster_chunks})

@@ -7,24 +7,23 @@
 #include <memory>
 #include <vector>
 
+#include "gpu/scene/area_lights.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/scene/posed_scene.h"
+#include "gpu/scene/traced_lights.h"
 #include "gpu/tracers/tracer.h"
 #include "scenes/geometry/geometry.h"
 
 namespace gnomon::gpu {
-
-// What a tracer built, and the lights that it built for.
-struct TracedLights {
-  std::shared_ptr<const TracedScene> traced;
-  std::vector<exact::TracedLight> built_for;
-};
 
 // What a scene waits for before it is resident.
 enum class Built {
   everything,    // the tracer's complete build
   what_is_quick  // short builds only; instead of a long one, a hierarchy is traced for all lights until give_traced
 };
+
+// Lights as they are traced: to their middles, or to points all over them.
+enum class Shadows { hard, soft };
 
 // The buffers of a scene that shaders read.
 struct SceneBuffers {
@@ -51,6 +50,7 @@ class ResidentScene {
   const scenes::ScenePtr& scene_ptr() const { return scene_; }
   uint32_t triangle_count() const { return triangle_count_; }
   uint32_t light_count() const { return static_cast<uint32_t>(scene_->lights.size()); }
+  const AreaLights& area_lights() const { return area_lights_; }
   const SceneBuffers& buffers() const { return buffers_; }
   const scenes::Clusters& clusters() const { return geometry_->clusters; }
   const TracedScene& traced() const { return *traced_.traced; }  // precondition: made with a tracer
@@ -70,11 +70,14 @@ class ResidentScene {
   // needs_static_bvh() of these lights, so that give_static_bvh() has to be called first; or another number of lights.
   Result<void> set_lights(std::vector<scenes::Light> lights);
   const std::vector<scenes::Light>& lights() const { return lights_; }
+  // Whether something has to be traced by a hierarchy of the resting geometry and there is none: lights that are not
+  // where the tracer built for them, and area lights in soft frames.
   bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
   void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
-  // Later frames use `traced` for the lights that are where it was built for.
-  void give_traced(TracedLights traced);
+  // Later frames use `traced` for the lights that are where it was built for: hard frames, or soft ones for what
+  // build_for_areas made.
+  void give_traced(TracedLights traced, Shadows shadows = Shadows::hard);
   // Whether the scene was made without the tracer's build, and give_traced() has not been called yet.
   bool unbuilt() const { return unbuilt_; }
 
@@ -95,6 +98,7 @@ class ResidentScene {
   scenes::MovingMeshSize moving_size_;
   scenes::GeometryPtr geometry_;
   std::vector<scenes::Light> lights_;
+  AreaLights area_lights_;
   bool built_for_lights_ = false;
   bool unbuilt_ = false;
   SceneBuffers buffers_;
@@ -107,8 +111,10 @@ class ResidentScene {
 // of memory, device lost, stopped.
 Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene& scene,
                                       const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
-// Builds a hierarchy of the scene's resting geometry by a tracer that builds for lights. Blocking; any thread. Error:
-// out of memory, device lost.
+// As build_for_lights, for the extents of the area lights alone. Precondition: the tracer has a soft_shader().
+Result<TracedLights> build_for_areas(const Tracer& tracer, const scenes::Scene& scene,
+                                     const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
+// Builds a hierarchy of the scene's resting geometry. Blocking; any thread. Error: out of memory, device lost.
 Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene);
 
 // The light as tracers use it. The `reach` of a directional light is twice the scene's diagonal.

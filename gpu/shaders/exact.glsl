@@ -68,6 +68,7 @@ struct TracedLight {
   vec3 direction;
   float outer_cone_cos;
   uint kind;
+  float radius;  // for builders: no point of it that is traced is farther from the position; 0 where only that is
 };
 
 // The segment from a surface point to a light. It is not traced, and the bit is 0, if the light is behind the surface
@@ -95,30 +96,61 @@ EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight l
   return segment;
 }
 
-// Whether the segment meets the triangle. The edge tests are in Pluecker form: an edge shared by two triangles gives
-// exactly opposite numbers, so that no segment passes between neighbours. Both sides of the triangle count; the end
-// points of the segment do not.
-EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2) {
+// The segment from a surface to one sample point of an area light, of a pair whose segment to the light's middle is
+// traced. `origin`: of that segment. The point is not seen, without tracing, if it is behind the surface.
+EXACT_FN ShadowSegment sample_segment(vec3 origin, vec3 normal, vec3 point) {
+  ShadowSegment segment;
+  segment.origin = origin;
+  EXACT vec3 to_point = point - origin;
+  segment.direction = to_point;
+  EXACT float facing = exact_dot(normal, to_point);
+  segment.traced = facing > 0.0f;
+  return segment;
+}
+
+// A triangle as segments from one origin see it.
+struct SeenTriangle {
+  vec3 a, b, c;              // its corners, relative to the origin
+  vec3 side0, side1, side2;  // dot with a direction: an edge's side
+};
+
+EXACT_FN SeenTriangle seen_triangle(vec3 origin, vec3 p0, vec3 p1, vec3 p2) {
+  SeenTriangle t;
   EXACT vec3 a = p0 - origin;
   EXACT vec3 b = p1 - origin;
   EXACT vec3 c = p2 - origin;
   EXACT vec3 e0 = c - a;
   EXACT vec3 e1 = a - b;
   EXACT vec3 e2 = b - c;
-  EXACT float u = exact_dot(exact_cross(e0, c + a), direction);
-  EXACT float v = exact_dot(exact_cross(e1, a + b), direction);
-  EXACT float w = exact_dot(exact_cross(e2, b + c), direction);
+  t.a = a;
+  t.b = b;
+  t.c = c;
+  t.side0 = exact_cross(e0, c + a);
+  t.side1 = exact_cross(e1, a + b);
+  t.side2 = exact_cross(e2, b + c);
+  return t;
+}
+
+// Whether the segment from that origin meets the triangle. The edge tests are in Pluecker form: an edge shared by two
+// triangles gives exactly opposite numbers, so that no segment passes between neighbours. Both sides of the triangle
+// count; the end points of the segment do not.
+EXACT_FN bool meets_seen_triangle(SeenTriangle t, vec3 direction) {
+  EXACT float u = exact_dot(t.side0, direction);
+  EXACT float v = exact_dot(t.side1, direction);
+  EXACT float w = exact_dot(t.side2, direction);
   if (min(u, min(v, w)) < 0.0f && max(u, max(v, w)) > 0.0f) return false;
+  EXACT vec3 e0 = t.c - t.a;
+  EXACT vec3 e1 = t.a - t.b;
   EXACT vec3 n = exact_cross(e0, e1);
   EXACT float across = exact_dot(n, direction);
-  EXACT float height = exact_dot(n, a);
+  EXACT float height = exact_dot(n, t.a);
   // 0 < height / across < 1, without the division.
   if (across > 0.0f ? !(height > 0.0f && height < across) : !(height < 0.0f && height > across)) return false;
   // A triangle that is thinner than the rounding, as seen along the segment, may pass these tests anywhere in its
   // plane. Only a point near the triangle counts, so that tracers that sort triangles by place agree with those that do
   // not.
-  vec3 lo = min(a, min(b, c));
-  vec3 hi = max(a, max(b, c));
+  vec3 lo = min(t.a, min(t.b, t.c));
+  vec3 hi = max(t.a, max(t.b, t.c));
   vec3 far = max(abs(lo), abs(hi));
   EXACT float margin = max(far.x, max(far.y, far.z)) * (1.0f / 4096.0f);
   EXACT vec3 met = direction * (height / across);
@@ -126,4 +158,8 @@ EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 
   EXACT vec3 after = met - hi;
   vec3 outside = max(before, after);
   return max(outside.x, max(outside.y, outside.z)) <= margin;
+}
+
+EXACT_FN bool segment_meets_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2) {
+  return meets_seen_triangle(seen_triangle(origin, p0, p1, p2), direction);
 }

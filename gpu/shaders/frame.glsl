@@ -27,6 +27,7 @@ struct MaterialRecord {
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Materials { MaterialRecord at[]; };
 
 const uint kMaxLights = 256;
+const uint kLeftOut = 0xffffffffu;
 
 layout(set = 0, binding = 0, scalar) uniform Frame {
   mat4 camera_to_clip;
@@ -47,6 +48,7 @@ layout(set = 0, binding = 0, scalar) uniform Frame {
   Uints triangle_materials;
   Materials materials;
   TracedLight lights[kMaxLights];
+  uint planes[kMaxLights];  // of each light's masks, the first; kLeftOut: a later pass traces the light
 } frame;
 
 float near_plane() { return frame.camera_to_clip[3][2]; }

@@ -39,6 +39,11 @@ void store(uint light, uint word, uvec4 halves) {
 }
 #endif
 
+// The tile's word of the light's mask.
+uint word_of(uint light) {
+  return frame.planes[light] * frame.tile_count + gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
+}
+
 void main() {
   uint invocation = gl_LocalInvocationIndex;
   uvec2 in_tile = pixel_in_tile(invocation);
@@ -49,23 +54,23 @@ void main() {
 
   uint bit = in_tile.y * 8u + in_tile.x;
   uvec2 my_bit = bit < 32u ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << (bit - 32u));
-  uint tile = gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
   for (uint first = 0u; first < frame.light_count; first += kLightsAtATime) {
     uint lights = min(frame.light_count - first, kLightsAtATime);
     tile_words[invocation] = 0u;
     tile_words[invocation + 64u] = 0u;
     barrier();
     for (uint light = 0u; light < lights; ++light) {
+      if (frame.planes[first + light] == kLeftOut) continue;
       uvec4 bits = uvec4(0u);
-      if (id != 0u) bits = answer(surface, first + light, (first + light) * frame.tile_count + tile, my_bit);
+      if (id != 0u) bits = answer(surface, first + light, word_of(first + light), my_bit);
       bits = subgroupOr(bits);
       if (subgroupElect())
         for (uint i = 0u; i < 4u; ++i) atomicOr(tile_words[4u * light + i], bits[i]);
     }
     barrier();
-    if (invocation < lights) {
+    if (invocation < lights && frame.planes[first + invocation] != kLeftOut) {
       uint i = 4u * invocation, light = first + invocation;
-      store(light, light * frame.tile_count + tile,
+      store(light, word_of(light),
             uvec4(tile_words[i], tile_words[i + 1u], tile_words[i + 2u], tile_words[i + 3u]));
     }
     barrier();

@@ -4,12 +4,17 @@
 //
 // This file has the part that narrow and wide subgroups share: loading the pixels, and testing the planes of their
 // leaves. They differ in how they walk the lists of the undecided pixels: trace_light_buffer_narrow.comp,
-// trace_light_buffer_wide.comp. LANES is defined on the compiler's command line.
+// trace_light_buffer_wide.comp. LANES is defined on the compiler's command line, and
+// TRACER_PUSH_MORE by an includer that has further push constants.
 #extension GL_EXT_control_flow_attributes : require
 #include "subgroup.glsl"
 #include "frame.glsl"
 #define TILE_INVOCATIONS LANES
 #include "surface.glsl"
+
+#ifndef TRACER_PUSH_MORE
+#define TRACER_PUSH_MORE
+#endif
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer TileWords { uvec2 at[]; };
 
@@ -23,6 +28,7 @@ layout(push_constant, scalar) uniform Push {
   uvec2 views;
   uint first_masked;
   uint reserved;
+  TRACER_PUSH_MORE
 } push;
 
 const uint kNone = 0xffffffffu;
@@ -131,11 +137,12 @@ vec3 direction_of(LightView view, vec3 origin) {
 }
 
 void store_words(uint light, uint lit, uint care) {
+  if (frame.planes[light] == kLeftOut) return;
   uvec2 mask_word = tile_word(lit), care_word = tile_word(care);
   uvec2 tile = tile_of_lane();
   bool is_first_of_tile = lane() % 64u == 0u;
   if (is_first_of_tile && (kTiles == 1u || tile.x < frame.tiles_x)) {
-    uint word = light * frame.tile_count + tile.y * frame.tiles_x + tile.x;
+    uint word = frame.planes[light] * frame.tile_count + tile.y * frame.tiles_x + tile.x;
     push.masks.at[word] = mask_word;
     push.valid_bits.at[word] = care_word;
   }

@@ -102,6 +102,7 @@ void main() {
   Pixels pixels;
   load_pixels(pixels);
   for (uint light = 0u; light < frame.light_count; ++light) {
+    if (frame.planes[light] == kLeftOut) continue;
     uint care = care_bits(light, pixels);
     uint lit = 0u;
     if (any_lane(care != 0u)) {

@@ -129,6 +129,7 @@ void main() {
     uint lights = min(frame.light_count - first, kLightsAtATime);
     LaneBits care = no_bits(), lit = no_bits(), undecided = no_bits();
     for (uint k = 0u; k < lights; ++k) {
+      if (frame.planes[first + k] == kLeftOut) continue;
       uint light_care = care_bits(first + k, pixels);
       if (!any_lane(light_care != 0u)) continue;
       Asked asked = ask_planes(first + k, pixels, light_care);

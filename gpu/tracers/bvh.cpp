@@ -34,6 +34,10 @@ class BvhTracer : public Tracer {
 
   std::string_view name() const override { return "bvh"; }
   TraceShader shader() const override { return {trace_bvh_comp}; }
+  bool is_hierarchy() const override { return true; }
+  Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const override {
+    return build(input);
+  }
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();

@@ -1,5 +1,6 @@
 // Tracer "light_buffer": for each light, lists of what can block it, built once (gpu/tracers/light_buffer/). It is for
 // static geometry and lights.
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -74,14 +75,17 @@ class LightBufferScene : public TracedScene {
 
 class LightBufferTracer : public Tracer {
  public:
-  LightBufferTracer(DevicePtr device, const TraceShader& shader, TracerOptions options)
+  LightBufferTracer(DevicePtr device, const TraceShader& shader, std::optional<TraceShader> soft,
+                    TracerOptions options)
       : device_(std::move(device)),
         shader_(shader),
+        soft_shader_(soft),
         options_(std::move(options)),
         hierarchies_(make_bvh_tracer(device_, options_.builds)) {}
 
   std::string_view name() const override { return "light_buffer"; }
   TraceShader shader() const override { return shader_; }
+  std::optional<TraceShader> soft_shader() const override { return soft_shader_; }
 
   bool builds_for_lights() const override { return true; }
 
@@ -115,7 +119,11 @@ class LightBufferTracer : public Tracer {
 
   light_buffer::BuildSettings settings_for(const TracerInput& input) const {
     light_buffer::BuildSettings settings;
-    settings.budget_bytes = options_.light_buffer_bytes;
+    const auto& all = input.scene.lights;
+    const bool areas = std::any_of(all.begin(), all.end(), [](const scenes::Light& light) {
+      return light.area.shape != scenes::LightShape::point;
+    });
+    settings.budget_bytes = options_.light_buffer_bytes / (areas ? 2 : 1);
     settings.stop = input.watch.stop;
     settings.progress = [&input, said = size_t{0}](size_t light, double share) mutable {
       if (light == said && !input.mesh.triangles.empty()) {
@@ -188,6 +196,7 @@ class LightBufferTracer : public Tracer {
 
   DevicePtr device_;
   TraceShader shader_;
+  std::optional<TraceShader> soft_shader_;
   TracerOptions options_;
   std::unique_ptr<Tracer> hierarchies_;
 };
@@ -205,7 +214,9 @@ Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device
     const auto trimmed = light_buffer::trim(options.cache_folder, cache_limit(options));
     if (trimmed.files > 0) log::info("cache trimmed", {{"files", trimmed.files}, {"bytes", trimmed.bytes}});
   }
-  return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, *shader, options));
+  const auto soft =
+      options.light_buffer_soft_shader ? options.light_buffer_soft_shader : light_buffer_soft_shader(shader->lanes);
+  return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, *shader, soft, options));
 }
 
 }  // namespace gnomon::gpu

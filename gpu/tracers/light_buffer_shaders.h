@@ -16,4 +16,7 @@ std::optional<TraceShader> light_buffer_shader(uint32_t lanes);
 // registers. nullopt: there is none for these subgroups.
 std::optional<TraceShader> light_buffer_shader(const SubgroupFeatures& subgroups);
 
+// As light_buffer_shader, for area lights.
+std::optional<TraceShader> light_buffer_soft_shader(uint32_t lanes);
+
 }  // namespace gnomon::gpu

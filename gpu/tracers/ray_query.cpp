@@ -133,10 +133,16 @@ class RayQueryScene : public TracedScene {
 
 class RayQueryTracer : public Tracer {
  public:
-  explicit RayQueryTracer(DevicePtr device) : device_(std::move(device)), rays_(device_->handle()) {}
+  RayQueryTracer(DevicePtr device, StructureBuildsPtr builds)
+      : device_(std::move(device)),
+        rays_(device_->handle()),
+        hierarchies_(make_bvh_tracer(device_, std::move(builds))) {}
 
   std::string_view name() const override { return "ray_query"; }
   TraceShader shader() const override { return {trace_ray_query_comp}; }
+  Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const override {
+    return hierarchies_->build(input);
+  }
 
   Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const override {
     const TimePoint start = Clock::now();
@@ -206,14 +212,15 @@ class RayQueryTracer : public Tracer {
 
   DevicePtr device_;
   RayFunctions rays_;
+  std::unique_ptr<Tracer> hierarchies_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device) {
+Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device, StructureBuildsPtr builds) {
   if (!device->features().ray_query)
     return Error{"tracer 'ray_query': device '" + device->info().name + "' offers no ray queries"};
-  return std::unique_ptr<Tracer>(std::make_unique<RayQueryTracer>(device));
+  return std::unique_ptr<Tracer>(std::make_unique<RayQueryTracer>(device, std::move(builds)));
 }
 
 }  // namespace gnomon::gpu

@@ -18,7 +18,7 @@ Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DeviceP
   }
   if (name == "bvh") return make_bvh_tracer(device);
   if (name == "light_buffer") return make_light_buffer_tracer(device, options);
-  if (name == "ray_query") return make_ray_query_tracer(device);
+  if (name == "ray_query") return make_ray_query_tracer(device, options.builds);
   return check_tracer_name(name).error();
 }
 

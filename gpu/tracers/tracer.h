@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -62,13 +63,15 @@ class Tracer {
   virtual TraceShader shader() const = 0;
   // Whether the tracer's data is valid only for the lights that it was built for.
   virtual bool builds_for_lights() const { return false; }
+  // The shader that traces area lights by what build() makes for lights with a radius; nullopt: hierarchies trace them.
+  virtual std::optional<TraceShader> soft_shader() const { return std::nullopt; }
   // Blocking; any thread. Error: out of memory, device lost, stopped.
   virtual Result<std::unique_ptr<TracedScene>> build(const TracerInput& input) const = 0;
-  // The structure of the tracer "bvh", for lights that this one was not built for. Blocking; any thread. Error: out of
-  // memory, device lost. Precondition: builds_for_lights().
-  virtual Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const {
-    return build(input);
-  }
+  // Whether build() makes the structure of the tracer "bvh".
+  virtual bool is_hierarchy() const { return false; }
+  // The structure of the tracer "bvh", for what this one does not trace: lights that it was not built for, and area
+  // lights. Blocking; any thread. Error: out of memory, device lost.
+  virtual Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const = 0;
   // As build, but only if it is quick, because the build is short or its result is cached; nullptr if a long build is
   // needed.
   virtual Result<std::unique_ptr<TracedScene>> build_at_once(const TracerInput& input) const {
@@ -87,6 +90,6 @@ Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DeviceP
 std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device, StructureBuildsPtr builds = builds_here());
 // Error: the device offers no subgroups of 4 to 128 lanes with ballots and votes, which its shaders are written for.
 Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
-Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device);
+Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device, StructureBuildsPtr builds);
 
 }  // namespace gnomon::gpu

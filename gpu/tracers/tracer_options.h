@@ -24,9 +24,12 @@ struct TracerOptions {
   // Most that the folder may hold; what was used least recently leaves first. Read whenever something is kept. nullptr: no
   // limit.
   std::shared_ptr<const std::atomic<uint64_t>> cache_bytes = nullptr;
-  uint64_t light_buffer_bytes = 0;  // memory budget of a scene's light buffers; 0: by the number of lights
+  // Memory budget of a scene's light buffers; a scene with area lights has half of it for their middles and half for
+  // their extents. 0: for each by the number of lights.
+  uint64_t light_buffer_bytes = 0;
   StructureBuildsPtr builds = builds_here();
   std::optional<TraceShader> light_buffer_shader = {};  // instead of the one for the device's subgroups: for tests
+  std::optional<TraceShader> light_buffer_soft_shader = {};  // likewise
 };
 
 inline uint64_t cache_limit(const TracerOptions& options) {

@@ -1,3 +1,5 @@
+#ifndef ALPHA_GLSL
+#define ALPHA_GLSL
 // The alpha test at the point where a segment meets triangle (p0, p1, p2). The Pluecker edge values are proportional to
 // the barycentric weights.
 bool blocks_by_alpha(uint triangle, vec3 origin, vec3 direction, vec3 p0, vec3 p1, vec3 p2) {
@@ -9,3 +11,4 @@ bool blocks_by_alpha(uint triangle, vec3 origin, vec3 direction, vec3 p0, vec3 p
   float w = exact_dot(exact_cross(b - c, b + c), direction);  // edge p1 p2: the weight of p0
   return passes_alpha_test(triangle, uv_at(triangle, vec3(w, u, v) / (u + v + w)));
 }
+#endif

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstring>
 #include <fstream>
 
@@ -113,7 +114,18 @@ CacheKey cache_key(const scenes::ContentHash& content, const BuildSettings& sett
   hash = XXH3_64bits_withSeed(&bounds, sizeof(bounds), hash);
   hash = XXH3_64bits_withSeed(mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3), hash);
   hash = XXH3_64bits_withSeed(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3), hash);
-  return {content, XXH3_64bits_withSeed(lights.data(), lights.size_bytes(), hash)};
+  // The radii come last and only if there are any, so that files from before lights had radii are found.
+  constexpr size_t kPlain = offsetof(exact::TracedLight, radius);
+  std::vector<std::byte> plain(lights.size() * kPlain);
+  std::vector<float> radii;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    std::memcpy(plain.data() + i * kPlain, &lights[i], kPlain);
+    radii.push_back(lights[i].radius);
+  }
+  hash = XXH3_64bits_withSeed(plain.data(), plain.size(), hash);
+  if (std::any_of(radii.begin(), radii.end(), [](float radius) { return radius > 0.0f; }))
+    hash = XXH3_64bits_withSeed(radii.data(), radii.size() * sizeof(float), hash);
+  return {content, hash};
 }
 
 std::filesystem::path cache_file(const std::filesystem::path& folder, const CacheKey& key) {

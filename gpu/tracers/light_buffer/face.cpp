@@ -104,8 +104,8 @@ float Face::reciprocal_depth(double nearness) const {
 
 LightFaces light_faces(const exact::TracedLight& light, const scenes::Bounds& bounds) {
   const bool directional = light.kind == 2;
-  const glm::vec3 low = directional ? bounds.min : glm::min(bounds.min, light.position);
-  const glm::vec3 high = directional ? bounds.max : glm::max(bounds.max, light.position);
+  const glm::vec3 low = directional ? bounds.min : glm::min(bounds.min, light.position - light.radius);
+  const glm::vec3 high = directional ? bounds.max : glm::max(bounds.max, light.position + light.radius);
   // Segments start off their surface by a little (segment_origin), hence the allowance.
   const double diameter = 1.05 * glm::distance(glm::dvec3(low), glm::dvec3(high)) + 1e-6;
   LightFaces result = directional ? directional_face(light, bounds, diameter) : point_faces(light);

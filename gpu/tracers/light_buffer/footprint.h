@@ -27,6 +27,28 @@
 //     light, for that purpose, and its picture is everywhere. An irregular triangle is hit within its widened box
 //     only, in which every point that the face shows has a depth of at least lo.z, lo.x / 1.1, -hi.x / 1.1, lo.y / 1.1
 //     and -hi.y / 1.1: that bounds its picture and its `nearest`.
+//
+// Area lights. A query asks for the segments from a point q to points s of a ball of radius R about the reference c, and
+// is sorted by its place and depth as seen from c. `across` and the height H are their least over the ball: with
+// |volume| - R |n| for |volume|, and R added to the distance. R includes 4 e D, by which rounding moves a segment's end.
+//   - A segment that is said to hit passes within b = 8 e D of the stretched triangle, at x = q + t (s - q). The point
+//     y = x - t (s - c) lies within b + R of it, and on the segment from q to c: so it has the place of q, and is
+//     nowhere deeper. The box is that of the picture of the stretched triangle with every point displaced by b + R: a
+//     displacement of length d changes x / z of a point with |x / z| <= 1.1 by at most sqrt(1 + 1.1^2) d / z < 1.5 d / z,
+//     where z is the depth of the displaced point's origin. So corners are widened one by one.
+//   - `least` is the least depth of y: as deep as the shown part, less b + R, and, as y is at least |volume| / |n| - R - b
+//     off the plane through c that is parallel to the triangle's, that divided by 1.83.
+//   - The side of an edge: of the two planes through the (stretched) edge that touch the ball about c of radius
+//     b + R, take the one that has that ball on its outer side, with the unit normal m inwards. Its points have
+//     dot(m, x) = b + R, as seen from c. If the third corner has no less, dot(m, y) >= b + R - b - t R = (1 - t) R, and
+//     as y = (1 - t) (q - c), dot(m, (u, v, 1)) >= R / depth(q) >= R / farthest. If it has less, that is missing.
+//   - Near plane: q is on the light's side of the triangle's plane, and so is the whole ball: `nearest` is as above.
+//   - Cover: q is behind the plane, the ball before it. The test says yes where the segment meets the plane with
+//     barycentric weights of at least e D (8.5 |edge| + 2 (1 + s) L) / across: within a smaller triangle. All of its
+//     segments to the ball do so if q is on the inner side of the three planes through the smaller triangle's edges that
+//     touch the ball and have it on their inner side: dot(m, q - c) >= -R, or dot(m, (u, v, 1)) >= -R / farthest.
+//   - A triangle whose plane passes within the ball, or nearly so, is irregular: it is hit within its widened box, and y
+//     within that widened by R more. It has no edges.
 // tests/unit/gpu/light_buffer compares this with brute force over random scenes that are made to break it.
 #pragma once
 
@@ -41,8 +63,12 @@ namespace gnomon::gpu::light_buffer {
 
 struct Footprint {
   std::array<Linear, 3> edges;  // inside: all >= 0
-  std::array<double, 3> slack;  // can be hit if all >= -slack; is certainly hit if all >= slack
+  std::array<double, 3> slack;  // can be hit if all >= -slack; is certainly hit if all cover_edges >= cover_slack
+  // As the edges, for what is hidden from every point of the light; the same unless the light has an extent.
+  std::array<Linear, 3> cover_edges;
+  std::array<double, 3> cover_slack;
   Linear nearest{0.0};          // no point in front of this nearness is hidden by the triangle
+  std::optional<Linear> least;  // nor one in front of this one, which is constant
   Linear cover{0.0};            // every point behind this nearness is hidden, where covers() holds
   Rect box{};                   // the triangle cannot be hit outside
   double area = 0;              // of the triangle, in the world
@@ -55,6 +81,11 @@ struct Footprint {
 
 // `corners` are relative to the light's reference. Returns nullopt if no segment on this face can hit the triangle.
 std::optional<Footprint> footprint(const Face& face, double diameter, const std::array<glm::dvec3, 3>& corners);
+
+// As footprint, for a light with an extent, of which no point is farther than `radius` from the reference: of the
+// segments from points on this face to any of them. Only for perspective faces.
+std::optional<Footprint> area_footprint(const Face& face, double diameter, double radius,
+                                        const std::array<glm::dvec3, 3>& corners);
 
 // Whether a segment through the rectangle may be found to hit the triangle.
 bool meets(const Footprint& f, const Rect& rect);

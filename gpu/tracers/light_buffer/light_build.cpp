@@ -118,7 +118,7 @@ bool LightBuild::reaches(const std::array<glm::dvec3, 3>& corners) const {
   const glm::dvec3 low = glm::min(corners[0], glm::min(corners[1], corners[2]));
   const glm::dvec3 high = glm::max(corners[0], glm::max(corners[1], corners[2]));
   const glm::dvec3 nearest = glm::clamp(glm::dvec3(0.0), low, high);
-  return glm::length(nearest) <= 1.001 * light_.reach;
+  return glm::length(nearest) <= 1.001 * light_.reach + light_.radius;
 }
 
 std::vector<LightBuild::Chunk> LightBuild::footprints(const Face& face) const {
@@ -132,7 +132,9 @@ std::vector<LightBuild::Chunk> LightBuild::footprints(const Face& face) const {
         corners[static_cast<size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[t][k]]) - faces_.reference;
       }
       if (!reaches(corners)) continue;
-      std::optional<Footprint> f = footprint(face, faces_.diameter, corners);
+      std::optional<Footprint> f = light_.radius > 0.0f
+                                       ? area_footprint(face, faces_.diameter, light_.radius, corners)
+                                       : footprint(face, faces_.diameter, corners);
       if (!f || !meets(*f, face.square(0, 0, 0))) continue;
       f->triangle = static_cast<uint32_t>(t);
       f->can_cover = f->can_cover && t < mesh_.opaque_count;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <vector>
 
 #include "gpu/tracers/light_buffer/entry.h"
 
@@ -78,6 +79,46 @@ Answer query(const LightBuffer& buffer, const LightView& light, const scenes::Wo
       break;
     }
   }
+  return answer;
+}
+
+AreaAnswer query_area(const LightBuffer& buffer, const LightView& light, const scenes::WorldMesh& mesh,
+                      const exact::SurfacePoint& surface, const glm::vec3& origin,
+                      std::span<const glm::vec3> points) {
+  const glm::vec3 rel = origin - light.reference;
+  const Position position = cube_position(rel);
+  const Leaf& leaf = find_leaf(buffer, light, position);
+  AreaAnswer answer;
+  if (glm::dot(leaf.cover_plane, rel) > 1.0f) {
+    answer.end = End::cover_plane;
+    return answer;
+  }
+  uint32_t open = 0;  // the points that nothing hides so far
+  std::vector<exact::ShadowSegment> segments;
+  for (const glm::vec3& point : points) {
+    segments.push_back(exact::sample_segment(origin, surface.normal, point));
+    open |= uint32_t{segments.back().traced} << (segments.size() - 1);
+  }
+  answer.seen = static_cast<uint32_t>(std::popcount(open));
+  if (glm::dot(leaf.near_plane, rel) < 1.0f) return answer;
+  answer.end = End::list;
+  const uint32_t count = leaf.count & ((1u << kCountBits) - 1);
+  const glm::uvec2 in_leaf = place_in_leaf(position, leaf);
+  for (uint32_t k = leaf.first; k < leaf.first + count && open != 0; ++k) {
+    const ListEntry& entry = buffer.entries[k];
+    ++answer.steps;
+    if (in_front(entry, position.depth)) break;
+    if (!holds(entry, in_leaf.x, in_leaf.y)) continue;
+    const glm::uvec3 t = mesh.triangles[entry.triangle];
+    ++answer.tested;
+    for (size_t i = 0; i < segments.size(); ++i) {
+      if (exact::segment_meets_triangle(origin, segments[i].direction, mesh.positions[t.x], mesh.positions[t.y],
+                                        mesh.positions[t.z])) {
+        open &= ~(1u << i);
+      }
+    }
+  }
+  answer.seen = static_cast<uint32_t>(std::popcount(open));
   return answer;
 }
 

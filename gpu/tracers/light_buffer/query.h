@@ -1,6 +1,8 @@
 // The query of shaders/tracers/light_buffer.glsl in C++, step by step, for tests and statistics.
 #pragma once
 
+#include <span>
+
 #include "gpu/exact_cpp.h"
 #include "gpu/tracers/light_buffer/light_buffer.h"
 #include "scenes/world_mesh.h"
@@ -20,5 +22,18 @@ struct Answer {
 // and segment.traced.
 Answer query(const LightBuffer& buffer, const LightView& light, const scenes::WorldMesh& mesh,
              const exact::ShadowSegment& segment);
+
+struct AreaAnswer {
+  uint32_t seen = 0;  // of the points
+  End end = End::near_plane;
+  uint32_t steps = 0;   // entries of the list that were looked at
+  uint32_t tested = 0;  // triangles
+};
+
+// As query, for at most 32 sample points of an area light. `surface`: of a pair whose segment to the light's middle,
+// from `origin`, is traced.
+AreaAnswer query_area(const LightBuffer& buffer, const LightView& light, const scenes::WorldMesh& mesh,
+                      const exact::SurfacePoint& surface, const glm::vec3& origin,
+                      std::span<const glm::vec3> points);
 
 }  // namespace gnomon::gpu::light_buffer

@@ -1,6 +1,7 @@
 #include "tests/unit/gpu/brute_force.h"
 
 #include "gpu/scene/resident_scene.h"
+#include "scenes/light_samples.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::test {
@@ -9,15 +10,37 @@ using namespace gpu;
 
 namespace {
 
-bool lit_by_brute_force(const scenes::WorldMesh& mesh, const CameraView& camera, const SurfaceSample& sample,
-                        const exact::TracedLight& light) {
-  const auto segment = exact::shadow_segment(camera.position, {sample.position, sample.normal}, light);
-  if (!segment.traced) return false;
+bool free(const scenes::WorldMesh& mesh, const exact::ShadowSegment& segment) {
   for (const glm::uvec3& t : mesh.triangles)
     if (exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x], mesh.positions[t.y],
                                       mesh.positions[t.z]))
       return false;
   return true;
+}
+
+bool lit_by_brute_force(const scenes::WorldMesh& mesh, const CameraView& camera, const SurfaceSample& sample,
+                        const exact::TracedLight& light) {
+  const auto segment = exact::shadow_segment(camera.position, {sample.position, sample.normal}, light);
+  return segment.traced && free(mesh, segment);
+}
+
+// nullopt if the pair is not asked.
+std::optional<uint32_t> seen_by_brute_force(const scenes::WorldMesh& mesh, const CameraView& camera,
+                                            const SurfaceSample& sample, const exact::TracedLight& light,
+                                            std::span<const glm::vec3> offsets) {
+  if (sample.triangle == 0) return std::nullopt;
+  const auto middle = exact::shadow_segment(camera.position, {sample.position, sample.normal}, light);
+  if (!middle.traced) return std::nullopt;
+  uint32_t seen = 0;
+  for (const glm::vec3& offset : offsets) {
+    const auto segment = exact::sample_segment(middle.origin, sample.normal, light.position + offset);
+    seen += segment.traced && free(mesh, segment);
+  }
+  return seen;
+}
+
+bool bit(const std::vector<uint64_t>& words, const TileGrid& grid, uint32_t x, uint32_t y, uint32_t plane) {
+  return TileMaskView{grid, words}.lit(x, y, plane);
 }
 
 }  // namespace
@@ -36,6 +59,51 @@ Count compare(const scenes::Scene& scene, const CameraView& camera, const Probed
         count.differing += expected != frame.mask().lit(x, y, i);
       }
     }
+  return count;
+}
+
+LightPlanes planes_of(const scenes::Scene& scene, uint32_t samples) {
+  std::vector<bool> areas;
+  for (const scenes::Light& light : scene.lights) areas.push_back(light.area.shape != scenes::LightShape::point);
+  return {areas, samples};
+}
+
+PlaneBits plane_bits(std::optional<uint32_t> seen, uint32_t samples) {
+  if (!seen) return {};
+  const uint32_t planes = gnomon::planes_of(samples);
+  if (*seen == samples) return {1, 1};
+  PlaneBits bits{0, (1u << planes) - 1};
+  for (uint32_t plane = 1; plane < planes; ++plane) bits.mask |= (*seen >> (planes - 1 - plane) & 1) << plane;
+  return bits;
+}
+
+SoftCount compare_soft(const scenes::Scene& scene, const CameraView& camera, const ProbedFrame& frame) {
+  const scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
+  const LightPlanes planes = planes_of(scene, frame.light_samples);
+  SoftCount count;
+  for (uint32_t light = 0; light < planes.light_count(); ++light) {
+    const uint32_t samples = planes.samples(light);
+    const std::vector<glm::vec3> offsets = samples > 1 ? scenes::sample_offsets(scene.lights[light].area, samples)
+                                                       : std::vector<glm::vec3>(scenes::kSamplePatterns);
+    const exact::TracedLight traced = traced_light(scene.lights[light], scene.bounds);
+    for (uint32_t y = 0; y < frame.grid.height; ++y)
+      for (uint32_t x = 0; x < frame.grid.width; ++x) {
+        const SurfaceSample& sample = frame.surface_at(x, y);
+        const auto of_pixel = std::span(offsets).subspan(scenes::sample_pattern(x, y) * samples, samples);
+        std::optional<uint32_t> seen = seen_by_brute_force(mesh, camera, sample, traced, of_pixel);
+        if (samples == 1 && seen) seen = lit_by_brute_force(mesh, camera, sample, traced) ? 1 : 0;
+        const PlaneBits expected = plane_bits(seen, samples);
+        PlaneBits found;
+        for (uint32_t plane = 0; plane < planes.count(light); ++plane) {
+          found.mask |= uint32_t{bit(frame.words, frame.grid, x, y, planes.first(light) + plane)} << plane;
+          found.valid |= uint32_t{bit(frame.valid_bits, frame.grid, x, y, planes.first(light) + plane)} << plane;
+        }
+        count.differing += found.mask != expected.mask || found.valid != expected.valid;
+        if (!seen) continue;
+        ++count.asked;
+        ++(*seen == samples ? count.lit : *seen == 0 ? count.dark : count.penumbrae);
+      }
+  }
   return count;
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/clock.h"
 #include "gpu/scene/resident_scene.h"
+#include "scenes/light_samples.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::test {
@@ -58,6 +59,43 @@ void attach(EmbreeOracle::State& state, uint32_t first, size_t count, bool maske
   rtcReleaseGeometry(geometry);
 }
 
+bool is_free(const EmbreeOracle::State& state, const ShadowSegment& s) {
+  RTCRay ray{s.origin.x, s.origin.y, s.origin.z, 0.0f, s.direction.x, s.direction.y, s.direction.z, 0.0f,
+             1.0f,       ~0u,        0,          0};
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(state.scene, &context, &ray);
+  return ray.tfar >= 0.0f;
+}
+
+// Of the points of the light at `offsets`.
+std::optional<uint32_t> count_free(const EmbreeOracle::State& state, const glm::vec3& camera,
+                                   const gpu::SurfaceSample& sample, const TracedLight& light,
+                                   std::span<const glm::vec3> offsets) {
+  if (sample.triangle == 0) return std::nullopt;
+  const ShadowSegment middle = gpu::exact::shadow_segment(camera, {sample.position, sample.normal}, light);
+  if (!middle.traced) return std::nullopt;
+  uint32_t seen = 0;
+  for (const glm::vec3& offset : offsets) {
+    const ShadowSegment s = gpu::exact::sample_segment(middle.origin, sample.normal, light.position + offset);
+    seen += s.traced && is_free(state, s);
+  }
+  return seen;
+}
+
+// Calls row(y) for every row, on so many threads.
+template <class Row>
+void for_rows(uint32_t rows, unsigned threads, Row row) {
+  std::atomic<uint32_t> next = 0;
+  const auto work = [&] {
+    for (uint32_t y = next++; y < rows; y = next++) row(y);
+  };
+  std::vector<std::thread> others;
+  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work);
+  work();
+  for (std::thread& t : others) t.join();
+}
+
 // Occlusion answers for the segments of one 4x4 block: bit y * 4 + x set where lit.
 class Block {
  public:
@@ -88,13 +126,7 @@ class Block {
     for (uint32_t i = 0; i < 16; ++i) {
       if (!(shown_ >> i & 1)) continue;
       const ShadowSegment s = segment(i, light);
-      if (!s.traced) continue;
-      RTCRay ray{s.origin.x, s.origin.y, s.origin.z, 0.0f, s.direction.x, s.direction.y, s.direction.z, 0.0f,
-                 1.0f,       ~0u,        0,          0};
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcOccluded1(state_.scene, &context, &ray);
-      if (ray.tfar >= 0.0f) bits |= 1u << i;
+      if (s.traced && is_free(state_, s)) bits |= 1u << i;
     }
     return bits;
   }
@@ -181,23 +213,36 @@ std::vector<uint64_t> EmbreeOracle::trace(const gpu::CameraView& camera, const T
                                           std::span<const gpu::SurfaceSample> samples, EmbreeQuery query,
                                           unsigned threads) const {
   std::vector<uint64_t> words(grid.word_count());
-  std::atomic<uint32_t> next_row = 0;
-  const auto work = [&] {
-    for (uint32_t ty = next_row++; ty < grid.tiles_y(); ty = next_row++)
-      for (uint32_t tx = 0; tx < grid.tiles_x(); ++tx)
-        for (uint32_t block = 0; block < 4; ++block) {
-          const uint32_t bx = block % 2, by = block / 2;
-          const Block pixels(*state_, camera, grid, samples, tx * 8 + bx * 4, ty * 8 + by * 4);
-          for (uint32_t light = 0; light < grid.planes; ++light)
-            words[size_t{light} * grid.tile_count() + ty * grid.tiles_x() + tx] |=
-                spread(pixels.lit(light, query), bx, by);
-        }
-  };
-  std::vector<std::thread> others;
-  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work);
-  work();
-  for (std::thread& t : others) t.join();
+  for_rows(grid.tiles_y(), threads, [&](uint32_t ty) {
+    for (uint32_t tx = 0; tx < grid.tiles_x(); ++tx)
+      for (uint32_t block = 0; block < 4; ++block) {
+        const uint32_t bx = block % 2, by = block / 2;
+        const Block pixels(*state_, camera, grid, samples, tx * 8 + bx * 4, ty * 8 + by * 4);
+        for (uint32_t light = 0; light < grid.planes; ++light)
+          words[size_t{light} * grid.tile_count() + ty * grid.tiles_x() + tx] |=
+              spread(pixels.lit(light, query), bx, by);
+      }
+  });
   return words;
+}
+
+std::vector<std::optional<uint32_t>> EmbreeOracle::count(const gpu::CameraView& camera, const TileGrid& grid,
+                                                         std::span<const gpu::SurfaceSample> surfaces,
+                                                         uint32_t samples, unsigned threads) const {
+  const size_t pixels = size_t{grid.width} * grid.height;
+  std::vector<std::optional<uint32_t>> counts(state_->lights.size() * pixels);
+  for (size_t light = 0; light < state_->lights.size(); ++light) {
+    const std::vector<glm::vec3> offsets = scenes::sample_offsets(state_->source->lights[light].area, samples);
+    for_rows(grid.height, threads, [&](uint32_t y) {
+      for (uint32_t x = 0; x < grid.width; ++x) {
+        const size_t pixel = size_t{y} * grid.width + x;
+        counts[light * pixels + pixel] =
+            count_free(*state_, camera.position, surfaces[pixel], state_->lights[light],
+                       std::span(offsets).subspan(scenes::sample_pattern(x, y) * samples, samples));
+      }
+    });
+  }
+  return counts;
 }
 
 }  // namespace gnomon::test

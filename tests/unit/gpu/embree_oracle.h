@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,12 @@ class EmbreeOracle {
   std::vector<uint64_t> trace(const gpu::CameraView& camera, const TileGrid& grid,
                               std::span<const gpu::SurfaceSample> samples, EmbreeQuery query,
                               unsigned threads) const;
+
+  // How many of `samples` points of each light the surfaces of a soft frame see, light by light and row by row; nothing of
+  // pairs that are not asked. On `threads` threads.
+  std::vector<std::optional<uint32_t>> count(const gpu::CameraView& camera, const TileGrid& grid,
+                                             std::span<const gpu::SurfaceSample> surfaces, uint32_t samples,
+                                             unsigned threads) const;
 
   // Is anything between the two points?
   bool occluded(glm::vec3 from, glm::vec3 to) const;

@@ -112,6 +112,24 @@ scenes::ScenePtr triangle_soup(uint32_t seed, uint32_t triangles, uint32_t light
   return make_scene(std::move(positions), std::move(faces), std::move(all));
 }
 
+scenes::ScenePtr with_areas(const scenes::Scene& scene, float reach) {
+  auto made = std::make_shared<scenes::Scene>(scene);
+  std::mt19937 random(99);
+  std::uniform_real_distribution<float> around(-1.0f, 1.0f);
+  uint32_t shape = 0;
+  for (scenes::Light& light : made->lights) {
+    if (light.type == scenes::LightType::directional) continue;
+    const glm::vec3 u = glm::normalize(glm::vec3(around(random), around(random), around(random)));
+    const glm::vec3 v = glm::normalize(glm::cross(u, glm::vec3(around(random), around(random), around(random))));
+    switch (shape++ % 3) {
+      case 0: light.area = {scenes::LightShape::sphere, reach * u, reach * v}; break;
+      case 1: light.area = {scenes::LightShape::rectangle, 0.6f * reach * u, 0.4f * reach * v}; break;
+      default: light.area = {scenes::LightShape::disc, 0.8f * reach * u, 0.8f * reach * v}; break;
+    }
+  }
+  return made;
+}
+
 scenes::MovingNode swing(glm::vec3 from, glm::vec3 to) {
   scenes::MovingNode node;
   node.channels.push_back(

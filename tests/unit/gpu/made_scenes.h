@@ -18,6 +18,9 @@ scenes::Light sun(glm::vec3 direction);
 // Triangles of every shape within the unit cube, slivers and needles among them, around a few lights of every kind.
 scenes::ScenePtr triangle_soup(uint32_t seed, uint32_t triangles, uint32_t lights);
 
+// The lights that are not directional get an extent, of every shape in turn; `reach`: of the largest.
+scenes::ScenePtr with_areas(const scenes::Scene& scene, float reach);
+
 struct WhatMoves {
   bool body = false, light = false;
 };

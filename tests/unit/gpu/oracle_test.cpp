@@ -11,6 +11,7 @@
 #include <string>
 
 #include "scenes/loader.h"
+#include "tests/unit/gpu/brute_force.h"
 #include "tests/unit/gpu/embree_oracle.h"
 #include "tests/unit/gpu/made_scenes.h"
 #include "tests/unit/gpu/test_device.h"
@@ -139,6 +140,55 @@ TEST_P(Oracle, AgreesWithEmbree) {
     auto probe = probe_of(*scene, tracer);
     ASSERT_TRUE(probe) << probe.error().message;
     compare(*probe, *scene, oracle, tracer);
+  }
+}
+
+// Soft frames: of the points that are asked, at most as many differ, and none where the oracle's neighbours agree.
+void compare_soft(SurfaceProbe& probe, const scenes::Scene& scene, const EmbreeOracle& oracle, uint32_t samples) {
+  constexpr uint32_t kWidth = 160, kHeight = 90, kSoftPoses = 6;
+  std::mt19937 random(21);
+  uint64_t points = 0, differing = 0, partly = 0;
+  const LightPlanes planes = test::planes_of(scene, samples);
+  for (uint32_t pose = 0; pose < kSoftPoses; ++pose) {
+    const CameraView camera = random_view(scene.bounds, random, kWidth, kHeight);
+    const auto frame = probe.render(camera, kWidth, kHeight, {}, samples);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const auto counts = oracle.count(camera, frame->grid, frame->samples, samples, 2);
+    for (uint32_t light = 0; light < planes.light_count(); ++light) {
+      if (planes.samples(light) == 1) continue;
+      for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
+          const auto& expected = counts[(size_t{light} * kHeight + y) * kWidth + x];
+          ASSERT_EQ(frame->care().lit(x, y, planes.first(light)), expected.has_value());
+          if (!expected) continue;
+          const uint32_t seen = planes.seen(frame->mask(), x, y, light);
+          points += samples;
+          partly += *expected > 0 && *expected < samples;
+          differing += seen > *expected ? seen - *expected : *expected - seen;
+        }
+    }
+  }
+  std::printf("%s, %u samples: %llu of %llu points differ, %llu pairs see a part\n", scene.name.c_str(), samples,
+              static_cast<unsigned long long>(differing), static_cast<unsigned long long>(points),
+              static_cast<unsigned long long>(partly));
+  EXPECT_LE(static_cast<double>(differing), kAllowedShare * static_cast<double>(points));
+  EXPECT_GT(partly, 1000u);
+}
+
+TEST_P(Oracle, AgreesWithEmbreeOnAreaLights) {
+  if (!fs::exists(file())) GTEST_SKIP() << "skipped: no scene " << file();
+  const auto loaded = scenes::load_scene(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  if ((*loaded)->triangle_count > 400'000) GTEST_SKIP() << "skipped: smaller scenes suffice";
+  const auto scene = with_areas(**loaded, 0.02f * glm::length((*loaded)->bounds.max - (*loaded)->bounds.min));
+  const EmbreeOracle oracle(scene, true);
+  for (const std::string tracer : {"bvh", "light_buffer"}) {
+    SCOPED_TRACE(tracer);
+    auto probe = SurfaceProbe::create(device_options(tracer), scene);
+    ASSERT_TRUE(probe) << probe.error().message;
+    ASSERT_TRUE(probe->build_areas());
+    compare_soft(*probe, *scene, oracle, 16);
+    compare_soft(*probe, *scene, oracle, 4);
   }
 }
 

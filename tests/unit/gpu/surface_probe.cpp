@@ -42,9 +42,18 @@ Result<void> SurfaceProbe::rebuild() {
   return {};
 }
 
+Result<void> SurfaceProbe::build_areas() {
+  if (!frame_->tracer()->soft_shader()) return {};
+  ResidentScene& scene = frame_->scene();
+  auto traced = build_for_areas(*frame_->tracer(), scene.scene(), scene.lights());
+  if (!traced) return traced.error();
+  scene.give_traced(std::move(*traced), Shadows::soft);
+  return {};
+}
+
 Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t width, uint32_t height,
-                                         scenes::SceneTime time) {
-  const auto grid = frame_->reserve(width, height, time);
+                                         scenes::SceneTime time, uint32_t samples) {
+  const auto grid = frame_->reserve(width, height, time, samples);
   if (!grid) return grid.error();
   auto timing = frame_->render(camera, *grid);
   if (!timing) return timing.error();
@@ -58,6 +67,7 @@ Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t widt
   probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
   probed.valid_bits = copied<uint64_t>(frame_->host(resource::kHostValidBits), grid->word_count());
   probed.timing = std::move(*timing);
+  probed.light_samples = frame_->scene().area_lights().samples(samples);
   return probed;
 }
 

@@ -18,7 +18,9 @@ struct ProbedFrame {
   std::vector<uint64_t> words;       // as common/tile_mask.h
   std::vector<uint64_t> valid_bits;  // of the same layout: which bits were traced
   FrameTiming timing;
+  uint32_t light_samples = 1;  // of each area light
 
+  const SurfaceSample& surface_at(uint32_t x, uint32_t y) const { return samples[size_t{y} * grid.width + x]; }
   TileMaskView mask() const { return {grid, words}; }
   TileMaskView care() const { return {grid, valid_bits}; }
 };
@@ -31,12 +33,14 @@ class SurfaceProbe {
   const Device& device() const { return frame_->device(); }
   const Tracer& tracer() const { return *frame_->tracer(); }
   const ResidentScene& scene() const { return frame_->scene(); }
-  Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height,
-                             scenes::SceneTime time = {});
+  Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height, scenes::SceneTime time = {},
+                             uint32_t samples = 1);
 
   // Lights where they are from now on; then, with `rebuild`, what the tracer builds for these.
   Result<void> set_lights(const std::vector<scenes::Light>& lights);
   Result<void> rebuild();
+  // What the tracer builds for the extents of area lights, if it does.
+  Result<void> build_areas();
 
  private:
   std::unique_ptr<BlockingFrame> frame_;

@@ -10,6 +10,10 @@
 #include "spirv/trace_light_buffer_16_emulated.h"
 #include "spirv/trace_light_buffer_32_emulated.h"
 #include "spirv/trace_light_buffer_64_emulated.h"
+#include "spirv/trace_soft_light_buffer_128_emulated.h"
+#include "spirv/trace_soft_light_buffer_16_emulated.h"
+#include "spirv/trace_soft_light_buffer_32_emulated.h"
+#include "spirv/trace_soft_light_buffer_64_emulated.h"
 
 namespace gnomon::test {
 
@@ -18,8 +22,10 @@ gpu::RendererOptions device_options(const std::string& tracer) {
   if (const char* device = std::getenv("GNOMON_TEST_DEVICE")) options.device = device;
   if (const char* raster = std::getenv("GNOMON_TEST_RASTER")) options.raster = raster;
   options.tracer = tracer;
-  if (const uint32_t lanes = number_in_environment("GNOMON_TEST_EMULATED_LANES"))
+  if (const uint32_t lanes = number_in_environment("GNOMON_TEST_EMULATED_LANES")) {
     options.tracer_options.light_buffer_shader = emulated_light_buffer_shader(lanes);
+    options.tracer_options.light_buffer_soft_shader = emulated_soft_shader(lanes);
+  }
   return options;
 }
 
@@ -29,6 +35,16 @@ gpu::TraceShader emulated_light_buffer_shader(uint32_t lanes) {
     case 32: return {trace_light_buffer_32_emulated};
     case 64: return {trace_light_buffer_64_emulated};
     case 128: return {trace_light_buffer_128_emulated, 0, 2};
+    default: std::fprintf(stderr, "no subgroups of %u lanes are emulated\n", lanes); std::abort();
+  }
+}
+
+gpu::TraceShader emulated_soft_shader(uint32_t lanes) {
+  switch (lanes) {
+    case 16: return {trace_soft_light_buffer_16_emulated};
+    case 32: return {trace_soft_light_buffer_32_emulated};
+    case 64: return {trace_soft_light_buffer_64_emulated};
+    case 128: return {trace_soft_light_buffer_128_emulated, 0, 2};
     default: std::fprintf(stderr, "no subgroups of %u lanes are emulated\n", lanes); std::abort();
   }
 }

@@ -17,6 +17,9 @@ gpu::RendererOptions device_options(const std::string& tracer = "auto");
 // Precondition: lanes is 16, 32, 64 or 128.
 gpu::TraceShader emulated_light_buffer_shader(uint32_t lanes);
 
+// Likewise, for area lights.
+gpu::TraceShader emulated_soft_shader(uint32_t lanes);
+
 // The value of an environment variable that has a number; 0 if it is not set.
 uint32_t number_in_environment(const char* name);
 

@@ -1,0 +1,34 @@
+// The hierarchies of a frame, as shaders/tracers/bvh.glsl reads them.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+
+#include "gpu/passes/pass.h"
+
+namespace gnomon::gpu {
+
+struct Hierarchy {
+  VkDeviceAddress nodes = 0;
+  VkDeviceAddress triangles = 0;
+  uint32_t node_count = 0;
+  uint32_t first_triangle = 0;
+};
+
+// Empty if the frame has none.
+inline Hierarchy resting_hierarchy(const PosedScene& posed) {
+  Hierarchy still;
+  if (!posed.static_bvh) return still;
+  const std::span<const std::byte> bytes = posed.static_bvh->push_constants();
+  std::memcpy(&still, bytes.data(), std::min(bytes.size(), sizeof(still)));
+  return still;
+}
+
+// `moving_bvh`: that resource of the frame.
+inline Hierarchy moving_hierarchy(const FrameContext& frame, const Buffer& moving_bvh) {
+  const uint64_t most_nodes = 2 * uint64_t{frame.scene.moving_size().triangles};
+  return {moving_bvh.address(), moving_bvh.address() + most_nodes * sizeof(BvhNode),
+          static_cast<uint32_t>(frame.posed.bvh.nodes.size()), frame.scene.moving_place(frame.slot).first_triangle};
+}
+
+}  // namespace gnomon::gpu

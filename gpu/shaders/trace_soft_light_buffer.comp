@@ -1,0 +1,233 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+// Traces area lights with light buffers that were built for their extents: one subgroup of LANES traces one 8x8 tile, as
+// trace_light_buffer.glsl says. The planes of a pixel's leaf decide for all sample points at once; what they leave
+// undecided walks its list once with a set of the points that nothing has hidden so far. Lights that are not where the
+// buffers were built for them are traced by the hierarchy of the resting geometry, and for every light the points left
+// by that of the moving geometry.
+struct Hierarchy {
+  uvec2 nodes;
+  uvec2 triangles;
+  uint node_count;
+  uint first_triangle;  // of the scene's numbers
+};
+#include "soft_lights.glsl"
+#define TRACER_PUSH_MORE SoftFrame soft; Hierarchy still; Hierarchy moving;
+#include "trace_light_buffer.glsl"
+#include "tracers/bvh.glsl"
+
+// For each pixel of a lane, the sample points that are in front of its surface and that nothing has hidden so far.
+struct Open {
+  uint points[kRounds];
+  uint first[kRounds];  // of the pixel's points
+};
+
+uint chosen(uint list[kRounds], uint round) {
+  uint value = list[0];
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) value = round == r ? list[r] : value;
+  return value;
+}
+
+vec3 origin_of(Pixels pixels, uint round) {
+  vec3 origin = pixels.origin[0];
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) origin = round == r ? pixels.origin[r] : origin;
+  return origin;
+}
+
+// The points in front of the surface. Where the whole light is, with room for all rounding, no point is looked at.
+Open facing_points(SoftLight light, Pixels pixels, uint care) {
+  uint samples = push.soft.samples, all = (1u << samples) - 1u;
+  vec3 middle = frame.lights[light.light].position;
+  Open open;
+  uint partly = 0u;
+  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+    uvec2 pixel = tile_of_lane() * 8u + pixel_in_tile((r * LANES + lane()) % 64u);
+    open.first[r] = light.points + sample_pattern(pixel) * samples;
+    vec3 to_middle = middle - pixels.origin[r];
+    float rounding = 1e-5 * (abs(to_middle.x) + abs(to_middle.y) + abs(to_middle.z));
+    bool cares = (care & (1u << r)) != 0u;
+    bool whole = dot(pixels.surface[r].normal, to_middle) > 1.001 * light.radius + rounding;
+    open.points[r] = cares ? all : 0u;
+    partly |= cares && !whole ? 1u << r : 0u;
+  }
+  if (any_lane(partly != 0u)) {
+    [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+      uint facing = 0u;
+      for (uint i = 0u; i < samples; ++i)
+        facing |= sample_segment(pixels.origin[r], pixels.surface[r].normal, push.soft.points[open.first[r] + i]).traced
+                      ? 1u << i : 0u;
+      open.points[r] &= (partly & (1u << r)) != 0u ? facing : all;
+    }
+  }
+  return open;
+}
+
+vec3 direction_to(uint point, vec3 origin) { return sample_segment(origin, vec3(0.0), push.soft.points[point]).direction; }
+
+// The state of one pixel's walk through its leaf's list.
+struct Walk {
+  uint round;
+  vec3 origin;
+  float depth;
+  uint place;        // in the leaf
+  uint next, end;    // entries
+  uint first, open;  // sample points
+};
+
+Walk start_walk(Asked asked, Pixels pixels, Open open, uint round) {
+  Walk walk;
+  walk.round = round;
+  walk.origin = origin_of(pixels, round);
+  walk.depth = asked.depth[0];
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) walk.depth = round == r ? asked.depth[r] : walk.depth;
+  uint at = chosen(asked.place, round), leaf = chosen(asked.leaf, round);
+  uint count = Leaves(push.leaves).at[leaf].count;
+  walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
+  walk.next = Leaves(push.leaves).at[leaf].first;
+  walk.end = walk.next + (count & ((1u << kCountBits) - 1u));
+  walk.first = chosen(open.first, round);
+  walk.open = chosen(open.points, round);
+  return walk;
+}
+
+// The next triangle of the list that may block; kNone if there is none.
+uint next_candidate(inout Walk walk) {
+  uint candidate = kNone;
+  while (candidate == kNone && walk.next < walk.end) {
+    ListEntry entry = Entries(push.entries).at[walk.next];
+    bool behind = !in_front(entry, walk.depth);
+    candidate = behind && holds(entry, walk.place) ? entry.triangle : kNone;
+    walk.next = behind ? walk.next + 1u : walk.end;
+  }
+  return candidate;
+}
+
+float sum_of(vec3 v) { return abs(v.x) + abs(v.y) + abs(v.z); }
+
+// Whether the triangle certainly meets no segment to a point of the light: one of its edges has every such point on one
+// side, and another one has them all on the other, with room for all rounding.
+bool misses_light(SeenTriangle t, vec3 to_middle, float radius) {
+  float far = sum_of(to_middle) + radius;
+  float nearest = sum_of(t.a) + sum_of(t.b) + sum_of(t.c);
+  vec3 sides = vec3(dot(t.side0, to_middle), dot(t.side1, to_middle), dot(t.side2, to_middle));
+  vec3 swing = radius * vec3(length(t.side0), length(t.side1), length(t.side2)) * 1.001 +
+               4e-6 * far * nearest * vec3(sum_of(t.c - t.a), sum_of(t.a - t.b), sum_of(t.b - t.c));
+  vec3 most = sides + swing, least = sides - swing;
+  return min(most.x, min(most.y, most.z)) < 0.0 && max(least.x, max(least.y, least.z)) > 0.0;
+}
+
+// The points of `walk.open` that the triangle does not hide.
+uint left_open(SoftLight light, uint triangle, Walk walk) {
+  vec3 p0 = Vec3s(push.corners).at[3u * triangle], p1 = Vec3s(push.corners).at[3u * triangle + 1u],
+       p2 = Vec3s(push.corners).at[3u * triangle + 2u];
+  SeenTriangle seen = seen_triangle(walk.origin, p0, p1, p2);
+  uint hidden = 0u;
+  if (!misses_light(seen, frame.lights[light.light].position - walk.origin, light.radius)) {
+    for (uint i = 0u; i < push.soft.samples; ++i)
+      hidden |= meets_seen_triangle(seen, direction_to(walk.first + i, walk.origin)) ? 1u << i : 0u;
+  }
+  hidden &= walk.open;
+  uint by_alpha = triangle < push.first_masked ? 0u : hidden;
+  if (by_alpha != 0u) {
+    for (; by_alpha != 0u; by_alpha &= by_alpha - 1u) {
+      uint i = uint(findLSB(by_alpha));
+      if (!blocks_by_alpha(triangle, walk.origin, direction_to(walk.first + i, walk.origin), p0, p1, p2))
+        hidden &= ~(1u << i);
+    }
+  }
+  return walk.open & ~hidden;
+}
+
+// A lane that has finished a pixel continues with its next.
+void walk_lists(SoftLight light, Asked asked, Pixels pixels, inout Open open) {
+  uint asking = asked.undecided;
+  Walk walk;
+  walk.next = walk.end = 0u;
+  while (asking != 0u || walk.next < walk.end) {
+    if (walk.next >= walk.end) {
+      walk = start_walk(asked, pixels, open, uint(findLSB(asking)));
+      asking &= asking - 1u;
+    }
+    uint candidate = next_candidate(walk);
+    if (candidate != kNone) {
+      walk.open = left_open(light, candidate, walk);
+      walk.next = walk.open == 0u ? walk.end : walk.next;
+    }
+    [[unroll]] for (uint r = 0u; r < kRounds; ++r) open.points[r] = walk.round == r ? walk.open : open.points[r];
+  }
+}
+
+// Takes away the points that a hierarchy's geometry hides.
+void hide_behind(Hierarchy hierarchy, Pixels pixels, inout Open open) {
+  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+    uint left = open.points[r];
+    for (uint asked = left; asked != 0u; asked &= asked - 1u) {
+      uint i = uint(findLSB(asked));
+      if (meets(hierarchy, pixels.origin[r], direction_to(open.first[r] + i, pixels.origin[r]))) left &= ~(1u << i);
+    }
+    open.points[r] = left;
+  }
+}
+
+void store_word(SoftLight light, uint plane, uvec2 lit, uvec2 valid) {
+  uvec2 tile = tile_of_lane();
+  if (lane() % 64u == 0u && (kTiles == 1u || tile.x < frame.tiles_x)) {
+    uint word = (light.plane + plane) * frame.tile_count + tile.y * frame.tiles_x + tile.x;
+    push.masks.at[word] = lit;
+    push.valid_bits.at[word] = valid;
+  }
+}
+
+void store_planes(SoftLight light, Open open, uint care) {
+  uint samples = push.soft.samples;
+  uint fully = 0u, partly = 0u;
+  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+    uint seen = uint(bitCount(open.points[r]));
+    fully |= seen == samples ? 1u << r : 0u;
+    partly |= seen > 0u && seen < samples ? 1u << r : 0u;
+  }
+  uvec2 care_word = tile_word(care), full_word = tile_word(fully);
+  store_word(light, 0u, full_word, care_word);
+  bool mixed = any_lane(partly != 0u);
+  for (uint plane = 1u; plane < light.planes; ++plane) {
+    uvec2 word = uvec2(0u);
+    if (mixed) {
+      uint bits = 0u;
+      [[unroll]] for (uint r = 0u; r < kRounds; ++r)
+        bits |= ((uint(bitCount(open.points[r])) >> (light.planes - 1u - plane)) & 1u) << r;
+      word = tile_word(bits & ~fully);
+    }
+    store_word(light, plane, word, care_word & ~full_word);
+  }
+}
+
+void main() {
+  Pixels pixels;
+  load_pixels(pixels);
+  for (uint i = 0u; i < push.soft.light_count; ++i) {
+    SoftLight light = push.soft.lights[i];
+    if (light.how == kLitEverywhere) {
+      for (uint plane = 0u; plane < light.planes; ++plane)
+        store_word(light, plane, uvec2(0xffffffffu), uvec2(plane == 0u ? 0xffffffffu : 0u));
+      continue;
+    }
+    uint care = care_bits(light.light, pixels);
+    Open open;
+    [[unroll]] for (uint r = 0u; r < kRounds; ++r) open.points[r] = open.first[r] = 0u;
+    if (any_lane(care != 0u)) {
+      if (light.how == kByLightBuffer) {
+        Asked asked = ask_planes(light.view, pixels, care);
+        uint dark = ~(asked.lit | asked.undecided);
+        open = facing_points(light, pixels, care & ~dark);
+        if (any_lane(asked.undecided != 0u)) walk_lists(light, asked, pixels, open);
+      } else {
+        open = facing_points(light, pixels, care);
+        hide_behind(push.still, pixels, open);
+      }
+      if (push.moving.node_count != 0u) hide_behind(push.moving, pixels, open);
+    }
+    store_planes(light, open, care);
+  }
+}
