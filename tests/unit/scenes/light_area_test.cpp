@@ -1,7 +1,11 @@
 // Extents of lights (extras.gnomon.light), and the points that soft shadows are traced to.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "scenes/light_samples.h"
 #include "scenes/motion.h"
@@ -81,6 +85,30 @@ TEST(LightSamples, ASphereLooksLikeAnEvenDiscFromEverySide) {
       inside += glm::dot(p, p) < 2.0f ? 1 : 0;
     }
     EXPECT_NEAR(inside, 128, 8) << axis;
+  }
+}
+
+// The block of WIRE.md that a second implementation is tested with.
+TEST(LightSamples, AreThoseOfTheWireDocument) {
+  std::ifstream file(std::string(GNOMON_SOURCE_DIR) + "/protocol/WIRE.md");
+  std::string line;
+  while (std::getline(file, line) && line != "```hex sample_points") {
+  }
+  for (const LightArea& area : {LightArea{LightShape::rectangle, {0.5f, 0, 0}, {0, 0, 0.25f}},
+                                LightArea{LightShape::disc, {0, 0.1f, 0}, {0, 0, 0.1f}},
+                                LightArea{LightShape::sphere, {0.1f, 0, 0}, {0, 0.1f, 0}}}) {
+    const std::vector<glm::vec3> points = sample_offsets(area, 4);
+    for (uint32_t i = 0; i < 4; ++i) {
+      ASSERT_TRUE(std::getline(file, line));
+      std::istringstream bytes(line.substr(0, line.find('#')));
+      std::array<uint8_t, 12> read{};
+      std::string pair;
+      for (uint8_t& byte : read) {
+        ASSERT_TRUE(bytes >> pair) << line;
+        byte = static_cast<uint8_t>(std::stoul(pair, nullptr, 16));
+      }
+      EXPECT_EQ(points[sample_pattern(5, 2) * 4 + i], std::bit_cast<glm::vec3>(read)) << line;
+    }
   }
 }
 
