@@ -42,8 +42,8 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
   return self;
 }
 
-Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time) {
-  const TileGrid grid{width, height, scene_->light_count()};
+Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time, uint32_t planes) {
+  const TileGrid grid{width, height, planes > 0 ? planes : scene_->light_count()};
   if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
   if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
   posed_ = scene_->pose(time);

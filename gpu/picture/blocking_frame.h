@@ -31,9 +31,9 @@ class BlockingFrame {
   const Tracer* tracer() const { return tracer_.get(); }
   const DevicePtr& device_ptr() const { return device_; }
 
-  // Makes room for a frame of the scene at `time`, so that host() can be written. Error: size out of range, out of
-  // memory.
-  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {});
+  // Makes room for a frame of the scene at `time`, so that host() can be written. `planes`: of masks that the frame is
+  // given; 0: one for each light. Error: size out of range, out of memory.
+  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {}, uint32_t planes = 0);
   // Renders what was reserved and waits. Error: device lost, out of memory.
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
   // As render, but does not wait: for passes that write to given buffers, which later frames of this scene on this
