@@ -184,14 +184,15 @@ StartFindings check_start(ConfigReading& reading, const StartCheckOptions& optio
   check_admin_server(findings, config);
   check_scenes(findings, config.scenes, options);
   check_folders(findings, config);
-  check_passes(findings, config.render);
   if (options.for_reload) return findings.take();
   const bool addresses_known = findings.is_known("server.listen") && findings.is_known("admin.listen");
   if (addresses_known) {
     for (const Error& error : check_listening(config)) findings.add(error);
   }
   if (options.check_renderers) {
-    for (const Error& error : options.check_renderers(config)) findings.add(error);
+    const std::vector<Error> errors = options.check_renderers(config);
+    for (const Error& error : errors) findings.add(error);
+    if (errors.empty()) check_passes(findings, config.render);
   }
   return findings.take();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/log.h"
 #include "daemon/config/render_effects.h"
 #include "gpu/vulkan_renderer.h"
 
@@ -48,7 +49,11 @@ std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::S
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   options.tracer_options.builds = builds;
   options.wait_for_builds = render.wait_for_light_buffers;
-  if (const auto passes = renderer_passes(render); !passes.empty()) options.passes = passes;
+  if (const auto passes = renderer_passes(render); !passes.empty()) {
+    log::warning("deprecated configuration value",
+                 {{"key", "render.passes"}, {"value", passes.front()}, {"use", "hard_shadows, soft_shadows"}});
+    options.passes = passes;
+  }
   options.frames_in_flight = frame_slots(config);
   options.queues = render.queues;
   std::vector<RendererFactory> factories;
