@@ -3,6 +3,8 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -86,6 +88,46 @@ TEST(LightSamples, ASphereLooksLikeAnEvenDiscFromEverySide) {
     }
     EXPECT_NEAR(inside, 128, 8) << axis;
   }
+}
+
+// The shares of a light of radius 1 that straight edges leave, as seen along Z: root mean square of what a pixel's own
+// points say, and of what those of a 4x4 window say together.
+struct ShareError {
+  double of_pixel = 0, of_window = 0;
+};
+
+ShareError share_error(LightShape shape, uint32_t samples) {
+  const std::vector<glm::vec3> points = sample_offsets({shape, {1, 0, 0}, {0, 1, 0}}, samples);
+  ShareError sum;
+  uint32_t edges = 0;
+  for (uint32_t turn = 0; turn < 64; ++turn)
+    for (int step = -19; step <= 19; ++step, ++edges) {
+      const double angle = 6.283185307179586 * (turn + 0.5) / 64, far = step * 0.05;
+      const double share = (std::acos(far) - far * std::sqrt(1 - far * far)) / 3.141592653589793;
+      double seen_by_all = 0;
+      for (uint32_t pattern = 0; pattern < kSamplePatterns; ++pattern) {
+        double seen = 0;
+        for (uint32_t i = 0; i < samples; ++i) {
+          const glm::vec3& p = points[pattern * samples + i];
+          seen += p.x * std::cos(angle) + p.y * std::sin(angle) > far;
+        }
+        seen_by_all += seen;
+        sum.of_pixel += std::pow(seen / samples - share, 2) / kSamplePatterns;
+      }
+      sum.of_window += std::pow(seen_by_all / static_cast<double>(points.size()) - share, 2);
+    }
+  return {std::sqrt(sum.of_pixel / edges), std::sqrt(sum.of_window / edges)};
+}
+
+TEST(LightSamples, AWindowOfPixelsKnowsFarMoreThanOne) {
+  for (const LightShape shape : {LightShape::disc, LightShape::sphere})
+    for (const uint32_t samples : {4u, 16u}) {
+      const ShareError error = share_error(shape, samples);
+      std::printf("%s, %2u points: error of a pixel's share %.3f, of a 4x4 window's %.4f\n",
+                  shape == LightShape::disc ? "disc  " : "sphere", samples, error.of_pixel, error.of_window);
+      EXPECT_LT(error.of_pixel, samples == 4 ? 0.13 : 0.06);
+      EXPECT_LT(error.of_window, error.of_pixel / 5);
+    }
 }
 
 // The block of WIRE.md that a second implementation is tested with.
