@@ -24,7 +24,7 @@ namespace gnomon::daemon {
 class Daemon final : private FrameSink {
  public:
   struct Options {
-    Config config;                                // after find_files(), with passes set
+    Config config;                                // after find_files()
     std::vector<RendererFactory> make_renderers;  // one for each device
     std::string version;
     std::function<void()> on_stop = {};            // an operator wants the end, as SIGTERM does; any thread

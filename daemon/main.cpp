@@ -22,7 +22,6 @@
 #include "daemon/service/supervisor.h"
 #include "daemon/service/watchdog.h"
 #include "daemon/start_check.h"
-#include "gpu/vulkan_renderer.h"
 #include "scenes/loader.h"
 
 namespace gnomon::daemon {
@@ -85,8 +84,6 @@ struct CheckedConfig {
 
 CheckedConfig check_config(const Arguments& arguments, Purpose purpose) {
   ConfigReading reading = examine_config(arguments.config, arguments.overrides);
-  const gpu::RendererOptions usual;
-  if (reading.config.render.passes.empty()) reading.config.render.passes = usual.passes;
   StartCheckOptions options{.config_folder = std::filesystem::absolute(arguments.config).parent_path(),
                             .share_folder = installed("share/gnomon/scenes"),
                             .for_reload = purpose == Purpose::reload};

@@ -5,6 +5,7 @@
 #include "common/wall_clock.h"
 #include "daemon/admin/admin.h"
 #include "daemon/admin/operators.h"
+#include "daemon/config/render_effects.h"
 #include "daemon/config/token_files.h"
 #include "daemon/net/demo_certificate.h"
 #include "daemon/net/listen_check.h"
@@ -158,6 +159,14 @@ void check_folders(Findings& findings, const Config& config) {
   findings.add("log.audit_file", check_writable_folder(audit.parent_path()));
 }
 
+// Deprecated since there are names of effects.
+void check_passes(Findings& findings, const RenderConfig& render) {
+  const auto former = renderer_passes(render);
+  if (former.empty() || !findings.is_known("render.passes")) return;
+  findings.warn("render.passes: '" + former.front() +
+                "' is a name of before (deprecated): what clients get is named now, hard_shadows and soft_shadows");
+}
+
 }  // namespace
 
 StartFindings check_start(ConfigReading& reading, const StartCheckOptions& options) {
@@ -181,7 +190,9 @@ StartFindings check_start(ConfigReading& reading, const StartCheckOptions& optio
     for (const Error& error : check_listening(config)) findings.add(error);
   }
   if (options.check_renderers) {
-    for (const Error& error : options.check_renderers(config)) findings.add(error);
+    const std::vector<Error> errors = options.check_renderers(config);
+    for (const Error& error : errors) findings.add(error);
+    if (errors.empty()) check_passes(findings, config.render);
   }
   return findings.take();
 }

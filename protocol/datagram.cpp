@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstring>
 
+#include "common/light_planes.h"
 #include "protocol/fields.h"
 
 namespace gnomon::protocol {
@@ -40,6 +41,10 @@ void fields(A& a, Of<A, SliceHeader>& m) {
   a(m.codec, m.flags, m.padding, m.server_us, m.gpu_us);
   if (m.flags & kSliceHasMoment) a(m.moment.scene_time_us, m.moment.lights_version);
   if (m.flags & kSliceHasSize) a(m.width, m.height);
+  if (m.flags & kSliceHasSamples) {
+    a(m.samples);
+    a.check(is_sample_count(m.samples), "samples other than 1, 4 or 16");
+  }
   a.check(m.slice < m.slice_count, "slice is not below slice_count");
   a.check(m.tile_count > 0 && m.light_count > 0, "an empty slice");
 }

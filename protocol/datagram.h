@@ -18,13 +18,15 @@ namespace gnomon::protocol {
 
 // Bits of SliceHeader::flags.
 inline constexpr uint8_t kSliceHasMoment = 1;
-inline constexpr uint8_t kSliceIsPadded = 2;  // only with kFeatureFeedback
-inline constexpr uint8_t kSliceHasSize = 4;   // only with kFeatureSizes
+inline constexpr uint8_t kSliceIsPadded = 2;    // only with kFeatureFeedback
+inline constexpr uint8_t kSliceHasSize = 4;     // only with kFeatureSizes
+inline constexpr uint8_t kSliceHasSamples = 8;  // only with kFeatureSoft
 inline constexpr size_t kHeaderBytes = 20;
 inline constexpr size_t kTagBytes = 16;
 inline constexpr size_t kSliceHeaderBytes = 32;
 inline constexpr size_t kMomentBytes = 8;
 inline constexpr size_t kSizeBytes = 4;
+inline constexpr size_t kSamplesBytes = 1;
 inline constexpr size_t kMaxSliceBodyBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 inline constexpr size_t kMaxSlicePayloadBytes = kMaxSliceBodyBytes - kSliceHeaderBytes;
 
@@ -81,7 +83,8 @@ struct CameraUpdate {
 };
 
 // A slice holds the tiles [first_tile, first_tile + tile_count) (row-major) of the lights
-// [first_light, first_light + light_count) of one frame and decodes alone.
+// [first_light, first_light + light_count) of one frame and decodes alone; in frames with several samples of an area
+// light, of those planes (common/light_planes.h).
 struct SliceHeader {
   FrameId frame;
   uint16_t slice = 0;
@@ -98,6 +101,8 @@ struct SliceHeader {
   Moment moment;           // on the wire with kSliceHasMoment, which takes kMomentBytes
   // The frame's size if it is not the granted one; on the wire with kSliceHasSize, which takes kSizeBytes.
   uint16_t width = 0, height = 0;
+  // Of an area light, if they are not the granted ones; on the wire with kSliceHasSamples, which takes kSamplesBytes.
+  uint8_t samples = 0;
   friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
 };
 

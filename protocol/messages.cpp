@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/light_planes.h"
 #include "protocol/fields.h"
 
 namespace gnomon::protocol {
@@ -57,6 +58,18 @@ void fields(A& a, Of<A, SceneManifest>& m) {
   lights(a, m.lights);
 }
 
+// What a message says of soft shadows, of a scene with `light_count` lights.
+template <class A>
+void soft(A& a, Of<A, uint8_t>& samples, Of<A, std::vector<AreaInfo>>& areas, size_t light_count) {
+  a(samples);
+  a.check(is_sample_count(samples), "samples other than 1, 4 or 16");
+  a.list(areas, kMaxLights, [&](auto& area) {
+    a(area.shape, area.u, area.v);
+    a.check(is_valid(area), "an area is of unknown shape or not finite");
+  });
+  a.check(areas.size() == light_count, "areas of another number of lights");
+}
+
 template <class A>
 void fields(A& a, Of<A, NodeMotion>& m) {
   a.text(m.node, kMaxName);
@@ -90,6 +103,11 @@ void fields(A& a, Of<A, Hello>& m) {
   a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
   preferences(a, m.codecs, kMaxCodecs);
   passes(a, m.passes);
+  if ((m.features & kFeatureSoft) == 0) return;
+  if constexpr (A::kReading) {
+    if (a.rest().empty()) return;  // hard shadows will do
+  }
+  a(m.samples);
 }
 
 template <class A>
@@ -114,6 +132,7 @@ void fields(A& a, Of<A, Welcome>& m) {
     a(m.home_port);
     a.check(m.home_port != 0, "the home port is 0");
   }
+  if (m.features & kFeatureSoft) soft(a, m.samples, m.areas, m.scene.lights.size());
 }
 
 template <class A>
@@ -127,6 +146,12 @@ void fields(A& a, Of<A, Refused>& m) {
 template <class A>
 void fields(A& a, Of<A, SceneChanged>& m) {
   fields(a, m.scene);
+  if constexpr (A::kReading) {
+    if (a.rest().empty()) return;  // without kFeatureSoft
+  } else if (m.samples == 0) {
+    return;
+  }
+  soft(a, m.samples, m.areas, m.scene.lights.size());
 }
 
 template <class A>
@@ -142,6 +167,13 @@ void fields(A& a, Of<A, Degraded>& m) {
   a.check(is_rate(m.rate_hz), "the rate is negative or not finite");
   a.text(m.reason, kMaxSentence);
   a.list(m.untraced_lights, kMaxLights, [&](auto& light) { a(light); });
+  if constexpr (A::kReading) {
+    if (a.rest().empty()) return;  // without kFeatureSoft
+  } else if (m.samples == 0) {
+    return;
+  }
+  a(m.samples);
+  a.check(is_sample_count(m.samples), "samples other than 1, 4 or 16");
 }
 
 template <class A>

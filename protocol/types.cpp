@@ -54,6 +54,11 @@ bool is_valid(const CameraView& camera) {
          is_finite({camera.near_plane}) && width > 0 && height > 0 && camera.near_plane > 0;
 }
 
+bool is_valid(const AreaInfo& area) {
+  constexpr uint8_t kShapes = 4;
+  return area.shape < kShapes && is_finite(area.u) && is_finite(area.v);
+}
+
 bool is_valid(const LightInfo& light) {
   const bool aimed = light.kind != LightKind::point;
   return light.kind <= LightKind::directional && is_finite(light.position) && is_finite(light.direction) &&

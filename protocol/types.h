@@ -32,6 +32,7 @@ inline constexpr uint64_t kFeatureWaiting = 128;  // the client is told what it 
 inline constexpr uint64_t kFeatureWebTransport = 256;  // the client is told where it may go on by WebTransport
 inline constexpr uint64_t kFeatureFleet = 512;  // the client goes on at the server itself, past its fleet's door
 inline constexpr uint64_t kFeatureSizes = 32;   // slices state their frame's size where it is not the granted one
+inline constexpr uint64_t kFeatureSoft = 1024;  // area lights are seen from several points: soft shadows
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
@@ -71,11 +72,21 @@ struct LightInfo {
   friend bool operator==(const LightInfo&, const LightInfo&) = default;
 };
 
+// The extent of a light, from which its shadows are soft; one for each light.
+struct AreaInfo {
+  uint8_t shape = 0;  // 0 point (no extent), 1 sphere, 2 disc, 3 rectangle
+  Vec3 u{};           // from the middle to the edge, in the world
+  Vec3 v{};
+  bool is_area() const { return shape != 0; }
+  friend bool operator==(const AreaInfo&, const AreaInfo&) = default;
+};
+
 // What both ends require of these on arrival: every number is finite; orientations, and directions of spot and
 // directional lights, are of unit length to within 0.001; width, height and near plane of a frustum are positive;
 // intensity and range are not negative, and cosines are from -1 to 1.
 bool is_valid(const CameraView& camera);
 bool is_valid(const LightInfo& light);
+bool is_valid(const AreaInfo& area);  // of a known shape, and finite
 
 // The state that a frame shows of a scene in which something moves or whose lights were changed.
 struct Moment {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scheduler/sample_costs.h"
+
 namespace gnomon::scheduler {
 namespace {
 
@@ -23,23 +25,29 @@ constexpr uint32_t kTileSide = 8;
 constexpr int kSizesTried = 15;  // in sixteenths of the requested size
 constexpr double kLeastRate = 1;
 
-uint64_t bits_of(const Demand& d) { return uint64_t{d.width} * d.height * d.lights; }
+uint64_t pixels_of(const Demand& d) { return uint64_t{d.width} * d.height; }
+
+uint64_t bits_of(const Demand& d) { return weighted_bits(pixels_of(d), d.lights, d.areas, d.samples); }
+
+uint64_t mask_bytes_of(const Demand& d) {
+  return pixels_of(d) * (d.lights + d.areas * (planes_of(d.samples) - 1)) / 8;
+}
 
 uint64_t host_bytes_of(const Demand& d) {
-  const double masks = static_cast<double>(bits_of(d)) / 8;
+  const double masks = static_cast<double>(mask_bytes_of(d));
   double frames = kFramesBeingCoded + kStoredFrames * kParity;
   if (d.references) frames += kReferences * kReferenceOverhead;
   return kSessionBytes + static_cast<uint64_t>(frames * masks);
 }
 
 Booking booking_of(const Demand& d, const CostModel& model) {
-  const uint64_t pixels = uint64_t{d.width} * d.height;
+  const uint64_t pixels = pixels_of(d);
   const Nanoseconds cost = model.knows() ? model.predict({pixels, bits_of(d), true}).total() : Nanoseconds{};
   return {.buffers_per_second = d.rate_hz,
           .bits_per_second = d.rate_hz * static_cast<double>(bits_of(d)),
           .bytes_per_second = d.rate_hz * model.predict_bytes(bits_of(d)),
           .load = d.rate_hz * to_seconds(cost),
-          .memory_bytes = pixels * kBytesPerPixel + bits_of(d) / 8 * kCopiesOfMasks,
+          .memory_bytes = pixels * kBytesPerPixel + mask_bytes_of(d) * kCopiesOfMasks,
           .host_bytes = host_bytes_of(d)};
 }
 

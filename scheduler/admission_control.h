@@ -41,6 +41,8 @@ struct Demand {
   uint32_t lights = 0;
   double rate_hz = 0;       // 0: no rate
   bool references = false;  // earlier frames are kept, so that further ones may refer to them
+  uint32_t areas = 0;       // of the lights, those with an extent
+  uint32_t samples = 1;     // of each of these
 };
 
 // The resources that one session holds until it is released.
@@ -69,7 +71,7 @@ class AdmissionControl {
   // `tenants` is indexed by TenantId. Existing bookings are kept, even if they exceed the new limits.
   void set_limits(const NodeLimits& node, std::vector<TenantLimits> tenants);
 
-  // Books the demand if it fits. `model`: the costs of the scene that the client asks for; a model without measurements
+  // Books the demand if it fits. `model`: the costs of the scene that the client asks for, with its samples; a model without measurements
   // predicts no load. Precondition: set_limits has named the tenant.
   std::variant<Booking, AdmissionRejection> book(TenantId tenant, const Demand& demand, const CostModel& model);
   // Precondition: `booking` was returned by book() for this tenant and was not released yet.

@@ -1,5 +1,5 @@
 // Predicts what a job will cost, in device time and in bytes on the wire, from measurements of earlier jobs. There is
-// one model for each device, scene and tracer. The caller serialises all calls.
+// one model for each device, scene, tracer and number of samples (scheduler/sample_costs.h). The caller serialises all calls.
 //
 //   cost = (constant + per pixel * pixels of the frame, for the job that begins it)
 //        + (constant + per bit * visibility bits that the job traces)
@@ -19,7 +19,7 @@ namespace gnomon::scheduler {
 // One job: a frame, or a band of one.
 struct Work {
   uint64_t pixels = 0;  // of the complete frame
-  uint64_t bits = 0;    // pixels x lights that this job traces
+  uint64_t bits = 0;    // pixels x lights that this job traces, as weighted_bits() counts them
   bool begins = true;   // the job contains the frame's first band
 };
 

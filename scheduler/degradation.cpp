@@ -16,6 +16,7 @@ constexpr uint32_t kMostPatience = 160;
 constexpr uint32_t kProven = 30;  // windows after which a step up counts as successful
 
 constexpr double kRateStep = 0.75, kSizeStep = 0.75, kLightStep = 0.75;
+constexpr uint32_t kSampleStep = 4;
 
 // The number of steps by `factor` that stay at `least` or above.
 uint32_t steps(double factor, double least) {
@@ -24,8 +25,9 @@ uint32_t steps(double factor, double least) {
 
 }  // namespace
 
-void Degradation::set_limits(const DegradationLimits& limits) {
+void Degradation::set_limits(const DegradationLimits& limits, uint32_t samples) {
   limits_ = limits;
+  samples_ = samples;
   level_ = std::min(level_, deepest());
 }
 
@@ -59,16 +61,26 @@ bool Degradation::up() {
   return true;
 }
 
+uint32_t Degradation::sample_steps() const {
+  uint32_t steps = 0;
+  for (uint32_t samples = samples_ / kSampleStep; samples >= std::max(1u, limits_.least_samples);
+       samples /= kSampleStep)
+    ++steps;
+  return steps;
+}
+
 uint32_t Degradation::deepest() const {
-  return steps(kRateStep, limits_.least_rate) + steps(kSizeStep, limits_.least_size) +
+  return steps(kRateStep, limits_.least_rate) + sample_steps() + steps(kSizeStep, limits_.least_size) +
          steps(kLightStep, limits_.least_lights);
 }
 
 OperatingPoint Degradation::point() const {
   const uint32_t by_rate = std::min(level_, steps(kRateStep, limits_.least_rate));
-  const uint32_t by_size = std::min(level_ - by_rate, steps(kSizeStep, limits_.least_size));
-  const uint32_t by_lights = std::min(level_ - by_rate - by_size, steps(kLightStep, limits_.least_lights));
-  return {std::pow(kRateStep, by_rate), std::pow(kSizeStep, by_size), std::pow(kLightStep, by_lights)};
+  const uint32_t by_samples = std::min(level_ - by_rate, sample_steps());
+  const uint32_t by_size = std::min(level_ - by_rate - by_samples, steps(kSizeStep, limits_.least_size));
+  const uint32_t by_lights =
+      std::min(level_ - by_rate - by_samples - by_size, steps(kLightStep, limits_.least_lights));
+  return {std::pow(kRateStep, by_rate), std::pow(kSizeStep, by_size), std::pow(kLightStep, by_lights), by_samples};
 }
 
 }  // namespace gnomon::scheduler

@@ -118,6 +118,9 @@ Result<ThinClientOptions> to_options(const gnomon_options& options) {
   auto hello = to_hello(options);
   if (!hello) return hello.error();
   connect.hello = std::move(*hello);
+  const uint32_t samples = std::max(options.samples, 1u);
+  if (!is_sample_count(samples)) return Error{"samples: 1, 4 or 16"};
+  made.stream.samples = static_cast<uint8_t>(samples);
   if (options.open_timeout_ms > 0) connect.timeout = std::chrono::milliseconds(options.open_timeout_ms);
   return made;
 }

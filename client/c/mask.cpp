@@ -1,6 +1,8 @@
 // Masks: reading their contents.
 #include <gnomon/gnomon.h>
 
+#include <algorithm>
+
 #include "client/c/convert.h"
 #include "client/c/handle.h"
 #include "client/c/versioned.h"
@@ -11,6 +13,10 @@ using namespace gnomon;
 using namespace gnomon::client::c;
 
 uint32_t microseconds(Nanoseconds time) { return static_cast<uint32_t>(to_microseconds(time)); }
+
+bool has_light(const gnomon_mask* mask, uint32_t light) {
+  return mask && light < mask->received->mask.planes.light_count();
+}
 
 }  // namespace
 
@@ -25,7 +31,7 @@ gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* vi
   made.camera = to_c(received.camera);
   made.width = frame.grid.width;
   made.height = frame.grid.height;
-  made.lights = frame.grid.planes;
+  made.lights = frame.planes.light_count();
   made.tiles_x = frame.grid.tiles_x();
   made.tiles_y = frame.grid.tiles_y();
   made.words = frame.words.data();
@@ -38,22 +44,43 @@ gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* vi
   made.server_us = frame.server_us;
   made.gpu_us = frame.gpu_us;
   made.bytes = frame.payload_bytes;
+  made.planes = frame.grid.planes;
+  made.samples = 1;
+  for (uint32_t light = 0; light < made.lights; ++light)
+    made.samples = std::max(made.samples, frame.planes.samples(light));
   return write_versioned(made, view) ? GNOMON_OK : GNOMON_BAD_ARGUMENT;
 }
 
 int gnomon_mask_lit(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y) {
-  if (!mask) return -1;
-  const TileMaskView view = mask->received->mask.mask();
-  if (light >= view.grid.planes || x >= view.grid.width || y >= view.grid.height) return -1;
-  return view.lit(x, y, light);
+  const int seen = gnomon_mask_seen(mask, light, x, y);
+  return seen < 0 ? -1 : 2 * seen >= gnomon_mask_samples(mask, light);
+}
+
+int gnomon_mask_seen(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y) {
+  if (!has_light(mask, light)) return -1;
+  const client::AssembledFrame& frame = mask->received->mask;
+  if (x >= frame.grid.width || y >= frame.grid.height) return -1;
+  return static_cast<int>(frame.seen(x, y, light));
+}
+
+int gnomon_mask_samples(const gnomon_mask* mask, uint32_t light) {
+  return has_light(mask, light) ? static_cast<int>(mask->received->mask.planes.samples(light)) : -1;
+}
+
+int gnomon_mask_first_plane(const gnomon_mask* mask, uint32_t light) {
+  return has_light(mask, light) ? static_cast<int>(mask->received->mask.planes.first(light)) : -1;
 }
 
 int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_x, uint32_t tile_y) {
-  if (!mask) return -1;
+  if (!has_light(mask, light)) return -1;
   const client::AssembledFrame& frame = mask->received->mask;
   const TileGrid& grid = frame.grid;
-  if (light >= grid.planes || tile_x >= grid.tiles_x() || tile_y >= grid.tiles_y()) return -1;
-  return frame.arrived[size_t{light} * grid.tile_count() + size_t{tile_y} * grid.tiles_x() + tile_x];
+  if (tile_x >= grid.tiles_x() || tile_y >= grid.tiles_y()) return -1;
+  const size_t tile = size_t{tile_y} * grid.tiles_x() + tile_x;
+  const uint32_t first = frame.planes.first(light);
+  for (uint32_t plane = first; plane < first + frame.planes.count(light); ++plane)
+    if (!frame.arrived[size_t{plane} * grid.tile_count() + tile]) return 0;
+  return 1;
 }
 
 gnomon_result gnomon_mask_get_light(const gnomon_mask* mask, uint32_t light, gnomon_light* out) {

@@ -50,6 +50,7 @@ gnomon_session session_of(const EngineSession& session) {
   out.tracer = told.welcome.tracer.c_str();
   out.degraded = told.degraded.c_str();
   out.draining_ms = told.draining_ms;
+  out.samples = told.samples;
   return out;
 }
 

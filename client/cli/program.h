@@ -45,6 +45,13 @@ inline void declare_codec(CLI::App& app, std::string& codec) {
       ->type_name("NAME");
 }
 
+inline void declare_samples(CLI::App& app, uint32_t& samples) {
+  app.add_option("--samples", samples,
+                 "soft shadows: points of each light that has an extent, for each pixel; 1, 4 or 16")
+      ->check(CLI::IsMember({1, 4, 16}))
+      ->type_name("K");
+}
+
 inline void declare_json(CLI::App& app, std::string& file) {
   app.add_option("--json", file, "where to write the figures")->type_name("FILE");
 }

@@ -20,6 +20,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 struct Arguments {
   std::string server, scene, size, scene_folder, json, csv, codec, clients;
+  uint32_t samples = 1;
   Trust trust;
   std::string transport = "auto";
   double rate_hz = 0;
@@ -61,6 +62,7 @@ void declare(CLI::App& app, Arguments& a) {
       ->type_name("N|FIRST..LAST");
   declare_cameras(app, a);
   declare_codec(app, a.codec);
+  declare_samples(app, a.samples);
   app.add_option("--tenant", a.tenants, "clients of a tenant; may be given several times, TOKENFILE may be empty")
       ->allow_extra_args(false)
       ->type_name("NAME:TOKENFILE:CLIENTS");
@@ -100,6 +102,7 @@ Result<LoadOptions> load_options(const Arguments& a) {
                      .scene_folder = a.scene_folder,
                      .size = *size,
                      .codecs = codecs,
+                     .samples = static_cast<uint8_t>(a.samples),
                      .rate_hz = a.rate_hz,
                      .still = a.still,
                      .reopen = a.reopen,

@@ -115,18 +115,19 @@ std::vector<LoadRow> load_rows(const LoadRun& run) {
 }
 
 std::vector<std::string> load_settings(const LoadOptions& options, const LoadRun& run) {
-  std::string tracer, codec;
+  std::string tracer, codec, samples;
   for (const auto& participant : run.participants()) {
     const auto& welcome = participant.client->stream().connection().welcome();
     if (welcome.session == SessionId{} || !tracer.empty()) continue;
     tracer = without_controls(welcome.tracer);
     codec = protocol::to_string(welcome.codec);
+    if (welcome.samples > 1) samples = ", " + std::to_string(welcome.samples) + " samples of each area light";
   }
   const std::string size = std::to_string(options.size.width) + "x" + std::to_string(options.size.height);
   const std::string pace = options.still         ? "one camera each"
                            : options.rate_hz > 0 ? text_of("%g cameras a second each", options.rate_hz)
                                                  : "a new camera as soon as one is answered";
-  return {"server " + to_string(options.server) + ", tracer " + tracer + ", codec " + codec,
+  return {"server " + to_string(options.server) + ", tracer " + tracer + ", codec " + codec + samples,
           "scene " + options.scene + ", " + size + ", " + pace + ", " +
               text_of("%.1f s after %.1f s of warm-up", run.flight_seconds(), to_seconds(options.warm_up))};
 }

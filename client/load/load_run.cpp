@@ -30,6 +30,7 @@ LoadClient::Options client_options(const LoadOptions& options, const LoadGroup& 
   connect.hello.width = options.size.width;
   connect.hello.height = options.size.height;
   connect.hello.codecs = options.codecs;
+  client.stream.samples = options.samples;
   connect.hello.rate_hz = static_cast<float>(options.rate_hz);
   // With a rate, cameras are sent whether or not earlier ones were answered; without one, a client waits for answers.
   client.pace = {.rate_hz = options.rate_hz, .max_in_flight = options.rate_hz > 0 ? 0u : options.in_flight};

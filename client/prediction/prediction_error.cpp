@@ -51,7 +51,9 @@ PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources
 }
 
 PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
-                             const PixelRect& shown, uint32_t step) {
+                             const PixelRect& shown, uint32_t step, const LightPlanes& planes) {
+  const LightPlanes of_lights =
+      planes.light_count() > 0 ? planes : LightPlanes(std::vector<bool>(fresh.grid.planes), 1);
   PredictionError error;
   for (uint32_t y = 0; y < shown.height; y += step)
     for (uint32_t x = 0; x < shown.width; x += step) {
@@ -59,11 +61,12 @@ PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t>
       const uint32_t source = sources[size_t{y} * shown.width + x];
       if (source == 0) continue;
       const uint32_t seen_x = (source - 1) % seen.grid.width, seen_y = (source - 1) / seen.grid.width;
-      for (uint32_t light = 0; light < fresh.grid.planes; ++light) {
-        const bool said = seen.lit(seen_x, seen_y, light), is = fresh.lit(shown.left + x, shown.top + y, light);
-        ++error.bits;
-        error.wrong += said != is;
-        error.falsely_dark += is && !said;
+      for (uint32_t light = 0; light < of_lights.light_count(); ++light) {
+        const uint32_t said = of_lights.seen(seen, seen_x, seen_y, light);
+        const uint32_t is = of_lights.seen(fresh, shown.left + x, shown.top + y, light);
+        error.bits += of_lights.samples(light);
+        error.wrong += std::max(said, is) - std::min(said, is);
+        error.falsely_dark += is > said ? is - said : 0;
       }
     }
   return error;

@@ -5,11 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "common/light_planes.h"
 #include "common/tile_mask.h"
 
 namespace gnomon::client {
 
-// The masks of the first 32 lights by pixel, row by row; bit i of a pixel is light i.
+// The masks, of one plane for each light, of the first 32 lights by pixel, row by row; bit i of a pixel is light i.
 struct LightBits {
   uint32_t width = 0;
   uint32_t height = 0;
@@ -30,7 +31,7 @@ struct PixelRect {
 
 struct PredictionError {
   uint64_t pixels = 0;  // of the picture
-  uint64_t bits = 0;    // compared
+  uint64_t bits = 0;    // compared; of an area light, sample points
   uint64_t wrong = 0;
   uint64_t falsely_dark = 0;  // of these, predicted dark
 
@@ -51,8 +52,9 @@ struct PredictionError {
 PredictionError compare(const LightBits& seen, std::span<const uint32_t> sources, const PixelRect& traced,
                         const LightBits& fresh, std::span<const uint32_t> care, const PixelRect& shown);
 
-// An estimate from every `step`-th pixel of every `step`-th row, with all of `seen` traced and without `care`.
+// An estimate from every `step`-th pixel of every `step`-th row, with all of `seen` traced and without `care`. Both masks
+// have one plane for each light or, of area lights, `planes`: the numbers of points that they see are then compared.
 PredictionError compare_some(const TileMaskView& seen, std::span<const uint32_t> sources, const TileMaskView& fresh,
-                             const PixelRect& shown, uint32_t step);
+                             const PixelRect& shown, uint32_t step, const LightPlanes& planes = {});
 
 }  // namespace gnomon::client

@@ -23,8 +23,8 @@ void for_each_word(const protocol::SliceHeader& header, const TileGrid& grid, Vi
 std::vector<uint32_t> AssembledFrame::missing_tiles() const {
   std::vector<uint32_t> missing;
   for (uint32_t tile = 0; tile < grid.tile_count(); ++tile) {
-    for (uint32_t light = 0; light < grid.planes; ++light) {
-      if (arrived[size_t{light} * grid.tile_count() + tile]) continue;
+    for (uint32_t plane = 0; plane < grid.planes; ++plane) {
+      if (arrived[size_t{plane} * grid.tile_count() + tile]) continue;
       missing.push_back(tile);
       break;
     }
@@ -32,8 +32,13 @@ std::vector<uint32_t> AssembledFrame::missing_tiles() const {
   return missing;
 }
 
-FrameAssembler::FrameAssembler(TileGrid grid, size_t max_frames) : grid_(grid), max_frames_(max_frames) {
+FrameAssembler::FrameAssembler(TileGrid grid, size_t max_frames)
+    : FrameAssembler(grid, LightPlanes(std::vector<bool>(grid.planes), 1), max_frames) {}
+
+FrameAssembler::FrameAssembler(TileGrid grid, LightPlanes planes, size_t max_frames)
+    : grid_(grid), planes_(std::move(planes)), max_frames_(max_frames) {
   assert(max_frames > 0);
+  assert(planes_.total() == grid.planes);
 }
 
 SliceOutcome FrameAssembler::add(const protocol::FrameSlice& slice) {
@@ -129,6 +134,7 @@ AssembledFrame FrameAssembler::begin_frame(const protocol::SliceHeader& header) 
   }
   frame.frame = header.frame;
   frame.grid = grid_;
+  frame.planes = planes_;
   frame.words.assign(grid_.word_count(), ~uint64_t{0});
   frame.arrived.assign(grid_.word_count(), false);
   frame.words_missing = grid_.word_count();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/ids.h"
+#include "common/light_planes.h"
 #include "common/tile_mask.h"
 #include "protocol/datagram.h"
 #include "protocol/mask_reference.h"
@@ -19,7 +20,9 @@ namespace gnomon::client {
 struct AssembledFrame {
   FrameId frame;
   TileGrid grid;
-  // Laid out as common/tile_mask.h says. Those that did not arrive are all ones: a missing tile casts no false shadow.
+  LightPlanes planes;  // which of the grid's planes are whose
+  // Laid out as common/tile_mask.h says. Those that did not arrive are all ones: a missing tile casts no false shadow, of
+  // an area light neither.
   std::vector<uint64_t> words;
   std::vector<bool> arrived;  // one for each word
   size_t words_missing = 0;
@@ -34,7 +37,9 @@ struct AssembledFrame {
 
   bool complete() const { return words_missing == 0; }
   TileMaskView mask() const { return {grid, words}; }
-  std::vector<uint32_t> missing_tiles() const;  // tiles that lack some light, in increasing order
+  // How many of the light's sample points pixel (x, y) sees, of planes.samples(light); 1 is all of a light without extent.
+  uint32_t seen(uint32_t x, uint32_t y, uint32_t light) const { return planes.seen(mask(), x, y, light); }
+  std::vector<uint32_t> missing_tiles() const;  // tiles that lack some plane, in increasing order
 };
 
 enum class SliceOutcome {
@@ -51,8 +56,11 @@ class FrameAssembler {
   static constexpr size_t kDefaultFrames = 4;
 
   explicit FrameAssembler(TileGrid grid, size_t max_frames = kDefaultFrames);
+  // `planes`: of the lights, in all the grid's.
+  FrameAssembler(TileGrid grid, LightPlanes planes, size_t max_frames = kDefaultFrames);
 
   const TileGrid& grid() const { return grid_; }
+  const LightPlanes& planes() const { return planes_; }
 
   // Keeps complete frames of tiles_context, to which slices of later frames may refer; and the newest that is kept.
   void keep_references() { keeps_references_ = true; }
@@ -104,6 +112,7 @@ class FrameAssembler {
   void finish(std::vector<Open>::iterator open);
 
   TileGrid grid_;
+  LightPlanes planes_;
   size_t max_frames_;
   bool keeps_references_ = false;
   FrameId newest_reference_;

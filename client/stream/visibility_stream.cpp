@@ -12,15 +12,9 @@ StreamOptions with_features(StreamOptions options) {
   using namespace protocol;
   options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity | kFeatureSizes;
   if (options.keep_references) options.connect.hello.features |= kFeatureReferences;
+  if (options.samples > 1) options.connect.hello.features |= kFeatureSoft;
+  options.connect.hello.samples = options.samples;
   return options;
-}
-
-// Slices of a new size may overtake the message that announces it, and slices of the former size may follow it.
-bool has_size_of(const TileGrid& grid, const protocol::SliceHeader& header, const protocol::Welcome& granted) {
-  if ((granted.features & protocol::kFeatureSizes) == 0) return true;
-  const bool has_size = (header.flags & protocol::kSliceHasSize) != 0;
-  return grid.width == (has_size ? header.width : granted.width) &&
-         grid.height == (has_size ? header.height : granted.height);
 }
 
 }  // namespace
@@ -90,7 +84,7 @@ void VisibilityStream::adopt(const protocol::Welcome& welcome) {
   scene_ = welcome.scene;
   lights_.clear();
   lights_.add(welcome.lights_version, scene_.lights);
-  restart_with({welcome.width, welcome.height, static_cast<uint32_t>(scene_.lights.size())});
+  restart_with(MaskShape(welcome));
 }
 
 // A camera in flight is requested again: its answer may be lost, or begun by a process that did not end it.
@@ -105,12 +99,12 @@ void VisibilityStream::continue_resumed() {
   ask(camera, std::chrono::microseconds(newest_.display_deadline_us), newest_index_);
 }
 
-// Frames requested before this may have another grid. Their slices can still be used if only the size differs and
-// slices carry it (kFeatureSizes); they never carry the number of lights.
-void VisibilityStream::restart_with(TileGrid grid) {
-  if (assembler_ && assembler_->grid() == grid) return;
-  const bool tell_apart = has(protocol::kFeatureSizes) && assembler_ && assembler_->grid().planes == grid.planes;
-  assembler_.emplace(grid);
+// Frames requested before this may have another grid. Their slices can still be used if they say of which shape they are.
+void VisibilityStream::restart_with(MaskShape shape) {
+  const MaskShape before = std::exchange(shape_, std::move(shape));
+  if (assembler_ && assembler_->grid() == shape_.grid() && assembler_->planes() == shape_.planes()) return;
+  const bool tell_apart = assembler_ && shape_.tells_apart(before);
+  assembler_.emplace(shape_.grid(), shape_.planes());
   if (connection_.welcome().features & protocol::kFeatureReferences) assembler_->keep_references();
   if (!tell_apart) first_of_grid_ = FrameId{requested_.newest().value + 1};
 }
@@ -120,20 +114,19 @@ void VisibilityStream::on_message(const protocol::Message& message) {
     if (events_.message) events_.message(message);
     return;
   }
-  TileGrid changed = grid();
+  MaskShape shape = shape_;
   if (const auto* degraded = std::get_if<protocol::Degraded>(&message)) {
-    const auto& welcome = connection_.welcome();
-    if (degraded->width > 0 && degraded->width <= welcome.width) changed.width = degraded->width;
-    if (degraded->height > 0 && degraded->height <= welcome.height) changed.height = degraded->height;
+    shape.take(*degraded);
   } else if (const auto* scene = std::get_if<protocol::SceneChanged>(&message)) {
     scene_ = scene->scene;
+    shape.take(*scene);
     lights_.clear();
   } else if (const auto* lights = std::get_if<protocol::LightsChanged>(&message)) {
     scene_.lights = lights->lights;
+    shape.take(*lights);
     lights_.add(lights->version, scene_.lights);
   }
-  changed.lights = static_cast<uint32_t>(std::min<size_t>(scene_.lights.size(), protocol::kMaxLights));
-  restart_with(changed);
+  restart_with(std::move(shape));
   if (events_.message) events_.message(message);
 }
 
@@ -216,8 +209,7 @@ void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
   const FrameId frame = slice.header.frame;
   if (!has(protocol::kFeatureFeedback)) acks_.received(frame, slice.header.slice);
   RequestedFrames::Request* request = requested_.find(frame);
-  if (!request || request->answered || frame < first_of_grid_ ||
-      !has_size_of(grid(), slice.header, connection_.welcome())) {
+  if (!request || request->answered || frame < first_of_grid_ || !shape_.is_of(slice.header)) {
     ++counters_.late_slices;
     return;
   }

@@ -16,6 +16,7 @@
 #include "client/net/connection.h"
 #include "client/stream/frame_assembler.h"
 #include "client/stream/light_versions.h"
+#include "client/stream/mask_shape.h"
 #include "client/stream/requested_frames.h"
 #include "client/stream/slice_recovery.h"
 
@@ -34,6 +35,8 @@ struct Answer {
 
 struct StreamOptions {
   ConnectOptions connect;
+  // Of each area light, wanted at most: 1 (hard shadows), 4 or 16. The server says what it grants.
+  uint8_t samples = 1;
   // Complete frames are kept for slices of tiles_context to refer to: fewer bytes, some megabytes of memory.
   bool keep_references = true;
   // How long an incomplete frame waits for another slice before it is handed over with tiles missing.
@@ -93,7 +96,7 @@ class VisibilityStream {
   void start();
   void continue_resumed();
   void adopt(const protocol::Welcome& welcome);
-  void restart_with(TileGrid grid);
+  void restart_with(MaskShape shape);
   void on_message(const protocol::Message& message);
   void on_datagram(const protocol::Opened& datagram, TimePoint arrived);
   void on_slice(std::span<const uint8_t> body);
@@ -111,6 +114,7 @@ class VisibilityStream {
   Events events_;
   std::optional<FrameAssembler> assembler_;
   protocol::SceneManifest scene_;
+  MaskShape shape_;
   LightVersions lights_;
   AckList acks_;  // where there is no feedback
   ArrivalReport arrivals_;

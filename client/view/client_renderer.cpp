@@ -23,6 +23,7 @@ Result<ClientRenderer> ClientRenderer::create(const scenes::ScenePtr& scene, con
   own.view_ = std::move(*view);
   own.size_ = size;
   own.samples_ = options.samples;
+  own.soft_filter_ = options.soft_filter;
   return own;
 }
 
@@ -34,6 +35,7 @@ Result<PictureView> ClientRenderer::draw(const Showing& showing, gpu::Samples sa
   }
   gpu::ShadeOptions options;
   options.exposure = *exposure_;
+  options.soft_filter = soft_filter_;
   options.samples = samples;
   return render(showing, options);
 }
@@ -49,7 +51,7 @@ Result<std::vector<Picture>> ClientRenderer::seen_by_lights(const Showing& showi
   options.view = gpu::ShadeOptions::View::material;
   options.tonemap = gpu::ShadeOptions::Tonemap::clamp;
   std::vector<Picture> pictures;
-  for (uint32_t light = 0; light < showing.seen->mask.grid.planes; ++light) {
+  for (uint32_t light = 0; light < showing.seen->mask.planes.light_count(); ++light) {
     options.only_light = light;
     const auto picture = render(showing, options);
     if (!picture) return picture.error();
@@ -61,6 +63,7 @@ Result<std::vector<Picture>> ClientRenderer::seen_by_lights(const Showing& showi
 Result<PictureView> ClientRenderer::render(const Showing& showing, gpu::ShadeOptions options) {
   if (auto taken = take(showing.seen); !taken) return taken.error();
   options.time = scenes::SceneTime(masks_->mask.moment.scene_time_us);
+  options.planes = masks_->mask.planes;
   const TileGrid& grid = masks_->mask.grid;
   const auto view_of = [](const gpu::RgbaView& image) {
     return PictureView{image.width, image.height, size_t{4} * image.width,
@@ -108,7 +111,7 @@ Result<void> ClientRenderer::take_lights(const std::vector<protocol::LightInfo>&
 // Reprojects missing tiles from the previous masks. Without any, they are lit, as the assembler left them.
 Result<void> ClientRenderer::cover(ReceivedMasks& received) {
   AssembledFrame& mask = received.mask;
-  if (!masks_ || masks_->mask.grid.planes != mask.grid.planes) return {};
+  if (!masks_ || masks_->mask.planes != mask.planes) return {};
   const auto before = seen();
   if (!before) return before.error();
   gpu::Reprojection& reprojection = **view_->reprojection();
@@ -149,7 +152,8 @@ Result<std::optional<ClientRenderer::Outcome>> ClientRenderer::outcome(const Sho
   if (masks_->index < trial_->index || !masks_->mask.complete()) return std::optional<Outcome>();
   const Trial trial = std::move(*trial_);
   trial_.reset();
-  if (trial.seen.grid != masks_->mask.grid) return std::optional<Outcome>();
+  if (trial.seen.grid != masks_->mask.grid || trial.masks->mask.planes != masks_->mask.planes)
+    return std::optional<Outcome>();
   gpu::Reprojection& reprojection = **view_->reprojection();
   const auto raster = reprojection.rasterise(gpu::from_wire(shown_part(masks_->camera, size_)), size_.width,
                                              size_.height, trial.seen.raster.time);
@@ -157,8 +161,9 @@ Result<std::optional<ClientRenderer::Outcome>> ClientRenderer::outcome(const Sho
   const auto sources = reprojection.sources(*raster, trial.seen.raster);
   if (!sources) return sources.error();
   const BorderPlace place = place_of(masks_->camera, size_);
-  const PredictionError error = compare_some(trial.masks->mask.mask(), *sources, masks_->mask.mask(),
-                                             {place.left, place.top, size_.width, size_.height}, kTrialStep);
+  const PredictionError error =
+      compare_some(trial.masks->mask.mask(), *sources, masks_->mask.mask(),
+                   {place.left, place.top, size_.width, size_.height}, kTrialStep, masks_->mask.planes);
   return std::optional<Outcome>(Outcome{trial.masks->camera, masks_->camera, error.share()});
 }
 

@@ -19,6 +19,7 @@ class ClientRenderer {
   struct Options {
     std::string device;                        // as gpu::RendererOptions::device; empty: the best one
     gpu::Samples samples = gpu::Samples::one;  // of each pixel of shade()
+    bool soft_filter = false;                  // gpu::ShadeOptions::soft_filter
   };
   static Result<ClientRenderer> create(const scenes::ScenePtr& scene, const ViewSize& size, const Options& options);
 
@@ -57,6 +58,7 @@ class ClientRenderer {
   std::unique_ptr<gpu::ReferenceView> view_;
   ViewSize size_;
   gpu::Samples samples_ = gpu::Samples::one;
+  bool soft_filter_ = false;
   std::vector<protocol::LightInfo> lights_;  // in use by the view; empty: the scene's own
   std::optional<float> exposure_;
   ReceivedPtr masks_;                   // the newest, their missing tiles reprojected

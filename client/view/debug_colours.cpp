@@ -50,7 +50,7 @@ std::string debug_legend() {
   return "Views, a picture for each light; black: no surface, slate: not asked (the light is behind, out of range "
          "or "
          "cone)\n"
-         "  mask    the bits that came: white lit, maroon dark\n"
+         "  mask    the bits that came: white lit, maroon dark, between them in a penumbra\n"
          "  bounds  where the light buffer's query ends: green before the near bound (lit), red behind the cover "
          "bound "
          "(dark),\n"
@@ -59,7 +59,13 @@ std::string debug_legend() {
          steps + "\n";
 }
 
-Colour mask_colour(bool lit) { return lit ? Colour{255, 255, 255} : Colour{120, 30, 50}; }
+Colour mask_colour(uint32_t seen, uint32_t samples) {
+  constexpr Colour kDark{120, 30, 50}, kLit{255, 255, 255};
+  Colour between;
+  for (size_t i = 0; i < between.size(); ++i)
+    between[i] = static_cast<uint8_t>((kDark[i] * (samples - seen) + kLit[i] * seen) / samples);
+  return between;
+}
 
 Colour bounds_colour(const gpu::light_buffer::Answer& answer) {
   switch (answer.end) {

@@ -29,7 +29,7 @@ using Colour = std::array<uint8_t, 3>;
 inline constexpr Colour kNoSurface{0, 0, 0};
 inline constexpr Colour kNotAsked{70, 70, 85};  // behind the surface, out of range or cone
 
-Colour mask_colour(bool lit);
+Colour mask_colour(uint32_t seen, uint32_t samples);  // between those of none and of all
 Colour bounds_colour(const gpu::light_buffer::Answer& answer);
 // A colour for each power of two: 0, 1, 2 to 3, 4 to 7, ... 64 and more.
 Colour lists_colour(uint32_t tested);

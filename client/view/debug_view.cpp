@@ -36,7 +36,7 @@ Result<std::vector<Picture>> DebugView::pictures(const ReceivedMasks& frame) {
   const auto bytes = frame_->host(gpu::resource::kHostSurface);
   const auto* samples = reinterpret_cast<const gpu::SurfaceSample*>(bytes.data());
   std::vector<Picture> pictures;
-  const auto lights = std::min(frame.mask.grid.planes, static_cast<uint32_t>(lights_.size()));
+  const auto lights = std::min(frame.mask.planes.light_count(), static_cast<uint32_t>(lights_.size()));
   const BorderPlace place = place_of(frame.camera, size_);
   for (uint32_t light = 0; light < lights; ++light)
     pictures.push_back(crop(picture(frame, light, samples), place.left, place.top, size_.width, size_.height));
@@ -54,9 +54,10 @@ Picture DebugView::picture(const ReceivedMasks& frame, uint32_t light, const gpu
       if (samples->triangle != 0) {
         const auto segment =
             gpu::exact::shadow_segment(camera, {samples->position, samples->normal}, lights_[light]);
-        shown = !segment.traced            ? kNotAsked
-                : kind_ == DebugKind::mask ? mask_colour(mask.lit(x, y, light))
-                                           : colour(segment, light);
+        shown = !segment.traced ? kNotAsked
+                : kind_ == DebugKind::mask
+                    ? mask_colour(frame.mask.seen(x, y, light), frame.mask.planes.samples(light))
+                    : colour(segment, light);
       }
       uint8_t* pixel = picture.pixel(x, y);
       std::copy(shown.begin(), shown.end(), pixel);

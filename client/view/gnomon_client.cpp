@@ -41,6 +41,8 @@ struct Arguments {
   bool border_by_motion = false;
   Trust trust;
   std::string transport = "auto";
+  uint32_t samples = 1;
+  bool soft_filter = false;
   uint32_t frames = 60;
   uint32_t pictures = 4;
   double rate_hz = 0;
@@ -60,6 +62,9 @@ void declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1u, 1000000u))
       ->type_name("N");
   declare_codec(app, a.codec);
+  declare_samples(app, a.samples);
+  app.add_flag("--soft-filter", a.soft_filter,
+               "of soft shadows: averages over the pixels around, where they show the same surface");
   app.add_option(
          "--mode", a.mode,
          "sequential; queued: several cameras in flight; predicted: shows cameras whose masks have not come; "
@@ -122,6 +127,7 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   const auto transport = parse_transport(a.transport);
   if (!transport) return transport.error();
   flight.stream.connect.transport = *transport;
+  flight.stream.samples = static_cast<uint8_t>(a.samples);
   auto& hello = flight.stream.connect.hello;
   hello.client = "gnomon-client";
   hello.tenant = a.tenant;
@@ -148,7 +154,7 @@ Result<ClientRenderer::Options> drawing_options(const Arguments& a) {
   const std::string kept = a.out.empty() && a.record.empty() ? "none" : "4x";
   const std::string& wanted = a.antialias.empty() ? kept : a.antialias;
   if (wanted != "4x" && wanted != "none") return Error{"--antialias " + wanted + ": 4x or none is"};
-  return ClientRenderer::Options{a.device, wanted == "4x" ? gpu::Samples::four : gpu::Samples::one};
+  return ClientRenderer::Options{a.device, wanted == "4x" ? gpu::Samples::four : gpu::Samples::one, a.soft_filter};
 }
 
 void print_figures(const FlightStats& f) {
@@ -177,6 +183,7 @@ Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_word
                          {"size", a.size},
                          {"border", a.border},
                          {"mode", a.mode},
+                         {"samples", a.samples},
                          {"tenant", a.tenant},
                          {"interrupted", interrupted != 0},
                          {"frames", f.counters.complete},
@@ -295,6 +302,7 @@ Result<void> report(const Arguments& a, const Flight& flight, Views& views, cons
   }
   const FlightStats figures = flight.figures();
   print_figures(figures);
+  if (a.samples > 1) std::printf("samples     %d granted of each area light\n", int{flight.welcome().samples});
   print_files(a, gallery);
   if (!a.json.empty()) {
     const auto written =

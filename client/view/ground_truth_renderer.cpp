@@ -43,6 +43,7 @@ Result<AssembledFrame> GroundTruthRenderer::masks(const protocol::CameraView& ca
   if (done.device_lost) return Error{"the device was lost"};
   AssembledFrame frame;
   frame.grid = done.mask.mask().grid;
+  frame.planes = LightPlanes(std::vector<bool>(frame.grid.planes), 1);
   frame.words = unpacked(done.mask.mask());
   frame.arrived.assign(frame.words.size(), true);
   frame.moment.scene_time_us = static_cast<decltype(frame.moment.scene_time_us)>(time.count());

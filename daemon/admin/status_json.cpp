@@ -77,6 +77,7 @@ json to_json(const SessionStatus& session, const std::string& tenant) {
           {"scene", session.scene},
           {"transport", to_string(session.transport)},
           {"address", session.address},
+          {"samples", session.samples},
           {"width", session.width},
           {"height", session.height},
           {"frames", session.stats.frames},

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/light_planes.h"
 #include "common/log.h"
 #include "common/result.h"
 #include "daemon/config/config_values.h"
@@ -120,7 +121,7 @@ struct RenderConfig {
   std::vector<std::string> devices;  // several devices, each as `device`; empty: `device` alone
   std::string tracer = "auto";
   std::string raster = "auto";          // "auto", "hardware", "compute"
-  std::vector<std::string> passes;      // in order; empty: the renderer's own list
+  std::vector<std::string> passes;      // see daemon/config/render_effects.h; empty: all effects
   std::filesystem::path cache_folder;   // for light buffers, kept for the next start; empty: no cache
   uint32_t cache_mb = 2048;             // most that the folder may hold, MiB; 0: no limit
   uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by the number of lights
@@ -129,6 +130,7 @@ struct RenderConfig {
   uint32_t queues = 1;  // of the device, on which frames overlap
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
+  uint32_t max_samples = kMostSamples;  // of an area light; 1: hard shadows alone
   friend bool operator==(const RenderConfig&, const RenderConfig&) = default;
 };
 
@@ -163,6 +165,8 @@ struct TenantConfig {
   uint32_t least_rate_percent = 50;     // of what a session was granted, when the device cannot keep up
   uint32_t least_size_percent = 100;    // then, of each side of its buffer
   uint32_t least_lights_percent = 100;  // then, of the scene's lights
+  uint32_t max_samples = kMostSamples;  // of an area light, 1, 4 or 16
+  uint32_t least_samples = 1;           // after the rate, before the size, when the device cannot keep up
   uint32_t max_memory_mb = 0;           // of its sessions' buffers on the device, MiB
   uint32_t max_scene_memory_mb = 0;     // of the scenes that its clients asked for, MiB; 0: half of all scenes'
   uint32_t max_session_memory_mb = 0;   // of the host, that its sessions may need, MiB; 0: what others leave

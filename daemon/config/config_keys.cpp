@@ -254,6 +254,8 @@ Keys<ScenesConfig> scenes_keys() {
   };
 }
 
+std::vector<std::pair<std::string, uint32_t>> samples() { return {{"1", 1}, {"4", 4}, {"16", 16}}; }
+
 Keys<RenderConfig> render_keys() {
   using R = RenderConfig;
   return {
@@ -262,7 +264,7 @@ Keys<RenderConfig> render_keys() {
       scalars("devices", &R::devices, "a list of devices, each as render.device", parse_text),
       scalar("tracer", &R::tracer, kNameRule, parse_name),
       choice("raster", &R::raster, {{"auto", "auto"}, {"hardware", "hardware"}, {"compute", "compute"}}),
-      scalars("passes", &R::passes, "a list of pass names", parse_name),
+      scalars("passes", &R::passes, "a list of effects (hard_shadows, soft_shadows)", parse_name),
       scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
       integer("cache_mb", &R::cache_mb, 0, 1 << 24, " (0: no limit)"),
       integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
@@ -271,6 +273,7 @@ Keys<RenderConfig> render_keys() {
       integer("queues", &R::queues, 1, 16),
       integer("max_width", &R::max_width, 8, protocol::kMaxSide),
       integer("max_height", &R::max_height, 8, protocol::kMaxSide),
+      choice("max_samples", &R::max_samples, samples()),
   };
 }
 
@@ -344,6 +347,8 @@ Keys<Config> all_keys() {
       integer("least_rate_percent", &TenantConfig::least_rate_percent, 1, 100),
       integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
       integer("least_lights_percent", &TenantConfig::least_lights_percent, 1, 100),
+      choice("max_samples", &TenantConfig::max_samples, samples()),
+      choice("least_samples", &TenantConfig::least_samples, samples()),
       integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
       integer("max_scene_memory_mb", &TenantConfig::max_scene_memory_mb, 0, 1 << 24),
       integer("max_session_memory_mb", &TenantConfig::max_session_memory_mb, 0, 1 << 24),

@@ -13,7 +13,7 @@ SharingPolicy sharing_policy_of(const Config& config) {
                                {double(tenant.max_vbps), double(tenant.max_bits_per_s),
                                 double(tenant.max_bytes_per_s), tenant.max_gpu_percent / 100.0},
                                {tenant.least_rate_percent / 100.0, tenant.least_size_percent / 100.0,
-                                tenant.least_lights_percent / 100.0}});
+                                tenant.least_lights_percent / 100.0, tenant.least_samples}});
   }
   return sharing;
 }

@@ -86,7 +86,8 @@ namespace {
 
 size_t payload_room(const FrameMeta& meta) {
   return meta.spec.slice_body_bytes - protocol::kSliceHeaderBytes -
-         (meta.spec.moment ? protocol::kMomentBytes : 0) - (meta.spec.tells_size ? protocol::kSizeBytes : 0);
+         (meta.spec.moment ? protocol::kMomentBytes : 0) - (meta.spec.tells_size ? protocol::kSizeBytes : 0) -
+         (meta.spec.tells_samples ? protocol::kSamplesBytes : 0);
 }
 
 }  // namespace

@@ -45,10 +45,10 @@ struct FrameSpec {
   protocol::CameraView camera = {};
   TileGrid grid = {};
   bool tells_size = false;                      // slices carry the size, as it is not the granted one
-  uint32_t traced_lights = 0;                   // of the grid's lights; the others are lit everywhere
+  uint8_t samples = 1;                          // of each area light
+  bool tells_samples = false;                   // slices carry them, as they are not the granted ones
+  uint64_t traced_bits = 0;                     // scheduler::weighted_bits() of the lights that are traced
   std::optional<protocol::Moment> moment = {};  // of the scene; carried by the slices
-
-  uint64_t traced_bits() const { return uint64_t{grid.width} * grid.height * traced_lights; }
 };
 
 // When each stage was finished, and what the device measured.
@@ -76,7 +76,7 @@ struct RenderedFrame {
   gpu::FrameLease mask;
 };
 
-// What a session is served has changed: its rate, size or lights.
+// What a session is served has changed: its rate, samples, size or lights.
 struct SessionDegraded {
   SessionId session;
   uint32_t net_thread = 0;

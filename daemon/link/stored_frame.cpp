@@ -20,7 +20,8 @@ size_t longest_payload(const protocol::EncodedFrame& slices) {
 
 StoredFrame::StoredFrame(const protocol::EncodedFrame& slices, uint64_t answer, TimePoint deadline, bool pad)
     : frame_(slices.slices.front().frame), answer_(answer), deadline_(deadline), state_(slices.slices.size()) {
-  constexpr size_t kMostHeader = protocol::kSliceHeaderBytes + protocol::kMomentBytes + protocol::kSizeBytes;
+  constexpr size_t kMostHeader =
+      protocol::kSliceHeaderBytes + protocol::kMomentBytes + protocol::kSizeBytes + protocol::kSamplesBytes;
   bytes_.reserve(slices.bytes.size() + slices.slices.size() * kMostHeader);
   const size_t longest = longest_payload(slices);
   for (size_t i = 0; i < slices.slices.size(); ++i) {

@@ -76,7 +76,7 @@ void Metrics::frame_sent(TenantId tenant, const std::string& scene, const FrameM
   TenantSeries& series = *families_->tenants[tenant.value];
   families_->scenes.frame_sent(scene);
   series.buffers.Increment();
-  series.bits.Increment(static_cast<double>(meta.spec.traced_bits()));
+  series.bits.Increment(static_cast<double>(meta.spec.traced_bits));
   series.bytes_sent.Increment(static_cast<double>(bytes));
   series.queue_seconds.Increment(to_seconds(meta.times.submitted - meta.times.arrival));
   families_->bytes_of(meta.spec.codec).Increment(static_cast<double>(bytes));

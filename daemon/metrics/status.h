@@ -12,12 +12,12 @@
 #include "daemon/metrics/transport_metrics.h"
 #include "gpu/renderer.h"
 #include "protocol/messages.h"
-#include "scheduler/cost_model.h"
+#include "scheduler/sample_costs.h"
 
 namespace gnomon::daemon {
 
 // What was learned of the costs of each scene's frames.
-using CostModels = std::map<SceneId, scheduler::CostModel>;
+using CostModels = std::map<SceneId, scheduler::SampleCosts>;
 
 // A scene on a device: its memory there, and how far the build of its light buffers is.
 struct SceneReport {
@@ -44,6 +44,7 @@ struct SessionStatus {
   std::string address;  // where frames go; empty until a valid datagram has arrived from there
   uint32_t width = 0;
   uint32_t height = 0;
+  uint32_t samples = 1;  // granted, of each area light
   protocol::Stats stats;
 };
 

@@ -8,11 +8,11 @@
 #include "common/within_memory.h"
 #include "daemon/net/answer.h"
 #include "daemon/net/web_exchange.h"
+#include "daemon/net/welcome.h"
 #include "daemon/net/words_for_clients.h"
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/credentials.h"
 #include "daemon/session/resumption.h"
-#include "gpu/wire/translate.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -225,7 +225,7 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
     co_return refused(RefusalCode::unknown_session, "the scene is another one now");
   }
   grant.scene = scene.id;
-  grant.lights = static_cast<uint32_t>(scene.scene->lights.size());
+  complete(grant, scene.scene->lights, shared_.tenants.get()->config(grant.tenant).max_samples);
   co_return std::nullopt;
 }
 
@@ -237,9 +237,10 @@ Admission::Verdict Admission::book(Applicant& applicant) const {
   const bool references =
       grant.has(protocol::kFeatureReferences) &&
       (grant.codec == protocol::CodecId::tiles_context || grant.dense_codec == protocol::CodecId::tiles_context);
-  const auto rejection =
-      shared_.limits.book(*applicant.permit, {grant.width, grant.height, grant.lights, grant.rate_hz, references},
-                          known == costs.end() ? scheduler::CostModel() : known->second);
+  const auto rejection = shared_.limits.book(
+      *applicant.permit,
+      {grant.width, grant.height, grant.lights, grant.rate_hz, references, grant.area_count(), grant.samples},
+      known == costs.end() ? scheduler::CostModel() : known->second.model(grant.samples));
   if (!rejection) return std::nullopt;
   return refused(*rejection);
 }
@@ -252,6 +253,7 @@ asio::awaitable<Admission::Verdict> Admission::find_room(const Applicant& applic
                               .tenant = grant.tenant,
                               .width = grant.width,
                               .height = grant.height,
+                              .samples = grant.samples,
                               .answer = std::move(on_answer)});
   };
   const auto answer = co_await answer_of(io_, ask, applicant.departure.get_token());
@@ -280,7 +282,8 @@ Admission::Verdict Admission::open(Applicant& applicant) {
                                           .stored = std::move(applicant.stored),
                                           .scene_use = std::move(applicant.scene.use)},
                                          applicant.stream);
-  send_welcome(*applicant.stream, session, applicant.scene);
+  applicant.stream->send(
+      welcome_of(session, applicant.scene, shared_, {data_port_, applicant.stream->reached().port()}));
   control_.offer_web_transport(session);
   if (shared_.health.draining) control_.ask_to_move(id, true);  // it has missed that while it was away
   const SessionGrant& grant = session.grant();
@@ -316,33 +319,6 @@ Result<std::unique_ptr<protocol::Seal>> Admission::make_seal(Applicant& applican
     return std::make_unique<protocol::Seal>(id, grant.cipher, stored.record().seal, protocol::Side::server);
   grant.features &= ~protocol::kFeatureResume;
   return std::make_unique<protocol::Seal>(id, grant.cipher, *secrets, protocol::Side::server);
-}
-
-void Admission::send_welcome(ControlStream& stream, const Session& session,
-                             const scenes::LoadedScene& scene) const {
-  const SessionGrant& grant = session.grant();
-  protocol::Welcome welcome;
-  welcome.features = grant.features;
-  welcome.session = session.id();
-  welcome.data_port = data_port_;
-  welcome.cipher = grant.cipher;
-  welcome.width = grant.width;
-  welcome.height = grant.height;
-  welcome.rate_hz = grant.rate_hz;
-  welcome.codec = grant.codec;
-  welcome.passes = shared_.config.render.passes;
-  welcome.tracer = shared_.tracer;
-  welcome.silence_timeout_ms = static_cast<uint32_t>(shared_.config.server.silence_timeout.count());
-  welcome.scene = gpu::manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
-  const LightsUpdate update = shared_.scenes.lights_of(grant.scene_name);
-  welcome.scene.lights = gpu::to_wire(update.lights);
-  welcome.lights_version = update.version;
-  welcome.motions = gpu::to_wire(shared_.catalog.get()->motions(grant.scene_name));
-  if (grant.has(protocol::kFeatureFleet)) {
-    welcome.data_host = welcome.home_host = shared_.config.server.public_address;
-    welcome.home_port = stream.reached().port();
-  }
-  stream.send(welcome);
 }
 
 template <typename OnMessage>

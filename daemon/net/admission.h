@@ -72,7 +72,6 @@ class Admission {
   void part(const StreamPtr& stream);
   bool has_departed(const Applicant& applicant) const { return !pending_.is_waiting(applicant.stream.get()); }
   Result<std::unique_ptr<protocol::Seal>> make_seal(Applicant& applicant, SessionId id) const;
-  void send_welcome(ControlStream& stream, const Session& session, const scenes::LoadedScene& scene) const;
   void refuse(const StreamPtr& stream, const Refusal& refusal, const Claim& claim, TenantId tenant = {});
 
   const NetShared& shared_;

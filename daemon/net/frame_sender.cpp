@@ -17,6 +17,10 @@ size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
       header.width = static_cast<uint16_t>(frame.meta.spec.grid.width);
       header.height = static_cast<uint16_t>(frame.meta.spec.grid.height);
     }
+    if (frame.meta.spec.tells_samples) {
+      header.flags |= protocol::kSliceHasSamples;
+      header.samples = frame.meta.spec.samples;
+    }
     header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.times.gpu));
   }
   return session.link().add(frame.slices, frame.meta.times.deadline, now);

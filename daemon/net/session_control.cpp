@@ -2,6 +2,8 @@
 
 #include <asio/post.hpp>
 
+#include <algorithm>
+
 #include "gpu/wire/translate.h"
 
 namespace gnomon::daemon {
@@ -134,7 +136,8 @@ void SessionControl::notify(const SessionDegraded& degraded) {
   ControlStream* const stream = sessions_.stream_of(degraded.session);
   if (!session || !stream || session->generation() != degraded.generation) return;
   stream->send(degraded.message);
-  session->notified_size() = {degraded.message.width, degraded.message.height};
+  const uint32_t samples = std::max<uint32_t>(degraded.message.samples, 1);
+  session->notified_size() = {degraded.message.width, degraded.message.height, session->grant().planes(samples)};
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {

@@ -128,7 +128,8 @@ void SessionLinks::finish(Session& session, const FramesUnderWay::Ended& ended, 
   const TenantId tenant = session.grant().tenant;
   const FrameMeta& meta = ended.meta;
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
-  shared_.devices.sent(meta.route.device, {tenant, meta.route.scene, meta.spec.traced_bits(), bytes});
+  shared_.devices.sent(meta.route.device,
+                       {tenant, meta.route.scene, meta.spec.traced_bits, bytes, meta.spec.samples});
   if (!ended.complete) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
   session.totals().add(meta, now);
   shared_.metrics.links().transports.sent(sessions_.transport_of(session), bytes);

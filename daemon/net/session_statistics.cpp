@@ -43,6 +43,7 @@ void SessionStatistics::report() {
                    .address = transport == Transport::udp ? text_of(session->path().current()) : text_of(*stream),
                    .width = grant.width,
                    .height = grant.height,
+                   .samples = grant.samples,
                    .stats = stats});
   }
   for (size_t i = 0; i < kTransports; ++i) {

@@ -22,7 +22,9 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
                    .camera = view.camera,
                    .grid = quality.grid(),
                    .tells_size = session.grant().has(protocol::kFeatureSizes) && !quality.has_granted_size(),
-                   .traced_lights = quality.traced_lights()},
+                   .samples = static_cast<uint8_t>(quality.samples()),
+                   .tells_samples = session.grant().has(protocol::kFeatureSoft) && !quality.has_granted_samples(),
+                   .traced_bits = quality.traced_bits(uint64_t{quality.grid().width} * quality.grid().height)},
           .times = {.arrival = view.arrival, .deadline = view.deadline, .submitted = now},
           .coalesced = session.coalesced};
 }
@@ -77,6 +79,7 @@ gpu::RenderJob FrameJobs::job_of(const RenderSession& session, const PartialFram
   job.height = grid.height;
   job.time = motion_.time_of(job.scene, now);
   job.untraced = session.quality.untraced();
+  job.samples = session.quality.samples();
   if (session.next.rows.count < grid.tiles_y()) job.tile_rows = session.next.rows.count;
   return job;
 }
@@ -125,6 +128,7 @@ std::function<void(gpu::FrameDone)> FrameJobs::completion(const RenderSession& s
   job.ticket = ticket;
   job.policy = queue_.policy();
   job.scene = session.grant().scene;
+  job.samples = session.quality.samples();
   job.work = session.next.work;
   job.model_cost = session.next.model_cost;
   job.unbuilt = frame.unbuilt;

@@ -102,6 +102,7 @@ void RenderLoop::answer_room(const CapacityRequested& asked, TimePoint now) {
   like.scene = asked.scene;
   like.width = shrunk(asked.width, least);
   like.height = shrunk(asked.height, least);
+  like.samples = asked.samples;
   like.time = motion_.time_of(asked.scene, now);
   asked.answer(device_.renderer().make_room(like));
 }

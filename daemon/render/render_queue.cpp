@@ -119,7 +119,7 @@ void RenderQueue::charge(const scheduler::Ticket& ticket, uint64_t policy, Nanos
 }
 
 void RenderQueue::cut_next_job(RenderSession& session, Nanoseconds quantum) {
-  session.next = next_job(session, costs_.model_of(session.grant().scene), quantum);
+  session.next = next_job(session, costs_.model_of(session.grant().scene, session.quality.samples()), quantum);
 }
 
 }  // namespace gnomon::daemon

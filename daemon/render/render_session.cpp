@@ -5,21 +5,21 @@
 namespace gnomon::daemon {
 namespace {
 
-scheduler::Work work_of(const TileGrid& grid, uint32_t traced_lights, const TileRows& rows, bool begins) {
+scheduler::Work work_of(const SessionQuality& quality, const TileRows& rows, bool begins) {
+  const TileGrid grid = quality.grid();
   const uint32_t top = rows.first * kTileSize;
   const uint32_t bottom = std::min(rows.end() * kTileSize, grid.height);
   const uint64_t pixels = uint64_t{grid.width} * grid.height;
-  return {pixels, uint64_t{grid.width} * (bottom - top) * traced_lights, begins};
+  return {pixels, quality.traced_bits(uint64_t{grid.width} * (bottom - top)), begins};
 }
 
 }  // namespace
 
 NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds quantum) {
   const TileGrid grid = session.quality.grid();
-  const uint32_t lights = session.quality.traced_lights();
   const uint32_t first = session.partial ? session.partial->next_row : 0;
   const auto piece = [&](uint32_t rows) {
-    NextJob job{{first, rows}, work_of(grid, lights, {first, rows}, !session.partial), {}, {}};
+    NextJob job{{first, rows}, work_of(session.quality, {first, rows}, !session.partial), {}, {}};
     const scheduler::Cost predicted = model.predict(job.work);
     job.cost = session.view.apply(predicted);
     if (model.knows()) job.model_cost = predicted;

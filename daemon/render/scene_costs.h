@@ -15,11 +15,15 @@ class SceneCosts {
   explicit SceneCosts(const SceneMotion& motion) : motion_(motion) {}
 
   // The model that applies to frames of the scene now.
-  scheduler::CostModel& model_of(SceneId scene) { return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene]; }
+  const scheduler::CostModel& model_of(SceneId scene, uint32_t samples) {
+    return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].model(samples);
+  }
 
   // Precondition: the job was executed. Returns true if the scene's model changed by more than a quarter at once.
   bool learn(const JobFinished& job);
-  void learn_bytes(const BytesSent& sent) { built_[sent.scene].learn_bytes(sent.bits, sent.bytes); }
+  void learn_bytes(const BytesSent& sent) {
+    built_[sent.scene].of(sent.samples).learn_bytes(sent.bits, sent.bytes);
+  }
 
   // The models of frames whose scene has all its light buffers.
   const CostModels& built() const { return built_; }

@@ -8,9 +8,14 @@ namespace {
 // The rate assumed for sessions that ask for none, and take all they get.
 constexpr double kRateOfTheGreedy = 60;
 
+uint64_t bits_of(const SessionGrant& grant, uint64_t pixels, uint32_t lights) {
+  return scheduler::weighted_bits(pixels, lights, grant.area_count(), grant.samples);
+}
+
 double load_of(const SessionGrant& grant) {
   const double rate = grant.rate_hz > 0 ? grant.rate_hz : kRateOfTheGreedy;
-  return rate * grant.width * grant.height * std::max(grant.lights, 1u);
+  const uint64_t pixels = uint64_t{grant.width} * grant.height;
+  return rate * static_cast<double>(bits_of(grant, pixels, std::max(grant.lights, 1u)));
 }
 
 }  // namespace
@@ -55,10 +60,11 @@ std::vector<double> SessionPlaces::loads(const CostModels& known, double assumed
     const SessionGrant& grant = placed.opened.grant;
     const auto model = known.find(grant.scene);
     const auto device = placement_.device_of(id);
-    if (!device || model == known.end() || !model->second.knows()) continue;
+    if (!device || model == known.end() || !model->second.model(grant.samples).knows()) continue;
     const uint64_t pixels = uint64_t{grant.width} * grant.height;
     const double rate_hz = grant.rate_hz > 0 ? double{grant.rate_hz} : assumed_rate_hz;
-    all[*device] += rate_hz * to_seconds(model->second.predict({pixels, pixels * grant.lights, true}).total());
+    const scheduler::Work frame{pixels, bits_of(grant, pixels, grant.lights), true};
+    all[*device] += rate_hz * to_seconds(model->second.model(grant.samples).predict(frame).total());
   }
   return all;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/render/light_importance.h"
+#include "scheduler/sample_costs.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -13,6 +14,11 @@ namespace {
 scheduler::RateLimit limit_to(double rate_hz) {
   const std::chrono::duration<double> early(rate_hz > 0 ? 1.5 / rate_hz : 0);
   return scheduler::RateLimit(rate_hz, std::chrono::duration_cast<Nanoseconds>(early));
+}
+
+// Compares operating points.
+double served(const scheduler::OperatingPoint& point) {
+  return point.rate * point.size * point.lights / (1 + point.fewer_samples);
 }
 
 }  // namespace
@@ -28,10 +34,11 @@ SessionQuality::SessionQuality(const SessionOpened& opened, FrameSink& sink, Met
       metrics_(metrics),
       width_(opened.grant.width),
       height_(opened.grant.height),
+      samples_(opened.grant.samples),
       rate_(limit_to(opened.grant.rate_hz)) {}
 
 void SessionQuality::set_limits(const scheduler::DegradationLimits& limits) {
-  degradation_.set_limits(limits);
+  degradation_.set_limits(limits, opened_.grant.samples);
   link_.set_limits(limits, opened_.grant.dense_codec != opened_.grant.codec);
 }
 
@@ -52,6 +59,7 @@ bool SessionQuality::adopt_size() {
   if (wanted == grid()) return false;
   width_ = wanted.width;
   height_ = wanted.height;
+  samples_ = wanted_samples();
   tell_client();
   return true;
 }
@@ -88,7 +96,7 @@ void SessionQuality::review(Nanoseconds since_last) {
   const scheduler::OperatingPoint before = degradation_.point();
   if (!degradation_.observe({std::min(arrived, allowed), answered})) return;
   const scheduler::OperatingPoint after = degradation_.point();
-  metrics_.degraded(after.rate * after.size * after.lights < before.rate * before.size * before.lights);
+  metrics_.degraded(served(after) < served(before));
   rate_ = limit_to(rate_hz());
   if (after.rate != before.rate) tell_client();
 }
@@ -102,7 +110,22 @@ void SessionQuality::review_link(const LinkWindow& window) {
 
 TileGrid SessionQuality::wanted_grid() const {
   const double size = std::min({degradation_.point().size, link_.size(), memory_.size()});
-  return {shrunk(opened_.grant.width, size), shrunk(opened_.grant.height, size), opened_.grant.lights};
+  return {shrunk(opened_.grant.width, size), shrunk(opened_.grant.height, size),
+          opened_.grant.planes(wanted_samples())};
+}
+
+uint32_t SessionQuality::wanted_samples() const {
+  return std::max(1u, uint32_t{opened_.grant.samples} >> 2 * degradation_.point().fewer_samples);
+}
+
+uint64_t SessionQuality::traced_bits(uint64_t pixels) const {
+  uint32_t lights = 0, areas = 0;
+  for (uint32_t light = 0; light < opened_.grant.lights; ++light) {
+    if (untraced_[light]) continue;
+    ++lights;
+    areas += opened_.grant.is_area(light);
+  }
+  return scheduler::weighted_bits(pixels, lights, areas, samples_);
 }
 
 // At least one light is traced.
@@ -115,6 +138,7 @@ void SessionQuality::tell_client() const {
   message.width = static_cast<uint16_t>(width_);
   message.height = static_cast<uint16_t>(height_);
   message.rate_hz = static_cast<float>(rate_hz());
+  if (opened_.grant.has(protocol::kFeatureSoft)) message.samples = static_cast<uint8_t>(samples_);
   for (uint16_t light = 0; light < opened_.grant.lights; ++light) {
     if (untraced_[light]) message.untraced_lights.push_back(light);
   }

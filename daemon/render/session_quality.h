@@ -1,5 +1,5 @@
 // What one session is served at the moment, between what it was granted and the least that its tenant allows: its rate,
-// the size of its frames and the lights that are traced. Told the time.
+// the samples of area lights, the size of its frames and the lights that are traced. Told the time.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,7 +16,7 @@
 namespace gnomon::daemon {
 
 // Three ladders lead down and up again: the device's (scheduler::Degradation), the link's and the memory's. The client
-// is notified of each change of its rate, size and lights, through the sink. Belongs to the render thread.
+// is notified of each change of its rate, samples, size and lights, through the sink. Belongs to the render thread.
 class SessionQuality {
  public:
   // At first all that was granted. References outlive this.
@@ -26,10 +26,12 @@ class SessionQuality {
   void set_limits(const scheduler::DegradationLimits& limits);
 
   // In force now.
-  TileGrid grid() const { return {width_, height_, opened_.grant.lights}; }
+  TileGrid grid() const { return {width_, height_, opened_.grant.planes(samples_)}; }
   bool has_granted_size() const { return width_ == opened_.grant.width && height_ == opened_.grant.height; }
+  uint32_t samples() const { return samples_; }  // of each area light
+  bool has_granted_samples() const { return samples_ == opened_.grant.samples; }
   const gpu::LightSet& untraced() const { return untraced_; }
-  uint32_t traced_lights() const { return opened_.grant.lights - static_cast<uint32_t>(untraced_.count()); }
+  uint64_t traced_bits(uint64_t pixels) const;  // scheduler::weighted_bits() of the lights that are traced
   bool wants_dense_codec() const { return link_.dense(); }
   TimePoint open_at() const { return rate_.open_at(); }  // from when the session may start a frame
 
@@ -37,7 +39,7 @@ class SessionQuality {
   void view_arrived() { ++arrived_; }
   void frame_begun(TimePoint now);
 
-  // Before each frame: takes over the size and the lights that the ladders want, as frames change between two and never
+  // Before each frame: takes over the size, the samples and the lights that the ladders want, as frames change between two and never
   // within one. `lights` are the scene's, `eye` is where the camera stands. Returns true if a frame's cost has changed.
   bool adapt(std::span<const scenes::Light> lights, const glm::vec3& eye, TimePoint now);
 
@@ -51,6 +53,7 @@ class SessionQuality {
 
  private:
   double rate_hz() const { return opened_.grant.rate_hz * degradation_.point().rate; }
+  uint32_t wanted_samples() const;
   TileGrid wanted_grid() const;
   uint32_t wanted_lights() const;
   bool adopt_size();
@@ -61,6 +64,7 @@ class SessionQuality {
   FrameSink& sink_;
   Metrics& metrics_;
   uint32_t width_, height_;
+  uint32_t samples_;
   gpu::LightSet untraced_;
   scheduler::RateLimit rate_;
   scheduler::Degradation degradation_;

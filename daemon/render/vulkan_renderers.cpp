@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/log.h"
+#include "daemon/config/render_effects.h"
 #include "gpu/vulkan_renderer.h"
 
 namespace gnomon::daemon {
@@ -25,7 +27,7 @@ std::vector<Error> check_vulkan_renderers(const Config& config) {
   const RenderConfig& render = config.render;
   gpu::RendererOptions options;
   options.tracer = render.tracer;
-  if (!render.passes.empty()) options.passes = render.passes;
+  if (const auto passes = renderer_passes(render); !passes.empty()) options.passes = passes;
   std::vector<Error> errors;
   for (const std::string& device : device_names(render)) {
     options.device = selector_of(device);
@@ -53,7 +55,11 @@ std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::S
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
   options.tracer_options.builds = builds;
   options.wait_for_builds = render.wait_for_light_buffers;
-  if (!render.passes.empty()) options.passes = render.passes;
+  if (const auto passes = renderer_passes(render); !passes.empty()) {
+    log::warning("deprecated configuration value",
+                 {{"key", "render.passes"}, {"value", passes.front()}, {"use", "hard_shadows, soft_shadows"}});
+    options.passes = passes;
+  }
   options.frames_in_flight = frame_slots(config);
   options.queues = render.queues;
   std::vector<RendererFactory> factories;

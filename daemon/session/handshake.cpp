@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "daemon/config/render_effects.h"
 #include "protocol/seal_keys.h"
 
 namespace gnomon::daemon {
@@ -14,7 +15,7 @@ using protocol::Refused;
 
 constexpr uint64_t kFeatures = protocol::kFeatureMoments | protocol::kFeatureFeedback | protocol::kFeatureParity |
                                protocol::kFeatureReferences | protocol::kFeatureResume | protocol::kFeatureSizes |
-                               protocol::kFeaturePaths | protocol::kFeatureWaiting;
+                               protocol::kFeaturePaths | protocol::kFeatureWaiting | protocol::kFeatureSoft;
 
 // Those that this server has.
 uint64_t features_of(const Config& config) {
@@ -50,9 +51,9 @@ std::optional<Refused> check_size(const Hello& hello, const RenderConfig& render
 // The server chooses which passes run; a client may require passes, which must be among them.
 std::optional<Refused> check_passes(const Hello& hello, const RenderConfig& render) {
   for (const std::string& pass : hello.passes) {
-    if (std::find(render.passes.begin(), render.passes.end(), pass) != render.passes.end()) continue;
+    if (offers(render, pass)) continue;
     std::string offered;
-    for (const std::string& name : render.passes) offered += (offered.empty() ? "" : ", ") + name;
+    for (const std::string& name : effects_of(render)) offered += (offered.empty() ? "" : ", ") + name;
     return refusal(RefusalCode::unknown_pass, "no pass " + shown(pass) + " here; there are: " + offered);
   }
   return std::nullopt;
@@ -71,6 +72,13 @@ protocol::CodecId densest_codec(const Hello& hello, const EncodeConfig& encode) 
   if ((hello.features & protocol::kFeatureReferences) != 0) return protocol::CodecId::tiles_context;
   if (hello.codecs.empty()) return choose_codec(hello, encode);
   return *std::max_element(hello.codecs.begin(), hello.codecs.end());
+}
+
+// Of those that there are, the most that the client wants and the server allows.
+uint8_t choose_samples(const Hello& hello, const RenderConfig& render) {
+  const uint32_t wanted = (hello.features & protocol::kFeatureSoft) != 0 ? hello.samples : 1;
+  const uint32_t samples = std::min(wanted, most_samples(render));
+  return samples >= 16 ? 16 : samples >= 4 ? 4 : 1;
 }
 
 // The client's first choice: a client with AES instructions puts AES first. ChaCha20 also if this machine has no AES
@@ -112,6 +120,7 @@ std::variant<SessionGrant, Refused> check_hello(const Hello& hello, TenantId ten
                       .codec = choose_codec(hello, config.encode),
                       .dense_codec = densest_codec(hello, config.encode),
                       .cipher = choose_cipher(hello.ciphers),
+                      .samples = choose_samples(hello, config.render),
                       .features = hello.features & features_of(config)};
 }
 

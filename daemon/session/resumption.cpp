@@ -36,6 +36,7 @@ SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::stri
                        .codec = grant.codec,
                        .dense_codec = grant.dense_codec,
                        .cipher = grant.cipher,
+                       .samples = grant.samples,
                        .credential = grant.credential,
                        .scene_hash = keys.scene_hash,
                        .resumption = keys.resumption,
@@ -57,6 +58,7 @@ std::variant<SessionGrant, protocol::Refused> grant_of(const SessionRecord& reco
   hello.width = record.width;
   hello.height = record.height;
   hello.rate_hz = record.rate_hz;
+  hello.samples = record.samples;
   auto verdict = check_hello(hello, *tenant, config, find_scene);
   if (auto* grant = std::get_if<SessionGrant>(&verdict)) {
     grant->codec = record.codec;

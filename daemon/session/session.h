@@ -57,7 +57,8 @@ struct SessionParts {
 // The size of frames that the client has been notified of.
 struct NotifiedSize {
   uint32_t width = 0, height = 0;
-  bool is_of(const TileGrid& grid) const { return grid.width == width && grid.height == height; }
+  uint32_t planes = 0;  // as many as the samples make, which the client is notified of too
+  bool is_of(const TileGrid& grid) const { return grid == TileGrid{width, height, planes}; }
 };
 
 // Belongs to the net thread that owns it.

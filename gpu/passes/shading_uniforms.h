@@ -11,6 +11,8 @@ namespace gnomon::gpu {
 struct LightColour {
   glm::vec3 colour{0.0f};                       // times intensity
   float cone_scale = 0.0f, cone_offset = 1.0f;  // KHR_lights_punctual's lightAngleScale and lightAngleOffset
+  uint32_t first_plane = 0;                     // of the masks, and
+  uint32_t samples = 1;                         // see common/light_planes.h
 };
 
 inline constexpr uint32_t kEveryLight = 0xffffffff;
@@ -28,9 +30,10 @@ struct ShadingUniforms {
   uint32_t has_sky = 0;
   glm::vec3 sky_ground{0.0f};
   float sky_clouds = 0.0f;
+  uint32_t filter_step = 0;  // 0: counts as they are; else the mean of 4x4 pixels this far apart
   LightColour lights[kMaxLights];
 };
-static_assert(sizeof(LightColour) == 20);
-static_assert(offsetof(ShadingUniforms, lights) == 96);
+static_assert(sizeof(LightColour) == 28);
+static_assert(offsetof(ShadingUniforms, lights) == 100);
 
 }  // namespace gnomon::gpu

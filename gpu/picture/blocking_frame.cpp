@@ -44,8 +44,16 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
 
 Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time, uint32_t samples) {
   samples_ = scene_->area_lights().samples(samples);
-  const TileGrid grid{width, height, scene_->area_lights().plane_count(samples_)};
-  if (auto fits = check_size(*device_, width, height); !fits) return fits.error();
+  return make_room({width, height, scene_->area_lights().plane_count(samples_)}, time);
+}
+
+Result<TileGrid> BlockingFrame::reserve_given(const TileGrid& masks, scenes::SceneTime time) {
+  samples_ = 1;
+  return make_room(masks, time);
+}
+
+Result<TileGrid> BlockingFrame::make_room(const TileGrid& grid, scenes::SceneTime time) {
+  if (auto fits = check_size(*device_, grid.width, grid.height); !fits) return fits.error();
   if (auto passed = device_->queue().wait(started_); !passed) return passed.error();
   posed_ = scene_->pose(time);
   auto variant = variants_->variant_for(*posed_, samples_);

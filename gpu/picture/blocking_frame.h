@@ -34,6 +34,8 @@ class BlockingFrame {
   // Makes room for a frame of the scene at `time`, so that host() can be written. `samples`: of each area light, as
   // RenderJob::samples. Error: size out of range, out of memory.
   Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {}, uint32_t samples = 1);
+  // As reserve, for a frame that traces nothing and is given masks of that grid.
+  Result<TileGrid> reserve_given(const TileGrid& masks, scenes::SceneTime time = {});
   // Renders what was reserved and waits. Error: device lost, out of memory.
   Result<FrameTiming> render(const CameraView& camera, const TileGrid& grid);
   // As render, but does not wait: for passes that write to given buffers, which later frames of this scene on this
@@ -48,6 +50,7 @@ class BlockingFrame {
 
  private:
   BlockingFrame() = default;
+  Result<TileGrid> make_room(const TileGrid& grid, scenes::SceneTime time);
   FrameSlot& slot() const { return variant_->slots[0]; }
 
   DevicePtr device_;

@@ -24,6 +24,11 @@ LightColour light_colour(const scenes::Light& light) {
   return out;
 }
 
+LightPlanes planes_of(const ResidentScene& scene, const ShadeOptions& options) {
+  if (options.planes.light_count() > 0) return options.planes;
+  return LightPlanes(std::vector<bool>(scene.light_count()), 1);
+}
+
 ShadingUniforms uniforms_of(const ResidentScene& scene, const ShadeOptions& options) {
   const scenes::Surroundings& around = scene.scene().surroundings;
   ShadingUniforms out{};
@@ -40,7 +45,20 @@ ShadingUniforms uniforms_of(const ResidentScene& scene, const ShadeOptions& opti
   out.tonemap = static_cast<uint32_t>(options.tonemap);
   out.only_light = options.only_light.value_or(kEveryLight);
   std::transform(scene.lights().begin(), scene.lights().end(), out.lights, light_colour);
+  const LightPlanes planes = planes_of(scene, options);
+  for (uint32_t light = 0; light < planes.light_count(); ++light) {
+    out.lights[light].first_plane = planes.first(light);
+    out.lights[light].samples = planes.samples(light);
+  }
+  if (options.soft_filter) out.filter_step = options.samples == Samples::four ? 2 : 1;
   return out;
+}
+
+Result<void> check_planes(const ResidentScene& scene, const TileGrid& grid, const ShadeOptions& options) {
+  const LightPlanes planes = planes_of(scene, options);
+  if (planes.light_count() == scene.light_count() && planes.total() == grid.planes) return {};
+  return Error{"a mask of " + std::to_string(grid.planes) + " planes for a scene of " +
+               std::to_string(scene.light_count()) + " lights with " + std::to_string(planes.total()) + " planes"};
 }
 
 }  // namespace
@@ -63,11 +81,9 @@ class ReferenceView::Shader {
   // Four bytes a pixel, valid until the next call.
   Result<std::span<const std::byte>> render(const CameraView& camera, const TileMaskView& masks,
                                             const ShadingUniforms& shading, scenes::SceneTime time) {
-    const auto grid = frame_->reserve(masks.grid.width, masks.grid.height, time);
+    const auto grid = frame_->reserve_given(masks.grid, time);
     if (!grid) return grid.error();
-    if (*grid != masks.grid || masks.words.size() != grid->word_count())
-      return Error{"a mask of " + std::to_string(masks.grid.planes) + " lights for a scene of " +
-                   std::to_string(grid->planes)};
+    if (masks.words.size() != grid->word_count()) return Error{"a mask of another size than it says"};
     std::memcpy(frame_->host(resource::kShading).data(), &shading, sizeof(shading));
     if (!masks.words.empty())
       std::memcpy(frame_->host(resource::kUploadedMasks).data(), masks.words.data(), masks.words.size_bytes());
@@ -108,6 +124,7 @@ Result<RgbaView> ReferenceView::show(const CameraView& camera, uint32_t width, u
                                      const TileMaskView& masks, const ShadeOptions& options) {
   if (masks.grid.width != width || masks.grid.height != height)
     return Error{"a mask of another size than the picture's"};
+  if (auto fits = check_planes(shader_->scene(), masks.grid, options); !fits) return fits.error();
   const auto pixels = shader_->render(camera, masks, uniforms_of(shader_->scene(), options), options.time);
   if (!pixels) return pixels.error();
   return RgbaView{width, height, *pixels};
@@ -115,6 +132,7 @@ Result<RgbaView> ReferenceView::show(const CameraView& camera, uint32_t width, u
 
 Result<RgbaView> ReferenceView::show_predicted(const CameraView& camera, uint32_t width, uint32_t height,
                                                const SeenMasks& seen, const ShadeOptions& options) {
+  if (auto fits = check_planes(shader_->scene(), seen.grid, options); !fits) return fits.error();
   const auto reprojected = reprojection();
   if (!reprojected) return reprojected.error();
   const auto shading = uniforms_of(shader_->scene(), options);

@@ -1,6 +1,6 @@
 // The reference client's picture: its own G-buffer, shaded by the dissertation's formula with given visibility bits,
 //   I = emissive + (base colour / pi) * sum over lights i of k_i * saturate(N . L_i) * I_i + base colour * ambient
-// where I_i is the light's intensity at the point (KHR_lights_punctual: inverse square, range window, cone edge), and
+// where k_i is the bit or, of an area light, the share of its sample points that are seen, I_i is the light's intensity at the point (KHR_lights_punctual: inverse square, range window, cone edge), and
 // the ambient radiance goes from one value for surfaces that face down to another for those that face up, as the scene
 // states them (scenes::Surroundings; 0 without). Base colours are filtered through mip levels. Where no surface is, the
 // scene's sky shows, if it states one.
@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "common/light_planes.h"
 #include "common/result.h"
 #include "common/tile_mask.h"
 #include "gpu/picture/reprojection.h"
@@ -49,6 +50,10 @@ struct ShadeOptions {
   std::optional<uint32_t> only_light;  // shade with this light alone; material: black where it is not seen
   Samples samples = Samples::one;      // of show_predicted and predict alone, see Reprojection::shade
   scenes::SceneTime time{};            // of what moves in the scene, within its period
+  LightPlanes planes = {};             // of the masks; without any: one for each light
+  // Averages the shares of an area light over the pixels of a 4x4 window that show the same surface: an estimate, smoother
+  // than what the mask says of each pixel. As their sample points differ, it converges like 16 times as many.
+  bool soft_filter = false;
 };
 
 // One thread. Calls block.
@@ -59,8 +64,8 @@ class ReferenceView {
                                                        const scenes::ScenePtr& scene);
   ~ReferenceView();
 
-  // Error: `masks` has another size or another number of lights than the scene, the size is out of range, or the device
-  // is lost.
+  // Error: `masks` has another size or another number of planes than the scene's lights by options.planes, the size is
+  // out of range, or the device is lost.
   Result<RgbaImage> render(const CameraView& camera, uint32_t width, uint32_t height, const TileMaskView& masks,
                            const ShadeOptions& options = {});
 

@@ -42,8 +42,8 @@ std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const
       const uint32_t seen_x = (source - 1) % seen.grid.width, seen_y = (source - 1) / seen.grid.width;
       const size_t tile = size_t{y / kTileSize} * grid.tiles_x() + x / kTileSize;
       const uint64_t bit = uint64_t{1} << (y % kTileSize * kTileSize + x % kTileSize);
-      for (uint32_t light = 0; light < grid.planes; ++light)
-        if (!seen.lit(seen_x, seen_y, light)) words[size_t{light} * grid.tile_count() + tile] &= ~bit;
+      for (uint32_t plane = 0; plane < grid.planes; ++plane)
+        if (!seen.lit(seen_x, seen_y, plane)) words[size_t{plane} * grid.tile_count() + tile] &= ~bit;
     }
   return words;
 }
@@ -112,10 +112,10 @@ Result<RasterView> Reprojection::raster_of(const CameraView& camera, uint32_t wi
 
 Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time) {
   const uint32_t lights = seer_->scene().light_count();
-  if (masks.grid.planes != lights || masks.words.size() != masks.grid.word_count())
-    return Error{"a mask of " + std::to_string(masks.grid.planes) + " lights for a scene of " +
-                 std::to_string(lights)};
-  const auto grid = seer_->reserve(masks.grid.width, masks.grid.height, time);
+  if (masks.grid.planes < lights || masks.words.size() != masks.grid.word_count())
+    return Error{"a mask of " + std::to_string(masks.grid.planes) + " planes for a scene of " +
+                 std::to_string(lights) + " lights"};
+  const auto grid = seer_->reserve(masks.grid.width, masks.grid.height, time, masks.grid.planes);
   if (!grid) return grid.error();
   auto words = buffer(masks.words.size_bytes());
   if (!words) return words.error();

@@ -37,7 +37,8 @@ struct SeenMasks {
 enum class Samples { one, four };
 
 // The masks of a view of `width` x `height`, looked up in `seen` through the view's sources (Reprojection::sources);
-// pixels without a source are lit by every light.
+// pixels without a source are lit by every light. Planes of area lights are looked up as
+// they are.
 std::vector<uint64_t> masks_by_sources(const TileMaskView& seen, std::span<const uint32_t> sources, uint32_t width,
                                        uint32_t height);
 
@@ -53,8 +54,7 @@ class Reprojection {
   Result<RasterView> raster_of(const CameraView& camera, uint32_t width, uint32_t height,
                                std::span<const uint32_t> ids);
 
-  // Rasterises the view of `masks` and uploads them. Error also: the masks have another number of lights than the
-  // scene.
+  // Rasterises the view of `masks`, of whatever planes, and uploads them. Error also: there are fewer than lights.
   Result<SeenMasks> see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time);
 
   // For each pixel of `view`: 0 if it shows no surface or one that `seen` does not show, else 1 + the number of the

@@ -11,6 +11,8 @@ struct LightColour {
   vec3 colour;
   float cone_scale;
   float cone_offset;
+  uint first_plane;  // common/light_planes.h
+  uint samples;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Shading {
   vec3 ambient_above;  // radiance that reaches surfaces facing up, and those facing down
@@ -25,6 +27,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Sha
   uint has_sky;
   vec3 sky_ground;
   float sky_clouds;
+  uint filter_step;  // 0: counts are taken as they are
   LightColour lights[kMaxLights];
 };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TileWords { uvec2 at[]; };
@@ -93,23 +96,65 @@ vec3 base_colour(MaterialRecord m, uint triangle, SurfacePoint surface, vec3 wei
   return colour;
 }
 
-bool mask_bit(uint light, uvec2 pixel, uint tiles_x, uint tile_count) {
+bool mask_bit(uint plane, uvec2 pixel, uint tiles_x, uint tile_count) {
   uint tile = (pixel.y / 8u) * tiles_x + pixel.x / 8u;
   uint bit = (pixel.y % 8u) * 8u + pixel.x % 8u;
-  uvec2 word = push.masks.at[light * tile_count + tile];
+  uvec2 word = push.masks.at[plane * tile_count + tile];
   return ((bit < 32u ? word.x >> bit : word.y >> (bit - 32u)) & 1u) != 0u;
 }
 
-bool visible(uint light, uvec2 pixel) {
+// The share of the light's sample points that are seen by that pixel of the masks: 0 or 1 of a light without extent.
+float seen_share(uint light, uvec2 pixel, uint tiles_x, uint tile_count) {
+  uint plane = push.shading.lights[light].first_plane, samples = push.shading.lights[light].samples;
+  if (mask_bit(plane, pixel, tiles_x, tile_count)) return 1.0;
+  uint number = 0u;
+  for (int more = findMSB(samples); more > 0; --more)
+    number = 2u * number + uint(mask_bit(++plane, pixel, tiles_x, tile_count));
+  return float(number) / float(samples);
+}
+
+float share_at(uint light, uvec2 pixel) {
 #ifdef PREDICTED
   uint source = push.sources.at[pixel.y * frame.width + pixel.x];
   uint seen = max(source, 1u) - 1u;
   uvec2 tiles = (uvec2(push.seen.width, push.seen.height) + 7u) / 8u;
-  return source == 0u || mask_bit(light, uvec2(seen % push.seen.width, seen / push.seen.width), tiles.x,
-                                  tiles.x * tiles.y);
+  if (source == 0u) return 1.0;
+  return seen_share(light, uvec2(seen % push.seen.width, seen / push.seen.width), tiles.x, tiles.x * tiles.y);
 #else
-  return mask_bit(light, pixel, frame.tiles_x, frame.tile_count);
+  return seen_share(light, pixel, frame.tiles_x, frame.tile_count);
 #endif
+}
+
+// Pixel `i` of the 4x4 that the filter looks at. No four of a row or column show the same sample points.
+ivec2 window_pixel(uvec2 pixel, uint i) {
+  return ivec2(pixel) + (ivec2(i & 3u, i >> 2) - 1) * int(push.shading.filter_step);
+}
+
+// Those pixels of the window that show the same surface, as bits: of a similar normal, and near its plane. The pixel
+// itself is number 5.
+uint same_surface(SurfacePoint surface, uvec2 pixel) {
+  uint like = 1u << 5;
+  if (push.shading.filter_step == 0u) return like;
+  for (uint i = 0u; i < 16u; ++i) {
+    ivec2 at = window_pixel(pixel, i);
+    if (i == 5u || any(lessThan(at, ivec2(0))) || at.x >= int(frame.width) || at.y >= int(frame.height)) continue;
+    uint id = triangle_at(uvec2(at));
+    if (id == 0u) continue;
+    SurfacePoint other = surface_of(id - 1u, uvec2(at));
+    vec3 between = other.position - surface.position;
+    if (dot(other.normal, surface.normal) > 0.9 && abs(dot(between, surface.normal)) <= 0.25 * length(between))
+      like |= 1u << i;
+  }
+  return like;
+}
+
+// `like`: as same_surface() says.
+float visible(uint light, uvec2 pixel, uint like) {
+  if (push.shading.filter_step == 0u || push.shading.lights[light].samples == 1u) return share_at(light, pixel);
+  float sum = 0.0;
+  for (uint i = 0u; i < 16u; ++i)
+    if ((like >> i & 1u) != 0u) sum += share_at(light, uvec2(window_pixel(pixel, i)));
+  return sum / float(bitCount(like));
 }
 
 // The irradiance by light i: I_i attenuated by distance, range and cone (KHR_lights_punctual), times saturate(N.L).
@@ -136,19 +181,23 @@ vec3 irradiance(uint i, SurfacePoint surface, vec3 normal) {
   return shade.colour * attenuation * max(dot(normal, direction), 0.0);
 }
 
-// Whether the chosen light reaches the point; true if none is chosen. Bits of pairs that were not traced may have any
+// How much of the chosen light reaches the point; all if none is chosen. Bits of pairs that were not traced may have any
 // value.
-bool reached(SurfacePoint surface, uvec2 pixel) {
+float reached(SurfacePoint surface, uvec2 pixel) {
   uint light = push.shading.only_light;
-  return light == 0xffffffffu ||
-         (shadow_segment(frame.camera, surface, frame.lights[light]).traced && visible(light, pixel));
+  if (light == 0xffffffffu) return 1.0;
+  bool traced = shadow_segment(frame.camera, surface, frame.lights[light]).traced;
+  return traced ? visible(light, pixel, same_surface(surface, pixel)) : 0.0;
 }
 
 vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, uvec2 pixel) {
   vec3 sum = vec3(0.0);
-  for (uint i = 0u; i < frame.light_count; ++i)
-    if ((push.shading.only_light == 0xffffffffu || push.shading.only_light == i) && visible(i, pixel))
-      sum += irradiance(i, surface, normal);
+  uint like = same_surface(surface, pixel);
+  for (uint i = 0u; i < frame.light_count; ++i) {
+    if (push.shading.only_light != 0xffffffffu && push.shading.only_light != i) continue;
+    float share = visible(i, pixel, like);
+    if (share > 0.0) sum += share * irradiance(i, surface, normal);
+  }
   vec3 ambient = mix(push.shading.ambient_below, push.shading.ambient_above, 0.5 + 0.5 * normal.y);
   return emissive + base * (sum / kPi + ambient);
 }
@@ -175,7 +224,7 @@ vec3 pixel_colour(uint triangle, uvec2 pixel) {
   if (push.shading.view == kNormals) return normal * 0.5 + 0.5;
   MaterialRecord m = frame.materials.at[frame.triangle_materials.at[triangle]];
   vec3 base = base_colour(m, triangle, surface, weights, pixel);
-  if (push.shading.view == kMaterial) return reached(surface, pixel) ? base : vec3(0.0);
+  if (push.shading.view == kMaterial) return reached(surface, pixel) * base;
   return shaded(surface, normal, base, m.emissive, pixel);
 }
 

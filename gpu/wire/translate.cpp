@@ -92,6 +92,16 @@ std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& light
   return out;
 }
 
+// The wire numbers shapes as scenes do.
+std::vector<protocol::AreaInfo> areas_to_wire(const std::vector<scenes::Light>& lights) {
+  static_assert(static_cast<uint8_t>(scenes::LightShape::rectangle) == 3);
+  std::vector<protocol::AreaInfo> out;
+  for (const scenes::Light& light : lights) {
+    out.push_back({static_cast<uint8_t>(light.area.shape), to_wire(light.area.u), to_wire(light.area.v)});
+  }
+  return out;
+}
+
 std::vector<protocol::NodeMotion> to_wire(const std::vector<scenes::NodeMotion>& motions) {
   std::vector<protocol::NodeMotion> out;
   for (const scenes::NodeMotion& m : motions) {

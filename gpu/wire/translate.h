@@ -18,6 +18,8 @@ protocol::CameraView to_wire(const CameraView& camera);
 scenes::Light from_wire(const protocol::LightInfo& info);
 std::vector<protocol::LightInfo> to_wire(const std::vector<scenes::Light>& lights);
 
+std::vector<protocol::AreaInfo> areas_to_wire(const std::vector<scenes::Light>& lights);
+
 std::vector<protocol::NodeMotion> to_wire(const std::vector<scenes::NodeMotion>& motions);
 
 // `aspect`: width over height of the client's buffer, for the default camera's frustum.

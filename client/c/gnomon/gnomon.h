@@ -1,5 +1,6 @@
 // Gnomon for engines, in C: which lights of a scene reach what each pixel of your picture shows, ray-traced by a
-// server. You rasterise the scene and shade it; the server sends one bit for each light and pixel.
+// server. You rasterise the scene and shade it; the server sends one bit for each light and pixel;
+// or, of lights with an extent, how many of their points it sees.
 //
 //   gnomon_options options = {.size = sizeof options, .server = "edge.example:7600", .pin = "sha256:...",
 //                             .scene = "temple", .width = 1280, .height = 720};
@@ -120,6 +121,9 @@ typedef struct gnomon_options {
   // The name of the fleet of which `server` is the door, as "gnomon.example". The scene then leads to the server that has
   // it, and certificates are to be good for that name. NULL: not said.
   const char* fleet;
+  // Soft shadows: how many sample points of each light that has an extent are wanted for each pixel, at most: 4 or 16; 0
+  // or 1: hard shadows. Other numbers are an error.
+  uint32_t samples;
 } gnomon_options;
 
 // Begins to connect, and returns at once. On an error *client is set too, for use with gnomon_last_error and
@@ -175,6 +179,10 @@ typedef struct gnomon_mask_view {
   uint32_t server_us;       // part of it: from the camera's arrival at the server to the mask's sending
   uint32_t gpu_us;          // part of it: rendering
   uint64_t bytes;           // of payload
+  // Planes of bits in `words`: as many as lights, unless lights have several (see gnomon_mask_seen). Then
+  // words[plane * tiles_x * tiles_y + ...] is how they are laid out.
+  uint32_t planes;
+  uint32_t samples;  // points that were traced of each light with an extent: 1, 4 or 16
 } gnomon_mask_view;
 
 GNOMON_API gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* view);
@@ -182,7 +190,20 @@ GNOMON_API gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_ma
 // 1: the light reaches what the pixel shows, or the tile is missing. 0: it does not. -1: there is no such pixel or
 // light. A bit has a meaning only where the light can shine on the surface: there is one, its plane faces the light,
 // and it is within range and cone. Elsewhere it may have any value; multiply it by the light's unshadowed contribution.
+// Of a light with several sample points: 1 if at least half of them do.
 GNOMON_API int gnomon_mask_lit(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y);
+
+// How many of the light's gnomon_mask_samples points reach what the pixel shows: multiply the light's unshadowed
+// contribution by their quotient. -1: there is no such pixel or light. What was said of a bit holds of this number.
+GNOMON_API int gnomon_mask_seen(const gnomon_mask* mask, uint32_t light, uint32_t x, uint32_t y);
+
+// How many points of this light were traced: 1, 4 or 16. -1: there is no such light.
+GNOMON_API int gnomon_mask_samples(const gnomon_mask* mask, uint32_t light);
+
+// The number of the light's first plane in gnomon_mask_view.words: 1 where all points are seen. With 4 or 16 points, 2 or 4
+// planes follow; where the first is 0, they are the bits of the number that is seen, the most significant first. -1: there
+// is no such light.
+GNOMON_API int gnomon_mask_first_plane(const gnomon_mask* mask, uint32_t light);
 
 // 1: the tile of that light has arrived. 0: it has not. -1: there is no such tile or light.
 GNOMON_API int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_x, uint32_t tile_y);
@@ -258,6 +279,7 @@ typedef struct gnomon_session {
   const char* tracer;
   const char* degraded;  // why these are less than granted; "" if they are not
   uint32_t draining_ms;  // not 0: the server announced that it ends so long afterwards
+  uint32_t samples;      // of each light with an extent, of masks from now on: 1, 4 or 16
 } gnomon_session;
 
 GNOMON_API gnomon_result gnomon_get_session(gnomon_client* client, gnomon_session* session);

@@ -208,6 +208,13 @@ log: {level: loud}
         self.assertEqual(code, 1)
         self.assertIn("server.tls.certificate: none is set, and without one", output)
 
+    def test_passes_by_the_names_of_before_are_deprecated(self):
+        code, said = self.check(GOOD.replace("tracer: bvh", "passes: [gbuffer, trace, pack, readback]"))
+        self.assertEqual(code, 0, said)
+        self.assertRegex(said, r":3:\d+: render\.passes: 'gbuffer' is a name of before \(deprecated\)")
+        code, said = self.check(GOOD.replace("tracer: bvh", "passes: [hard_shadows, soft_shadows]"))
+        self.assertEqual((code, "deprecated" in said), (0, False), said)
+
     # ---- what is accepted starts
 
     def some(self, random):
@@ -224,8 +231,8 @@ log: {level: loud}
         render = {"device": pick(["cpu", "auto", "0", "llvmpipe", "9"]), "tracer": pick(["bvh", "light_buffer", "auto", "no"]),
                   "raster": pick(["auto", "hardware", "compute"]), "queues": pick([1, 4]), "frames_in_flight": pick([1, 6]),
                   "cache_folder": pick(["''", "cache", "text", "deep/er/cache"]),
-                  "passes": pick(["[]", "[]", "[gbuffer, trace, pack, readback]", "[gbuffer_all, trace, pack, readback]",
-                                  "[gbuffer, pack, readback]"])}
+                  "passes": pick(["[]", "[hard_shadows]", "[hard_shadows, soft_shadows]", "[gbuffer, trace, pack, readback]", "[gbuffer_all, trace, pack, readback]",
+                                  "[gbuffer, pack, readback]", "[hard_shadows, fog]"])}
         scene = pick(["living_room.glb", "living_room.glb", "living_room.glb", "text"])
         tenant = pick(["{name: lab, open: true}", "{name: lab}", f"{{name: lab, token_sha256: ['{HASH}']}}",
                        "{name: lab, token_sha256_file: hashes}", "{name: lab, token_sha256_file: gone}"])

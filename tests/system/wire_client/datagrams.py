@@ -23,7 +23,7 @@ TOKEN_BYTES = 8
 MOST_ACKNOWLEDGEMENTS = 16
 MOST_AGES = 512
 AGE_UNIT_US = 32
-HAS_MOMENT, PADDED, HAS_SIZE = 1, 2, 4  # flags of a slice
+HAS_MOMENT, PADDED, HAS_SIZE, HAS_SAMPLES = 1, 2, 4, 8  # flags of a slice
 
 
 def newer(a, b):
@@ -64,6 +64,7 @@ class FrameSlice:
     gpu_us: int
     moment: tuple  # scene_time_us, lights_version
     size: tuple  # None: the granted one
+    samples: int  # None: the granted ones
     payload: bytes
 
     @staticmethod
@@ -75,11 +76,13 @@ class FrameSlice:
         server_us, gpu_us = reader.u32(), reader.u32()
         moment = (reader.u32(), reader.u32()) if flags & HAS_MOMENT else (0, 0)
         size = (reader.u16(), reader.u16()) if flags & HAS_SIZE else None
+        samples = reader.u8() if flags & HAS_SAMPLES else None
+        require(samples in (None, 1, 4, 16), f"{samples} samples")
         payload = reader.rest()
         if flags & PADDED:
             require(padding <= len(payload), "more padding than there are bytes")
             payload = payload[:len(payload) - padding]
-        slice_ = FrameSlice(*fields, server_us, gpu_us, moment, size, payload)
+        slice_ = FrameSlice(*fields, server_us, gpu_us, moment, size, samples, payload)
         require(slice_.slice < slice_.slice_count, "a slice beyond the frame's count")
         require(slice_.tile_count and slice_.light_count, "a slice of nothing")
         return slice_

@@ -6,14 +6,18 @@ from mask_codecs import decode
 
 
 class Frame:
-    """`words[light][tile]`: 64 bits, None where nothing has come."""
+    """`words[plane][tile]`: 64 bits, None where nothing has come. Each light has one plane, or several where its points
+    are counted."""
 
-    def __init__(self, number, size, lights, kept=None):
-        """`kept`: words of frames that slices may refer to, by number; others add to it and take from it."""
+    def __init__(self, number, size, planes, kept=None):
+        """`planes`: as messages.planes_of() gives them, or the number of lights that have one each. `kept`: words of frames
+        that slices may refer to, by number; others add to it and take from it."""
+        self.planes = [(light, 1) for light in range(planes)] if isinstance(planes, int) else planes
+        first, samples = self.planes[-1]
         self.number, self.kept = number, kept
         self.width, self.height = size
         self.tiles_x, self.tiles_y = (self.width + 7) // 8, (self.height + 7) // 8
-        self.words = [[None] * (self.tiles_x * self.tiles_y) for _ in range(lights)]
+        self.words = [[None] * (self.tiles_x * self.tiles_y) for _ in range(first + samples.bit_length())]
         self.slice_count = self.moment = None
         self.slices = {}  # bodies, by number
         self.parity = {}  # shards by index, by group
@@ -24,8 +28,18 @@ class Frame:
     def complete(self):
         return self.slice_count is not None and len(self.slices) == self.slice_count
 
-    def bit(self, light, x, y):
-        return self.words[light][y // 8 * self.tiles_x + x // 8] >> (8 * (y % 8) + x % 8) & 1
+    def bit(self, plane, x, y):
+        return self.words[plane][y // 8 * self.tiles_x + x // 8] >> (8 * (y % 8) + x % 8) & 1
+
+    def seen(self, light, x, y):
+        """How many of the light's points the pixel sees."""
+        first, samples = self.planes[light]
+        if self.bit(first, x, y):
+            return samples
+        number = 0
+        for plane in range(first + 1, first + samples.bit_length()):
+            number = 2 * number + self.bit(plane, x, y)
+        return number
 
     def add_slice(self, body):
         """Whether it was new."""

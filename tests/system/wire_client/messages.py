@@ -11,7 +11,8 @@ VERSION = 2
 LONGEST = 1_048_572
 MOST_PIXELS_A_SIDE = 7680
 
-MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME, SIZES, PATHS, WAITING, _, FLEET = (1 << bit for bit in range(10))
+MOMENTS, FEEDBACK, PARITY, REFERENCES, RESUME, SIZES, PATHS, WAITING, _, FLEET, SOFT = (
+    1 << bit for bit in range(11))
 
 
 class Type(IntEnum):
@@ -70,6 +71,7 @@ class Hello:
     passes: tuple = ()
     version_min: int = VERSION
     version_max: int = VERSION
+    samples: int = 1
 
     def message(self):
         body = struct.pack("<HHQ", self.version_min, self.version_max, self.features)
@@ -77,6 +79,7 @@ class Hello:
         body += list_of(self.ciphers, u8) + text(self.scene)
         body += struct.pack("<HHHHf", self.width, self.height, self.border_x, self.border_y, self.rate_hz)
         body += list_of(self.codecs, u8) + list_of(self.passes, text)
+        body += u8(self.samples) if self.features & SOFT else b""
         return framed(Type.HELLO, body)
 
 
@@ -135,6 +138,42 @@ class Light:
             unit_length(light.direction, "a light's direction")
         require(abs(light.inner_cone_cos) <= 1 and abs(light.outer_cone_cos) <= 1, "a cone's cosine")
         return light
+
+
+@dataclass
+class Area:
+    shape: int = 0
+    u: tuple = (0, 0, 0)
+    v: tuple = (0, 0, 0)
+
+    @staticmethod
+    def read(reader):
+        area = Area(reader.u8(), reader.vec3(), reader.vec3())
+        require(area.shape <= 3, f"an area of shape {area.shape}")
+        return area
+
+
+def read_samples(reader):
+    samples = reader.u8()
+    require(samples in (1, 4, 16), f"{samples} samples")
+    return samples
+
+
+def read_soft(reader, lights):
+    """Samples and areas, of a message that says them of `lights`."""
+    samples, areas = read_samples(reader), reader.list(256, lambda: Area.read(reader))
+    require(len(areas) == len(lights), "areas of another number of lights")
+    return samples, areas
+
+
+def planes_of(samples, areas, lights):
+    """For each light, the number of its first plane and how many of its points are counted."""
+    planes, first = [], 0
+    for light in range(lights):
+        of_light = samples if light < len(areas) and areas[light].shape else 1
+        planes.append((first, of_light))
+        first += of_light.bit_length()
+    return planes
 
 
 @dataclass
@@ -203,6 +242,8 @@ class Welcome:
     data_host: str = ""
     home_host: str = ""
     home_port: int = 0
+    samples: int = 1
+    areas: list = field(default_factory=list)
 
     @staticmethod
     def read(reader):
@@ -217,6 +258,8 @@ class Welcome:
             welcome.data_host, welcome.home_host = read_address(reader), read_address(reader)
             welcome.home_port = reader.u16()
             require(welcome.home_port, "no home port")
+        if welcome.features & SOFT:
+            welcome.samples, welcome.areas = read_soft(reader, welcome.scene.lights)
         return welcome
 
 
@@ -236,10 +279,15 @@ class Refused:
 @dataclass
 class SceneChanged:
     scene: Manifest
+    samples: int = 1
+    areas: list = field(default_factory=list)
 
     @staticmethod
     def read(reader):
-        return SceneChanged(Manifest.read(reader))
+        changed = SceneChanged(Manifest.read(reader))
+        if reader.data:
+            changed.samples, changed.areas = read_soft(reader, changed.scene.lights)
+        return changed
 
 
 @dataclass
@@ -258,10 +306,14 @@ class Degraded:
     rate_hz: float
     reason: str
     untraced: list
+    samples: int | None = None
 
     @staticmethod
     def read(reader):
-        return Degraded(read_size(reader), reader.not_negative(), reader.text(1024), reader.list(256, reader.u16))
+        degraded = Degraded(read_size(reader), reader.not_negative(), reader.text(1024), reader.list(256, reader.u16))
+        if reader.data:
+            degraded.samples = read_samples(reader)
+        return degraded
 
 
 @dataclass

@@ -56,7 +56,7 @@ class Session:
         except BaseException:
             self.control.close()
             raise
-        self.size, self.lights, self.rate_hz = self.welcome.size, len(self.welcome.scene.lights), self.welcome.rate_hz
+        self._adopt(self.welcome)
         self.arrivals = Arrivals()
         self.frames = OrderedDict()
         self.kept = {}  # words of whole frames that slices may refer to
@@ -66,6 +66,17 @@ class Session:
         self._begin_path()
 
     # ---- opening
+
+    def _adopt(self, welcome):
+        self.size, self.rate_hz = welcome.size, welcome.rate_hz
+        self.soft = bool(welcome.features & messages.SOFT)
+        self._light(welcome)
+
+    def _light(self, message):
+        """Takes the lights of a Welcome or a SceneChanged, and their samples."""
+        self.areas, self.samples = message.areas, message.samples
+        self.granted_samples = message.samples
+        self.planes = messages.planes_of(message.samples, message.areas, len(message.scene.lights))
 
     @staticmethod
     def _connect(host, port, pin, certificate, key, name):
@@ -126,7 +137,7 @@ class Session:
             raise Malformed("another session than the one to be resumed")
         self.welcome = welcome
         self._drop_frames()
-        self.size, self.lights, self.rate_hz = welcome.size, len(welcome.scene.lights), welcome.rate_hz
+        self._adopt(welcome)
         self.udp.close()
         self.open_socket()
         self._begin_path()
@@ -155,7 +166,7 @@ class Session:
         if self.rate_hz:
             self.listen(self.last_asked + 1 / self.rate_hz - time.monotonic())
         self.number = (self.number + 1) % (1 << 32)
-        frame = self.frames[self.number] = Frame(self.number, self.size, self.lights, self.kept)
+        frame = self.frames[self.number] = Frame(self.number, self.size, self.planes, self.kept)
         while len(self.frames) > FRAMES_KEPT:
             self.frames.popitem(last=False)
         self.last_update = self.number, camera, now_us(), deadline_us
@@ -275,6 +286,8 @@ class Session:
             return
         if kind == Kind.FRAME_SLICE and (part.size or self.welcome.size) != self.size and self.sizes:
             self.counts["other_size"] += 1
+        elif kind == Kind.FRAME_SLICE and self.soft and (part.samples or self.granted_samples) != self.samples:
+            self.counts["other_samples"] += 1
         elif kind == Kind.FRAME_SLICE:
             self.counts["repeated"] += not frame.add_slice(body)
             self.counts["references"] += part.codec == CONTEXT and part.payload[0] == 1
@@ -296,17 +309,20 @@ class Session:
             stay_out = f"; stay out for {message.stay_out_ms} ms" if message.stay_out_ms else ""
             raise Closed(f"the server says Bye: {message.reason}{stay_out}")
         if isinstance(message, messages.SceneChanged):
-            if len(message.scene.lights) != self.lights:
+            self.welcome.scene, before = message.scene, self.planes
+            self._light(message)
+            if self.planes != before:
                 self._drop_frames()
-            self.welcome.scene, self.lights = message.scene, len(message.scene.lights)
         if isinstance(message, messages.LightsChanged):
-            if len(message.lights) != self.lights:
+            if len(message.lights) != len(self.planes):
                 raise Malformed("LightsChanged of another number of lights")
             self.welcome.scene.lights = message.lights
         if isinstance(message, messages.Degraded):
-            if message.size != self.size:
+            samples = message.samples or self.samples
+            if (message.size, samples) != (self.size, self.samples):
                 self._drop_frames()
-            self.size, self.rate_hz = message.size, message.rate_hz
+            self.size, self.rate_hz, self.samples = message.size, message.rate_hz, samples
+            self.planes = messages.planes_of(samples, self.areas, len(self.planes))
 
     def _drop_frames(self):
         """Of another shape than those to come."""

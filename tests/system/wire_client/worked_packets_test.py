@@ -23,8 +23,9 @@ from datagrams import PING, FrameParity, FrameSlice, Kind, age, camera_update, f
 from fields import Malformed, Reader
 from frame import Frame
 from mask_codecs import LIT, decode
-from messages import (FLEET, MOMENTS, Bye, Camera, Draining, Hello, Light, Manifest, Motion, Refusal, Refused, Waiting, Welcome,
-                      server_name, take_message)
+from messages import (FLEET, MOMENTS, Area, Bye, Camera, Degraded, Draining, Hello, Light, Manifest, Motion, Refusal, Refused,
+                      Waiting, Welcome, planes_of, server_name, take_message)
+from sample_points import DISC, RECTANGLE, SPHERE, offsets, pattern
 from seal import AES_128_GCM, CHACHA20_POLY1305, Keys, Opener, Sealer
 
 WIRE = pathlib.Path(sys.argv.pop(1)).read_text()
@@ -47,7 +48,7 @@ def read_back(camera):
 
 
 def a_slice(payload, tiles, lights, codec):
-    return FrameSlice(1, 0, 1, 0, tiles, 0, lights, codec, 0, 0, (0, 0), None, payload)
+    return FrameSlice(1, 0, 1, 0, tiles, 0, lights, codec, 0, 0, (0, 0), None, None, payload)
 
 
 class Packets(unittest.TestCase):
@@ -93,6 +94,38 @@ class Packets(unittest.TestCase):
             self.assertEqual(take_message(waiting[:-1] + bytes([percent])).percent, known)
         with self.assertRaises(Malformed):
             take_message(waiting[:-1] + bytes([101]))
+
+    def test_degraded(self):
+        buffer = packet("degraded")
+        self.assertEqual(take_message(bytearray(buffer)), Degraded((640, 320), 30, "load", [3], 4))
+        older = struct.pack("<I", len(buffer) - 5) + buffer[4:-1]
+        self.assertEqual(take_message(bytearray(older)), Degraded((640, 320), 30, "load", [3], None))
+        with self.assertRaises(Malformed):
+            take_message(bytearray(buffer[:-1] + b"\2"))
+
+    def test_sample_points(self):
+        numbers = struct.iter_unpack("<3f", packet("sample_points"))
+        a_tenth = struct.unpack("<f", struct.pack("<f", 0.1))[0]
+        for area in (Area(RECTANGLE, (0.5, 0, 0), (0, 0, 0.25)), Area(DISC, (0, a_tenth, 0), (0, 0, a_tenth)),
+                     Area(SPHERE, (a_tenth, 0, 0), (0, a_tenth, 0))):
+            for offset in offsets(area, 5, 2, 4):
+                self.assertEqual(offset, next(numbers), area)
+        self.assertIsNone(next(numbers, None))
+
+    def test_every_window_has_every_pattern(self):
+        for left in range(4):
+            for top in range(4):
+                window = {pattern(left + x, top + y) for x in range(4) for y in range(4)}
+                self.assertEqual(window, set(range(16)))
+
+    def test_counts_of_planes(self):
+        planes = planes_of(16, [Area(), Area(SPHERE)], 2)
+        self.assertEqual(planes, [(0, 1), (1, 16)])
+        frame = Frame(1, (8, 8), planes)
+        self.assertEqual(len(frame.words), 6)
+        frame.words = [[1], [2], [0b100], [0b101], [0], [0b100]]
+        self.assertEqual([frame.seen(0, x, 0) for x in range(3)], [1, 0, 0])
+        self.assertEqual([frame.seen(1, x, 0) for x in range(3)], [4, 16, 13])
 
     def test_draining(self):
         buffer = packet("draining")

@@ -27,7 +27,7 @@ Bytes bytes_of(const SliceHeader& header, std::span<const uint8_t> payload) {
 
 size_t header_bytes_of(const SliceHeader& header) {
   return kSliceHeaderBytes + (header.flags & kSliceHasMoment ? kMomentBytes : 0) +
-         (header.flags & kSliceHasSize ? kSizeBytes : 0);
+         (header.flags & kSliceHasSize ? kSizeBytes : 0) + (header.flags & kSliceHasSamples ? kSamplesBytes : 0);
 }
 
 SliceHeader random_slice(Random& random) {
@@ -49,6 +49,7 @@ SliceHeader random_slice(Random& random) {
     header.width = static_cast<uint16_t>(random());
     header.height = static_cast<uint16_t>(random());
   }
+  if (header.flags & kSliceHasSamples) header.samples = static_cast<uint8_t>(1u << 2 * (random() % 3));
   return header;
 }
 
@@ -185,6 +186,10 @@ TEST(Datagram, SlicesThatMakeNoSenseAreRefused) {
       [](SliceHeader& h) { h.slice = h.slice_count = 0; },
       [](SliceHeader& h) { h.tile_count = 0; },
       [](SliceHeader& h) { h.light_count = 0; },
+      [](SliceHeader& h) {
+        h.flags |= kSliceHasSamples;
+        h.samples = 8;
+      },
   };
   for (const auto& change : changes) {
     SliceHeader header = random_slice(random);

@@ -17,7 +17,8 @@ using tests::Random;
 using tests::random_message;
 
 using Bytes = std::vector<uint8_t>;
-constexpr size_t kDrainingType = 6, kByeType = 8;  // among Message's alternatives
+constexpr size_t kHelloType = 0, kSceneChangedType = 3, kDegradedType = 5, kDrainingType = 6,
+                 kByeType = 8;  // among Message's alternatives
 
 // Reads one message from bytes that arrive at once.
 Result<std::optional<Message>> read_one(std::span<const uint8_t> bytes) {
@@ -69,20 +70,79 @@ TEST(Messages, APieceOfAFrameIsNoMessageYet) {
   }
 }
 
+// Whether the first `size` bytes of the body are all but what a peer without soft shadows leaves out.
+bool is_without_soft(size_t type, const Bytes& frame, size_t size) {
+  const size_t left_out = body_of(frame).size() - size;
+  if (type == kDegradedType) return left_out == sizeof(Degraded::samples);
+  if (type == kHelloType) {
+    const auto hello = std::get<Hello>(**read_one(frame));
+    return (hello.features & kFeatureSoft) != 0 && left_out == sizeof(Hello::samples);
+  }
+  if (type != kSceneChangedType) return false;
+  const auto changed = std::get<SceneChanged>(**read_one(frame));
+  return left_out == 1 + 2 + 25 * changed.areas.size();
+}
+
 TEST(Messages, ABodyCutShortAnywhereIsAnError) {
   Random random(3);
   for (size_t type = 0; type < kMessageTypes; ++type) {
     for (int i = 0; i < 5; ++i) {
       const Bytes frame = encode(random_message(type, random));
       for (size_t size = 0; size < body_of(frame).size(); ++size) {
-        // Those of older peers.
+        // Those of older peers, and without soft shadows.
         if (type == kByeType && size + sizeof(Bye::stay_out_ms) == body_of(frame).size()) continue;
         if (type == kDrainingType && size + sizeof(Draining::flags) == body_of(frame).size()) continue;
+        if (is_without_soft(type, frame, size)) continue;
         const Bytes cut = frame_of(static_cast<uint16_t>(type + 1), body_of(frame).first(size));
         EXPECT_FALSE(read_one(cut).has_value()) << "type " << type + 1 << ", " << size << " bytes";
       }
     }
   }
+}
+
+TEST(Messages, WhatPeersWithoutSoftShadowsLeaveOutMeansHardOnes) {
+  Random random(7);
+  Hello hello = std::get<Hello>(random_message(kHelloType, random));
+  hello.features = kFeatureSoft;
+  hello.samples = 16;
+  const Bytes bytes = encode(hello);
+  const auto read = read_one(frame_of(kHelloType + 1, body_of(bytes).first(body_of(bytes).size() - 1)));
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(std::get<Hello>(**read).samples, 0);
+  hello.features = 0;
+  EXPECT_EQ(encode(hello).size() + 1, bytes.size()) << "not on the wire without the feature";
+  const Degraded degraded{.width = 8, .height = 8, .rate_hz = 30, .reason = "load"};
+  EXPECT_EQ(encode(degraded).size() + 1, encode(Degraded{8, 8, 30, "load", {}, 4}).size());
+}
+
+TEST(Messages, SamplesAndAreasThatMakeNoSenseAreRefused) {
+  Random random(8);
+  Welcome welcome = std::get<Welcome>(random_message(1, random));
+  welcome.features = kFeatureSoft;
+  welcome.lights_version = 0;
+  welcome.motions.clear();
+  welcome.data_host.clear();
+  welcome.home_host.clear();
+  welcome.home_port = 0;
+  welcome.scene.lights.assign(2, tests::random_light(random));
+  welcome.areas = {{1, {1, 0, 0}, {0, 1, 0}}, {}};
+  welcome.samples = 16;
+  expect_taken(welcome);
+  for (const uint8_t samples : {0, 2, 8, 17, 64}) {
+    Welcome wrong = welcome;
+    wrong.samples = samples;
+    expect_refused(wrong);
+  }
+  Welcome wrong = welcome;
+  wrong.areas[0].shape = 4;
+  expect_refused(wrong);
+  wrong = welcome;
+  wrong.areas[0].u[1] = std::numeric_limits<float>::infinity();
+  expect_refused(wrong);
+  wrong = welcome;
+  wrong.areas.pop_back();
+  expect_refused(wrong);
+  expect_refused(Degraded{8, 8, 30, "load", {}, 2});
 }
 
 TEST(Messages, AByeOfAnOlderPeerLetsItsClientComeBack) {

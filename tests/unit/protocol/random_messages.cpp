@@ -87,6 +87,22 @@ Hello hello(Random& random) {
   m.rate_hz = number(random, 0, 240);
   for (uint64_t i = below(random, 5); i > 0; --i) m.codecs.push_back(codec(random));
   m.passes = texts(random);
+  if (m.features & kFeatureSoft) m.samples = static_cast<uint8_t>(random());
+  return m;
+}
+
+uint8_t samples(Random& random) { return static_cast<uint8_t>(1u << 2 * below(random, 3)); }
+
+std::vector<AreaInfo> areas(Random& random, size_t count) {
+  std::vector<AreaInfo> all(count);
+  for (AreaInfo& area : all) area = {static_cast<uint8_t>(below(random, 4)), vector(random), vector(random)};
+  return all;
+}
+
+SceneChanged scene_changed(Random& random) {
+  SceneChanged m{manifest(random)};
+  m.samples = samples(random);
+  m.areas = areas(random, m.scene.lights.size());
   return m;
 }
 
@@ -116,6 +132,10 @@ Welcome welcome(Random& random) {
     m.data_host = text(random);
     m.home_host = text(random);
     m.home_port = static_cast<uint16_t>(1 + below(random, 65535));
+  }
+  if (m.features & kFeatureSoft) {
+    m.samples = samples(random);
+    m.areas = areas(random, m.scene.lights.size());
   }
   return m;
 }
@@ -194,11 +214,15 @@ Message random_message(size_t type, Random& random) {
     case 0: return hello(random);
     case 1: return welcome(random);
     case 2: return refused(random);
-    case 3: return SceneChanged{manifest(random)};
+    case 3: return scene_changed(random);
     case 4: return LightsChanged{lights(random), static_cast<uint32_t>(random())};
     case 5:
-      return Degraded{side(random), side(random), number(random, 0, 240), text(random),
-                      std::vector<uint16_t>(random() % 5, side(random))};
+      return Degraded{side(random),
+                      side(random),
+                      number(random, 0, 240),
+                      text(random),
+                      std::vector<uint16_t>(random() % 5, side(random)),
+                      samples(random)};
     case 6: return Draining{static_cast<uint32_t>(random()), static_cast<uint8_t>(random())};
     case 7: return stats(random);
     case 8: return Bye{text(random), static_cast<uint32_t>(random())};

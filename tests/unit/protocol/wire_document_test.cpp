@@ -161,6 +161,8 @@ TEST(WireDocument, WebTransportIsAsWorkedOut) {
   expect_message(offered, "webtransport");
 }
 
+TEST(WireDocument, DegradedIsAsWorkedOut) { expect_message(Degraded{640, 320, 30, "load", {3}, 4}, "degraded"); }
+
 TEST(WireDocument, DrainingIsAsWorkedOut) { expect_message(Draining{40'000, Draining::kMoveNow}, "draining"); }
 
 TEST(WireDocument, WaitingIsAsWorkedOut) { expect_message(Waiting{"reading the scene", 40}, "waiting"); }
@@ -293,6 +295,16 @@ TEST(WireDocument, TellsTheSizesOfStructures) {
   const size_t with_one = encode(LightsChanged{{light}}).size();
   const size_t light_bytes = encode(LightsChanged{{light, light}}).size() - with_one;
   EXPECT_NE(document().find(std::to_string(light_bytes) + " bytes, after KHR_lights"), std::string::npos);
+
+  SceneChanged changed;
+  changed.scene.lights = {light};
+  changed.samples = 4;
+  changed.areas.resize(1);
+  const size_t one_area = encode(changed).size();
+  changed.scene.lights.push_back(light);
+  changed.areas.push_back({});
+  const size_t area_bytes = encode(changed).size() - one_area - light_bytes;
+  EXPECT_NE(document().find(std::to_string(area_bytes) + " bytes: the extent of a light"), std::string::npos);
 
   CameraUpdate update;
   Bytes body;

@@ -1,7 +1,13 @@
 // Extents of lights (extras.gnomon.light), and the points that soft shadows are traced to.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "scenes/light_samples.h"
 #include "scenes/motion.h"
@@ -81,6 +87,70 @@ TEST(LightSamples, ASphereLooksLikeAnEvenDiscFromEverySide) {
       inside += glm::dot(p, p) < 2.0f ? 1 : 0;
     }
     EXPECT_NEAR(inside, 128, 8) << axis;
+  }
+}
+
+// The shares of a light of radius 1 that straight edges leave, as seen along Z: root mean square of what a pixel's own
+// points say, and of what those of a 4x4 window say together.
+struct ShareError {
+  double of_pixel = 0, of_window = 0;
+};
+
+ShareError share_error(LightShape shape, uint32_t samples) {
+  const std::vector<glm::vec3> points = sample_offsets({shape, {1, 0, 0}, {0, 1, 0}}, samples);
+  ShareError sum;
+  uint32_t edges = 0;
+  for (uint32_t turn = 0; turn < 64; ++turn)
+    for (int step = -19; step <= 19; ++step, ++edges) {
+      const double angle = 6.283185307179586 * (turn + 0.5) / 64, far = step * 0.05;
+      const double share = (std::acos(far) - far * std::sqrt(1 - far * far)) / 3.141592653589793;
+      double seen_by_all = 0;
+      for (uint32_t pattern = 0; pattern < kSamplePatterns; ++pattern) {
+        double seen = 0;
+        for (uint32_t i = 0; i < samples; ++i) {
+          const glm::vec3& p = points[pattern * samples + i];
+          seen += p.x * std::cos(angle) + p.y * std::sin(angle) > far;
+        }
+        seen_by_all += seen;
+        sum.of_pixel += std::pow(seen / samples - share, 2) / kSamplePatterns;
+      }
+      sum.of_window += std::pow(seen_by_all / static_cast<double>(points.size()) - share, 2);
+    }
+  return {std::sqrt(sum.of_pixel / edges), std::sqrt(sum.of_window / edges)};
+}
+
+TEST(LightSamples, AWindowOfPixelsKnowsFarMoreThanOne) {
+  for (const LightShape shape : {LightShape::disc, LightShape::sphere})
+    for (const uint32_t samples : {4u, 16u}) {
+      const ShareError error = share_error(shape, samples);
+      std::printf("%s, %2u points: error of a pixel's share %.3f, of a 4x4 window's %.4f\n",
+                  shape == LightShape::disc ? "disc  " : "sphere", samples, error.of_pixel, error.of_window);
+      EXPECT_LT(error.of_pixel, samples == 4 ? 0.13 : 0.06);
+      EXPECT_LT(error.of_window, error.of_pixel / 5);
+    }
+}
+
+// The block of WIRE.md that a second implementation is tested with.
+TEST(LightSamples, AreThoseOfTheWireDocument) {
+  std::ifstream file(std::string(GNOMON_SOURCE_DIR) + "/protocol/WIRE.md");
+  std::string line;
+  while (std::getline(file, line) && line != "```hex sample_points") {
+  }
+  for (const LightArea& area : {LightArea{LightShape::rectangle, {0.5f, 0, 0}, {0, 0, 0.25f}},
+                                LightArea{LightShape::disc, {0, 0.1f, 0}, {0, 0, 0.1f}},
+                                LightArea{LightShape::sphere, {0.1f, 0, 0}, {0, 0.1f, 0}}}) {
+    const std::vector<glm::vec3> points = sample_offsets(area, 4);
+    for (uint32_t i = 0; i < 4; ++i) {
+      ASSERT_TRUE(std::getline(file, line));
+      std::istringstream bytes(line.substr(0, line.find('#')));
+      std::array<uint8_t, 12> read{};
+      std::string pair;
+      for (uint8_t& byte : read) {
+        ASSERT_TRUE(bytes >> pair) << line;
+        byte = static_cast<uint8_t>(std::stoul(pair, nullptr, 16));
+      }
+      EXPECT_EQ(points[sample_pattern(5, 2) * 4 + i], std::bit_cast<glm::vec3>(read)) << line;
+    }
   }
 }
 

@@ -53,6 +53,20 @@ TEST_F(AdmissionTest, CapacityIsSharedByAllAndAnOfferFits) {
   EXPECT_TRUE(admitted(smaller));
 }
 
+TEST_F(AdmissionTest, AreaLightsBookTheirWeightAndTheMemoryOfTheirPlanes) {
+  const Demand soft{1000, 1000, 8, 30, false, 4, 16};  // as 14 lights; of 8 + 4 * 4 planes
+  limit({.bits_per_second = 30 * 14e6});
+  EXPECT_TRUE(admitted(soft));
+  EXPECT_EQ(refused(soft).limit, Limit::bits);
+  AdmissionControl memory;
+  memory.set_limits({}, {{}, {}});
+  const auto booked = std::get<Booking>(memory.book(kOne, soft, model_));
+  const auto hard = std::get<Booking>(memory.book(kOne, kDemand, model_));
+  EXPECT_EQ(booked.memory_bytes - hard.memory_bytes, 2 * 16 * 1'000'000 / 8);
+  EXPECT_GT(booked.host_bytes, hard.host_bytes);
+  EXPECT_NEAR(booked.load / hard.load, 14.0 / 8, 1e-9);
+}
+
 TEST_F(AdmissionTest, WhoAsksForNoRateGetsWhatIsLeft) {
   limit({.buffers_per_second = 1}, 0.001);
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(admitted({4000, 2000, 8, 0}));

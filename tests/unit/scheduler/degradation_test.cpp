@@ -73,6 +73,34 @@ TEST(Degradation, TheRateGoesFirstThenTheSizeAndNeitherTooFar) {
   EXPECT_LT(before.rate * before.size, 0.5);
 }
 
+TEST(Degradation, SamplesGoAfterTheRateAndBeforeTheSize) {
+  for (const uint32_t least : {1u, 4u, 16u}) {
+    Session s = session(0.5, 0.5);
+    s.degradation.set_limits({.least_rate = 0.5, .least_size = 0.5, .least_samples = least}, 16);
+    const uint32_t steps = least == 1 ? 2 : least == 4 ? 1 : 0;
+    for (int i = 0; i < 50; ++i) {
+      s.run(2, 1e6, 1);
+      const OperatingPoint now = s.degradation.point();
+      if (now.fewer_samples > 0) {
+        EXPECT_LT(now.rate * 0.75, 0.5) << "the rate had gone as far as it may";
+      }
+      if (now.size < 1) {
+        EXPECT_EQ(now.fewer_samples, steps) << "and so had the samples";
+      }
+    }
+    EXPECT_EQ(s.degradation.point().fewer_samples, steps);
+    EXPECT_LT(s.degradation.point().size, 1);
+    s.run(500, 0.1, 1);
+    EXPECT_EQ(s.degradation.point(), OperatingPoint{});
+  }
+}
+
+TEST(Degradation, HardShadowsHaveNoSamplesToLose) {
+  Session s = session(1, 1);
+  s.run(100, 10, 1);
+  EXPECT_EQ(s.degradation.point().fewer_samples, 0u);
+}
+
 TEST(Degradation, LightsGoLast) {
   Session s{Degradation({.least_rate = 0.5, .least_size = 0.5, .least_lights = 0.25}), 0};
   for (int i = 0; i < 50; ++i) {

@@ -82,5 +82,26 @@ TEST(PredictionError, OfSomePixelsIsAnEstimate) {
   EXPECT_GT(some.wrong, 0u);
 }
 
+// Counts that are one point apart are one wrong of k, however many bits of the number differ.
+TEST(PredictionError, OfAreaLightsIsByTheirPoints) {
+  const LightPlanes planes({true}, 16);
+  const TileGrid grid{8, 8, planes.total()};
+  const auto all_see = [&](uint32_t number) {
+    return tests::make_mask(grid, [=](uint32_t, uint32_t, uint32_t plane) {
+      return plane == 0 ? number == 16 : number == 16 || (number >> (4 - plane) & 1) != 0;
+    });
+  };
+  const std::vector<uint32_t> sources{1};
+  const auto error = [&](uint32_t said, uint32_t is) {
+    return compare_some(all_see(said).view(), sources, all_see(is).view(), {0, 0, 1, 1}, 1, planes);
+  };
+  EXPECT_EQ(error(7, 8).bits, 16u);
+  EXPECT_EQ(error(7, 8).wrong, 1u);
+  EXPECT_EQ(error(7, 8).falsely_dark, 1u);
+  EXPECT_EQ(error(16, 12).wrong, 4u);
+  EXPECT_EQ(error(16, 12).falsely_dark, 0u);
+  EXPECT_EQ(error(0, 16).wrong, 16u);
+}
+
 }  // namespace
 }  // namespace gnomon::client

@@ -31,6 +31,7 @@ struct WatchedAnswer {
   std::vector<uint64_t> words;
   bool complete;
   size_t missing_tiles;
+  LightPlanes planes;
 };
 
 struct Watched {
@@ -43,8 +44,8 @@ struct Watched {
       : stream(loop, options,
                {.answer =
                     [this](const client::Answer& a) {
-                      answers.push_back(
-                          {a.mask.frame, a.camera, a.mask.words, a.mask.complete(), a.mask.missing_tiles().size()});
+                      answers.push_back({a.mask.frame, a.camera, a.mask.words, a.mask.complete(),
+                                         a.mask.missing_tiles().size(), a.mask.planes});
                       EXPECT_GE(a.response, Nanoseconds{0});
                     },
                 .message = [this](const protocol::Message& m) { messages.push_back(m); }}) {}

@@ -105,7 +105,7 @@ TEST(Metrics, AFrameIsCountedOnceInEveryStage) {
   Metrics metrics({"lab", "hall"}, {"room"}, "test");
   FrameMeta meta;
   meta.spec.grid = {100, 50, 3};
-  meta.spec.traced_lights = 3;
+  meta.spec.traced_bits = 15'000;
   meta.times.arrival = TimePoint(1h);
   meta.times.submitted = meta.times.arrival + 1ms;
   meta.times.gpu = 5ms;

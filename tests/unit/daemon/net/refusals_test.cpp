@@ -42,6 +42,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"broken_scene", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "broken.gltf"; }},
         Refusal{"scene_without_lights", RefusalCode::scene_unavailable, [](auto& h) { h.scene = "dark.gltf"; }},
         Refusal{"size", RefusalCode::bad_size, [](auto& h) { h.width = 641; }},
+        Refusal{"effect", RefusalCode::unknown_pass,
+                [](auto& h) {
+                  h.passes = {"hard_shadows", "fog"};
+                }},
         Refusal{"pass", RefusalCode::unknown_pass,
                 [](auto& h) {
                   h.passes = {"gbuffer", "bloom"};

@@ -13,11 +13,12 @@
 
 namespace gnomon::daemon {
 
-inline void write_scene(const std::filesystem::path& file, bool with_light) {
+// `of_light`: further members of the light's node, each with a comma behind it.
+inline void write_scene(const std::filesystem::path& file, bool with_light, const std::string& of_light = "") {
   const std::string light =
       R"(, "extensionsUsed": ["KHR_lights_punctual"],
           "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}})";
-  const std::string light_node = R"(, {"extensions": {"KHR_lights_punctual": {"light": 0}}})";
+  const std::string light_node = ", {" + of_light + R"("extensions": {"KHR_lights_punctual": {"light": 0}}})";
   std::ofstream(file) << R"({"asset": {"version": "2.0"},
     "buffers": [{"byteLength": 36, "uri":
       "data:application/octet-stream;base64,AACAvwAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],

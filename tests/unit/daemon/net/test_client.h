@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/light_planes.h"
 #include "protocol/codec.h"
 #include "protocol/feedback.h"
 #include "protocol/messages.h"
@@ -104,6 +105,12 @@ class TestClient {
     return !proves || (send_ping() && prove_address());
   }
   const protocol::Welcome& welcome() const { return welcome_; }
+  // Of the granted samples.
+  LightPlanes planes() const {
+    std::vector<bool> is_area(welcome_.scene.lights.size());
+    for (size_t i = 0; i < welcome_.areas.size(); ++i) is_area[i] = welcome_.areas[i].is_area();
+    return LightPlanes(is_area, welcome_.samples);
+  }
 
   // Resumes the session of a client whose control connection may be lost, over this client's connection. Returns false
   // if it is refused or not answered.
@@ -157,7 +164,7 @@ class TestClient {
   }
 
   std::vector<uint64_t> receive_frame_by_control(uint32_t frame) {
-    const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};
+    const TileGrid grid{welcome_.width, welcome_.height, planes().total()};
     std::vector<uint64_t> words(grid.word_count());
     for (size_t slices = 0, wanted = 1; slices < wanted;) {
       const auto data = receive_a<protocol::Data>();
@@ -206,7 +213,7 @@ class TestClient {
 
   // All tiles of `frame`, assembled from its slices; empty if it did not arrive or could not be decoded.
   std::vector<uint64_t> receive_frame(uint32_t frame) {
-    const TileGrid grid{welcome_.width, welcome_.height, static_cast<uint32_t>(welcome_.scene.lights.size())};
+    const TileGrid grid{welcome_.width, welcome_.height, planes().total()};
     std::vector<uint64_t> words(grid.word_count());
     for (size_t slices = 0, wanted = 1; slices < wanted;) {
       const auto opened = receive_opened();

@@ -101,15 +101,15 @@ TEST_F(ArrivalTest, WhatFramesCostUntilTheBuildIsDoneIsLearnedApart) {
   fake_->holds_builds = true;
   arrive(kScene);
   for (uint32_t frame = 1; frame < 5; ++frame) render(frame, kBefore);
-  EXPECT_FALSE(loop_->costs().contains(kScene) && loop_->costs().at(kScene).knows());
+  EXPECT_FALSE(loop_->costs().contains(kScene) && loop_->costs().at(kScene).model(1).knows());
   view(kA, 5);
   settle();  // the frame is on the device when the build is finished
   let_go();
   fake_->complete(kBefore, false, kBefore);
   settle();
-  EXPECT_FALSE(loop_->costs().contains(kScene) && loop_->costs().at(kScene).knows());
+  EXPECT_FALSE(loop_->costs().contains(kScene) && loop_->costs().at(kScene).model(1).knows());
   render(6, kAfter);
-  const scheduler::CostModel learned = loop_->costs().at(kScene);
+  const scheduler::CostModel learned = loop_->costs().at(kScene).model(1);
   ASSERT_TRUE(learned.knows());
   EXPECT_LT(learned.predict({16 * 16, 16 * 16 * 2, true}).total(), 2 * kAfter);
 }

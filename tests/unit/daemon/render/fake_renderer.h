@@ -9,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "common/light_planes.h"
 #include "gpu/renderer.h"
 
 namespace gnomon::daemon {
@@ -30,7 +31,11 @@ class FakeRenderer : public gpu::Renderer {
     bool first = true;
   };
 
-  explicit FakeRenderer(uint32_t slots, uint32_t lights = 2) : lights_(lights), free_(slots) {}
+  // `areas`: for each light, whether it is an area light; empty: none is.
+  explicit FakeRenderer(uint32_t slots, uint32_t lights = 2, std::vector<bool> areas = {})
+      : areas_(std::move(areas)), free_(slots) {
+    areas_.resize(lights);
+  }
 
   gpu::DeviceInfo info() const override {
     gpu::DeviceInfo info;
@@ -82,6 +87,7 @@ class FakeRenderer : public gpu::Renderer {
   }
 
   Result<void> make_room(const gpu::RenderJob& job) override {
+    asked_room = job;
     if (job.width * job.height > most_pixels) return Error{"no memory, says the test"};
     return {};
   }
@@ -172,6 +178,7 @@ class FakeRenderer : public gpu::Renderer {
   }
 
   uint32_t most_pixels = UINT32_MAX;  // of a frame for which there is memory
+  gpu::RenderJob asked_room;          // what room was asked for last
   bool refuse_submits = false;        // to be set before the renderer is used, or on the thread that submits
 
  private:
@@ -183,10 +190,15 @@ class FakeRenderer : public gpu::Renderer {
 
  protected:
   gpu::FrameLease answer(const gpu::RenderJob& job) {
-    const TileGrid grid{job.width, job.height, lights_};
+    const LightPlanes planes(areas_, job.samples);
+    const TileGrid grid{job.width, job.height, planes.total()};
     std::vector<uint64_t> words(grid.word_count());
     for (size_t i = 0; i < words.size(); ++i) words[i] = fake_word(job.camera, i);
-    const std::vector<uint64_t> care(words.size(), ~uint64_t{0});
+    std::vector<uint64_t> care(words.size(), ~uint64_t{0});
+    const size_t tiles = grid.tile_count();
+    for (uint32_t light = 0; light < planes.light_count(); ++light)
+      for (uint32_t plane = planes.first(light) + 1; plane < planes.first(light) + planes.count(light); ++plane)
+        for (size_t i = 0; i < tiles; ++i) care[plane * tiles + i] = ~words[planes.first(light) * tiles + i];
     auto packed = std::make_shared<PackedMask>(TileMaskView{grid, words}, care);
     return gpu::FrameLease(packed->view(), [this, packed] { free_slot(); });
   }
@@ -204,7 +216,7 @@ class FakeRenderer : public gpu::Renderer {
   std::deque<Waiting> waiting_;
 
  private:
-  uint32_t lights_;
+  std::vector<bool> areas_;
   uint32_t free_;
   std::function<void()> freed_;
   std::set<SceneId> resident_;
@@ -217,8 +229,11 @@ class FakeRenderer : public gpu::Renderer {
 class SelfRunningFakeRenderer final : public FakeRenderer {
  public:
   SelfRunningFakeRenderer(uint32_t slots, uint32_t lights, std::chrono::milliseconds delay,
-                          std::shared_ptr<std::atomic<bool>> lose = std::make_shared<std::atomic<bool>>(false))
-      : FakeRenderer(slots, lights), lose_(std::move(lose)), thread_([this, delay] { run(delay); }) {}
+                          std::shared_ptr<std::atomic<bool>> lose = std::make_shared<std::atomic<bool>>(false),
+                          std::vector<bool> areas = {})
+      : FakeRenderer(slots, lights, std::move(areas)),
+        lose_(std::move(lose)),
+        thread_([this, delay] { run(delay); }) {}
 
   ~SelfRunningFakeRenderer() override {
     {

@@ -22,7 +22,7 @@ class RenderLoopTest : public testing::Test, private FrameSink {
         [this]() -> Result<std::unique_ptr<gpu::Renderer>> {
           ++renderers_made_;
           if (no_more_renderers_) return Error{"no device left"};
-          auto made = std::make_unique<FakeRenderer>(slots_);
+          auto made = std::make_unique<FakeRenderer>(slots_, 2, areas_);
           made->cpu = cpu_;
           fake_ = made.get();
           return std::unique_ptr<gpu::Renderer>(std::move(made));
@@ -98,7 +98,8 @@ class RenderLoopTest : public testing::Test, private FrameSink {
   RenderInbox inbox_;
   int renderers_made_ = 0;
   bool no_more_renderers_ = false;
-  bool cpu_ = false;  // whether the device is a CPU
+  bool cpu_ = false;         // whether the device is a CPU
+  std::vector<bool> areas_;  // of its two lights, which are area lights
   FakeRenderer* fake_ = nullptr;
   std::unique_ptr<RenderDevice> device_;
   std::vector<RenderedFrame> rendered_;

@@ -1,0 +1,34 @@
+// What render.passes names: effects, after the dissertation's RenderConfig, in words of what clients get from them.
+//
+//   hard_shadows   one segment for each pixel and light
+//   soft_shadows   beside it: several, to points of lights that have an extent, for clients that ask for them
+//
+// Before there were effects the list named the renderer's own passes (gbuffer, trace, pack, readback). That still works:
+// the renderer runs them, and both effects are on offer.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config/config.h"
+
+namespace gnomon::daemon {
+
+inline constexpr std::string_view kHardShadows = "hard_shadows";
+inline constexpr std::string_view kSoftShadows = "soft_shadows";
+
+// What runs, in order: hard shadows always, soft ones unless the list names hard ones alone or render.max_samples is 1.
+std::vector<std::string> effects_of(const RenderConfig& render);
+
+// The most sample points of an area light that this allows.
+uint32_t most_samples(const RenderConfig& render);
+
+// The names in the list that are no effects, for the renderer; empty: its own list.
+std::vector<std::string> renderer_passes(const RenderConfig& render);
+
+// Whether a client may insist on it: an effect that runs, or what clients could name before there were effects.
+bool offers(const RenderConfig& render, std::string_view pass);
+
+}  // namespace gnomon::daemon
