@@ -1,13 +1,13 @@
 // Suite "penumbra": how far soft shadows of k sample points are from a reference of 1,024, with and without the
 // clients' filter. Embree answers all of it, so that the figures are those of the points and of the filter, not of a
-// tracer (that tracers count the same: gpu_soft_exactness).
+// tracer.
 #include <atomic>
 #include <cmath>
 #include <thread>
 
-#include "gpu/picture/penumbra_filter.h"
 #include "scenes/light_samples.h"
 #include "tests/bench/bench_scenes.h"
+#include "tests/bench/penumbra_filter.h"
 #include "tests/bench/suites.h"
 #include "tests/unit/gpu/embree_oracle.h"
 #include "tests/unit/gpu/surface_probe.h"
@@ -15,7 +15,6 @@
 namespace gnomon::bench {
 namespace {
 
-using gpu::PenumbraPixel;
 using nlohmann::ordered_json;
 
 constexpr uint32_t kReference = 1024;
@@ -95,7 +94,7 @@ class PenumbraSuite : public Suite {
       if (!frame) return frame.error();
       for (const scenes::Light& light : scene->lights) {
         if (light.area.shape == scenes::LightShape::point) continue;
-        add_errors(camera, *frame, trace(*scene, light, camera, *frame, oracle), plain, filtered);
+        add_errors(*frame, trace(*scene, light, camera, *frame, oracle), plain, filtered);
       }
     }
     for (size_t k = 0; k < kCounts.size(); ++k) {
@@ -151,7 +150,7 @@ class PenumbraSuite : public Suite {
     return shares;
   }
 
-  void add_errors(const gpu::CameraView& camera, const gpu::ProbedFrame& frame, const LightShares& shares,
+  void add_errors(const gpu::ProbedFrame& frame, const LightShares& shares,
                   std::array<Errors, kCounts.size()>& plain, std::array<Errors, kCounts.size()>& filtered) const {
     for (size_t k = 0; k < kCounts.size(); ++k) {
       for (uint32_t y = 0; y < size_.height; ++y) {
@@ -167,7 +166,7 @@ class PenumbraSuite : public Suite {
             return {sample.triangle != 0, shares.cares[at] != 0, sample.position, sample.normal,
                     shares.of_count[k][at]};
           };
-          filtered[k].add(gpu::filtered_share(camera.position, neighbour), shares.reference[pixel]);
+          filtered[k].add(filtered_share(neighbour), shares.reference[pixel]);
         }
       }
     }
