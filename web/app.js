@@ -101,7 +101,6 @@ async function goOn() {
 
 // Who may see the names of scenes is told them.
 async function choose() {
-  viewer.prepare();
   poster.choose(place);
   const answer = await fetch('scene/', { headers: headersOf(place) });
   if (answer.ok) poster.offer((await answer.json()).scenes);

@@ -52,7 +52,7 @@ export class Viewer {
     this.resizeAt = Infinity;
     this.smoothAt = Infinity;
     this.paused = false; // while a headset shows its own pictures
-    this.prepared = false;
+    Renderer.prepare(canvas);
     this.setSize();
     new ResizeObserver(() => {
       this.resizeAt = performance.now() + SETTLE_MS;
@@ -70,16 +70,6 @@ export class Viewer {
   }
   get drawn() {
     return this.eye.drawn;
-  }
-
-  /**
-   * Begins what takes the page's thread for long and needs no scene. The server has long work too, and a worker does not
-   * start meanwhile: so both are asked first.
-   */
-  prepare() {
-    if (this.prepared) return;
-    this.prepared = true;
-    Renderer.prepare(this.canvas);
   }
 
   /** Opens a scene; what was open is closed. @param {import('./eye.js').Wanted} wanted */
@@ -144,7 +134,6 @@ export class Viewer {
 
   /** @param {any} event */
   on(event) {
-    if (event.is === 'connecting') this.prepare();
     if (event.is === 'open') {
       const sceneChanged = this.welcome && this.welcome.scene.contentHash !== event.scene.contentHash;
       this.welcome = event;

@@ -71,20 +71,6 @@ class Viewer(unittest.TestCase):
         eventually(lambda: abs(self.brightness(page) - lit) < 1 < unshadowed - lit, "exact shadows everywhere")
         self.assertEqual(page.browser.errors, [])
 
-    def test_the_scene_and_the_session_are_asked_for_before_the_page_prepares_to_draw(self):
-        """Preparing takes the page's thread for long, and neither begins meanwhile."""
-        page = self.page(before="""(() => {
-          const made = HTMLCanvasElement.prototype.getContext
-          HTMLCanvasElement.prototype.getContext = function (...wanted) {
-            if (wanted[0] === 'webgl2') window.prepared ??= performance.now()
-            return made.apply(this, wanted)
-          }
-        })()""")
-        page.wait_fresh()
-        for asked in ("scene/living_room", "link/session.js"):
-            began = page.evaluate(f"performance.getEntriesByName(new URL('{asked}', location).href)[0].startTime")
-            self.assertLess(began, page.evaluate("prepared"), asked)
-
     def brightness(self, page):
         """Mean of the picture's pixels, 0 to 255."""
         return page.evaluate("""(() => {
