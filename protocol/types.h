@@ -21,18 +21,17 @@ inline constexpr uint32_t kMaxSide = 7680;  // pixels
 inline constexpr uint32_t kMaxLights = 256;
 
 // Feature bits of Hello and Welcome.
-inline constexpr uint64_t kFeatureMoments = 1;     // slices state the moment of a changing scene that they show
-inline constexpr uint64_t kFeatureFeedback = 2;    // the client reports arrivals and takes probes of the path
-inline constexpr uint64_t kFeatureParity = 4;      // the client rebuilds lost slices from parity
-inline constexpr uint64_t kFeatureReferences = 8;  // the client decodes tiles_context and keeps frames for it
-inline constexpr uint64_t kFeatureResume =
-    16;  // a session outlives its control connection, and is resumed on another
+inline constexpr uint64_t kFeatureMoments = 1;    // slices state the moment of a changing scene that they show
+inline constexpr uint64_t kFeatureFeedback = 2;   // the client reports arrivals and takes probes of the path
+inline constexpr uint64_t kFeatureParity = 4;     // the client rebuilds lost slices from parity
+inline constexpr uint64_t kFeatureResume = 16;    // a session outlives its connection, and is resumed on another
+inline constexpr uint64_t kFeatureSizes = 32;     // slices state their frame's size where it is not the granted one
 inline constexpr uint64_t kFeaturePaths = 64;     // the client proves that it receives datagrams at its address
 inline constexpr uint64_t kFeatureWaiting = 128;  // the client is told what it waits for before its Welcome
 inline constexpr uint64_t kFeatureWebTransport = 256;  // the client is told where it may go on by WebTransport
 inline constexpr uint64_t kFeatureFleet = 512;  // the client goes on at the server itself, past its fleet's door
-inline constexpr uint64_t kFeatureSizes = 32;   // slices state their frame's size where it is not the granted one
 inline constexpr uint64_t kFeatureSoft = 1024;  // area lights are seen from several points: soft shadows
+inline constexpr uint64_t kFeatureReferences = 2048;  // the client decodes tiles_context and keeps frames for it
 
 using Vec3 = std::array<float, 3>;
 using Quat = std::array<float, 4>;  // x, y, z, w
@@ -42,7 +41,8 @@ using Bytes32 = std::array<uint8_t, 32>;
 // Ciphers of the data channel's seal.
 enum class CipherId : uint8_t { aes_128_gcm = 1, chacha20_poly1305 = 2 };
 
-enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1, tiles_context = 2 };
+enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1, tiles_context = 3 };  // 2: an earlier tiles_context
+inline constexpr size_t kCodecNumbers = 4;                                         // every codec's number is less
 inline constexpr std::array<CodecId, 3> kCodecs{CodecId::raw32_lz4, CodecId::tiles_lz4, CodecId::tiles_context};
 const char* to_string(CodecId codec);  // its name in WIRE.md
 Result<CodecId> parse_codec(std::string_view name);

@@ -134,7 +134,7 @@ struct Metrics::Families {
   Family<Counter>& limit_refusals = counter_family(registry, "gnomon_tenant_refusals_total",
                                                    "Sessions refused a tenant, by the limit that they met.");
 
-  std::array<std::atomic<Counter*>, protocol::kCodecs.size()> codecs{};  // by CodecId; nullptr: not used yet
+  std::array<std::atomic<Counter*>, protocol::kCodecNumbers> codecs{};  // by CodecId; nullptr: not used yet
   LinkMetrics links{registry};
   OperationMetrics operation{registry};
   SceneMetrics scenes;

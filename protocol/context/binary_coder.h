@@ -36,13 +36,10 @@ class BinaryEncoder {
 
   bool code(bool bit, Probability one) {
     const uint32_t bound = (range_ >> 16) * one;
-    if (bit) {
-      range_ = bound;
-    } else {
-      low_ += bound;
-      range_ -= bound;
-    }
-    while (range_ < kLeastRange) {
+    const uint32_t zero = 0 - uint32_t{!bit};  // without branches, which are mispredicted too often
+    low_ += bound & zero;
+    range_ = bit ? bound : range_ - bound;
+    while (__builtin_expect(range_ < kLeastRange, 0)) {
       range_ <<= 8;
       shift();
     }

@@ -69,11 +69,51 @@ class BitRows {
       std::memcpy(at(-kMarginBytes, height() + i - 1), at(-kMarginBytes, height() - 1),
                   static_cast<size_t>(stride_));
     }
+    find_even();
+  }
+
+  // Whether all pixels of a square from (x, y) on, whose side is at most 17, have that value. Only of what has been
+  // extended.
+  bool is_even(int x, int y, int side, bool lit) const {
+    if (even_[even_at(x >> 3, y >> 3)] == (lit ? kLit : kDark)) return true;
+    const uint32_t columns = (1u << side) - 1, value = lit ? columns : 0;
+    for (int row = y; row < y + side; ++row)
+      if ((window(x, row) & columns) != value) return false;
+    return true;
   }
 
  private:
+  enum Even : uint8_t { kNot = 0, kDark = 1, kLit = 2 };
+
+  size_t even_at(int tile_x, int tile_y) const {
+    return static_cast<size_t>((tile_y + kMarginRows / 8) * stride_ + tile_x + kMarginBytes);
+  }
+
+  // Finds for each tile whether it and those to the right and below, 3x3 in all, are even: most of them are, and one
+  // look-up then replaces those of all rows.
+  void find_even() {
+    const auto stride = static_cast<size_t>(stride_), rows = bytes_.size() / stride / 8;
+    std::vector<uint8_t> tiles(rows * stride), across(rows * stride);
+    for (size_t row = 0; row < rows; ++row)
+      for (size_t x = 0; x < stride; ++x) {
+        uint8_t any = 0, all = 0xff;
+        for (size_t y = 0; y < 8; ++y) {
+          const uint8_t byte = bytes_[(row * 8 + y) * stride + x];
+          any |= byte;
+          all &= byte;
+        }
+        tiles[row * stride + x] = static_cast<uint8_t>((any == 0 ? kDark : 0) | (all == 0xff ? kLit : 0));
+      }
+    for (size_t i = 0; i + 2 < tiles.size(); ++i)
+      across[i] = static_cast<uint8_t>(tiles[i] & tiles[i + 1] & tiles[i + 2]);
+    even_.assign(rows * stride, kNot);
+    for (size_t i = 0; i + 2 * stride < across.size(); ++i)
+      even_[i] = static_cast<uint8_t>(across[i] & across[i + stride] & across[i + 2 * stride]);
+  }
+
   int tiles_x_ = 0, tiles_y_ = 0, stride_ = 0;
   std::vector<uint8_t> bytes_;
+  std::vector<uint8_t> even_;  // of what has been extended
 };
 
 }  // namespace gnomon::protocol::context

@@ -134,7 +134,7 @@ struct UnitEncoder::Memory {
     const uint32_t fit = within(with + with / 10 + kReferencedHead, [&] { return encode_some(same, alone); });
     const size_t without = out->bytes.size() - begin;
     if (fit < same.tile_count || without >= with) {
-      if (fit < same.tile_count) choice = Choice::referenced;
+      if (clearly_fewer(fit, same.tile_count)) choice = Choice::referenced;
       bring_back(begin, words_of(range.first_light, range.first_tile, same.tile_count));
       return same.tile_count;
     }
@@ -152,6 +152,8 @@ struct UnitEncoder::Memory {
     return result;
   }
 
+  // By a tenth, and more than the segment that may just have missed the limit of a payload.
+  static bool clearly_fewer(uint32_t tiles, uint32_t than) { return tiles + tiles / 10 + kSegment < than; }
   // By a tenth, and more than what a payload's head may account for.
   static bool clearly_more(size_t bytes, size_t than) { return bytes > than + than / 10 + kReferencedHead; }
 

@@ -20,6 +20,15 @@ int price(const Motion& motion, const Motion& predicted) {
   return motion == predicted ? 0 : (bits(motion.dx - predicted.dx) + bits(motion.dy - predicted.dy)) * 2;
 }
 
+// The number of bits that are 1. std::popcount is a call into a library where the processor is not known to have the
+// instruction, which took as long as the rest of the search.
+int count_ones(uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555;
+  bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;
+  return static_cast<int>(bits * 0x0101010101010101 >> 56);
+}
+
 // The mixed tiles of a block, as rows of 64 pixels.
 struct BlockPixels {
   static constexpr int kSide = int{kBlock} * 8;
@@ -91,9 +100,8 @@ class BlockSearch {
       return count;
     }
     for (int line = 0; line < 8; ++line)
-      count +=
-          std::popcount((reference_.wide_window(x, y + line) ^ block_.rows[row * 8 + static_cast<size_t>(line)]) &
-                        block_.mixed[row]);
+      count += count_ones((reference_.wide_window(x, y + line) ^ block_.rows[row * 8 + static_cast<size_t>(line)]) &
+                          block_.mixed[row]);
     return count;
   }
   // The same of one tile, whose place is clamped near the picture, as a walk clamps it.
@@ -101,9 +109,9 @@ class BlockSearch {
     const int x = std::clamp(block_.x + tile * 8 + dx, -24, reference_.width() + 8);
     int count = 0;
     for (int line = 0; line < 8; ++line)
-      count += std::popcount((reference_.window(x, y + line) ^
-                              static_cast<uint32_t>(block_.rows[row * 8 + static_cast<size_t>(line)] >> 8 * tile)) &
-                             0xff);
+      count += count_ones((reference_.window(x, y + line) ^
+                           static_cast<uint32_t>(block_.rows[row * 8 + static_cast<size_t>(line)] >> 8 * tile)) &
+                          0xff);
     return count;
   }
 

@@ -7,21 +7,35 @@ namespace {
 
 }  // namespace
 
-const PixelNet& pixel_net() {
-  static const PixelNet net(kPixelShapes, kPixelWeights);
-  return net;
+template <>
+const PixelNet& net() {
+  static const PixelNet made(kPixelWeights);
+  return made;
 }
-const ReferencePixelNet& reference_pixel_net() {
-  static const ReferencePixelNet net(kReferencePixelShapes, kReferencePixelWeights);
-  return net;
+template <>
+const ReferencePixelNet& net() {
+  static const ReferencePixelNet made(kReferencePixelWeights);
+  return made;
 }
-const ClassNet& class_net() {
-  static const ClassNet net(kClassShapes, kClassWeights);
-  return net;
+template <>
+const RunNet& net() {
+  static const RunNet made(kRunWeights);
+  return made;
 }
-const ReferenceClassNet& reference_class_net() {
-  static const ReferenceClassNet net(kReferenceClassShapes, kReferenceClassWeights);
-  return net;
+template <>
+const ReferenceRunNet& net() {
+  static const ReferenceRunNet made(kReferenceRunWeights);
+  return made;
+}
+template <>
+const ClassNet& net() {
+  static const ClassNet made(kClassWeights);
+  return made;
+}
+template <>
+const ReferenceClassNet& net() {
+  static const ReferenceClassNet made(kReferenceClassWeights);
+  return made;
 }
 
 }  // namespace gnomon::protocol::context

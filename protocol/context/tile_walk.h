@@ -15,8 +15,7 @@
 
 namespace gnomon::protocol::context {
 
-inline constexpr uint32_t kSegment = 32;  // tiles; segments end at its multiples
-inline constexpr uint32_t kBlock = 8;     // tiles; side of a block, which has one motion
+inline constexpr uint32_t kBlock = 8;  // tiles; side of a block, which has one motion
 
 // Working memory of a walk, reused by the next.
 struct WalkMemory {
@@ -80,17 +79,19 @@ class TileWalk {
     const int x1 = x0 + static_cast<int>(end - first);
     if constexpr (Model::kReferenced) code_motions(x0, x1);
     mixed_count_ = 0;
-    for (int x = x0; x < x1; ++x) code_class(x);
+    code_classes(x0, x1);
     for (int y = 0; y < 8; ++y)
       for (size_t i = 0; i < mixed_count_; ++i) code_pixels(mixed_[i], y);
-    for (size_t i = 0; i < mixed_count_; ++i) word(mixed_[i]) = memory_.rows.get(mixed_[i], row_);
+    for (size_t i = 0; i < mixed_count_; ++i) word(mixed_[i].x) = memory_.rows.get(mixed_[i].x, row_);
   }
 
  private:
   static constexpr bool kReferenced = Model::kReferenced;
 
   uint64_t& word(int x) { return light_.words[static_cast<size_t>(row_) * tiles_x_ + static_cast<size_t>(x)]; }
-  uint8_t* class_at(int x, int row) { return &memory_.classes[static_cast<size_t>(row + 2) * stride_ + 2] + x; }
+  uint8_t* class_at(int x, int row) const {
+    return &memory_.classes[static_cast<size_t>(row + 2) * stride_ + 2] + x;
+  }
 
   void clear_pixels(int y) {
     std::memset(memory_.rows.at(-BitRows::kMarginBytes, y), 0,
@@ -138,36 +139,51 @@ class TileWalk {
             std::clamp(row_ * 8 + motion.dy, -24, light_.reference->height() + 8)};
   }
 
-  void code_class(int x) {
-    const uint8_t* here = class_at(x, row_);
+  void code_classes(int x0, int x1) {
+    for (int x = x0; x < x1;) {
+      const uint32_t quiet = quiet_tiles(x, x1);
+      if (quiet > 0) {
+        x += code_quiet(x, quiet);
+      } else {
+        take_class(x, model_.tile(coder_, source_class(x), surroundings(x)));
+        ++x;
+      }
+    }
+  }
+
+  // The number of tiles from `x` on that have even surroundings, if all before the last are as these.
+  uint32_t quiet_tiles(int x, int x1) const {
+    const uint8_t around = class_at(x, row_)[-1];
     const uint8_t* above = class_at(x, row_ - 1);
-    const uint8_t west = here[-1], north = above[0], north_east = above[1], north_west = above[-1];
-    typename Model::Classes::Inputs inputs;
-    bool quiet = west < kMixed && west == north && west == north_east && west == north_west;
-    if constexpr (kReferenced) quiet = look_at_reference(x, inputs) == (west != 0 ? 0xff : 0) && quiet;
-    PackedClass tile_class{};
+    if (around >= kMixed || above[-1] != around || above[0] != around) return 0;
+    int end = x;
+    while (end < x1 && above[end - x + 1] == around && (!kReferenced || reference_is(end, around == kLit))) ++end;
+    return static_cast<uint32_t>(end - x);
+  }
+  // Codes tiles up to the first that is not as its surroundings, at most `length`; returns their number.
+  int code_quiet(int x, uint32_t length) {
+    const uint8_t around = class_at(x, row_)[-1];
+    uint32_t kept = 0;
     if constexpr (!Coder::kDecodes) {
-      tile_class = light_.classes[static_cast<size_t>(row_) * tiles_x_ + static_cast<size_t>(x)];
+      const auto as_around = [&](PackedClass c) { return c == PackedClass::free || c == PackedClass{around}; };
+      while (kept < length && as_around(source_class(x + static_cast<int>(kept)))) ++kept;
     }
-    uint8_t coded;
-    if (quiet) {
-      coded = model_.quiet_tile(coder_, tile_class, west != 0);
-    } else {
-      inputs[0] = static_cast<uint8_t>(west | north << 2 | north_east << 4 | north_west << 6);
-      inputs[1] = static_cast<uint8_t>(here[-2] | class_at(x, row_ - 2)[0] << 2 | above[2] << 4 | above[-2] << 6);
-      const uint8_t* last = memory_.rows.at(x, row_ * 8 - 1);
-      inputs[2] = last[-1];
-      inputs[3] = last[0];
-      inputs[4] = last[1];
-      inputs[5] = *memory_.rows.at(x, row_ * 8 - 2);
-      const size_t edge = last[0] == 0 ? 0 : last[0] == 0xff ? 1 : 2;
-      size_t other = size_t{last[0]} | size_t{west} << 8;
-      if constexpr (kReferenced) other = size_t{inputs[6]} | size_t{west} << 8 | size_t{north} << 10;
-      coded = model_.tile(coder_, tile_class, inputs, inputs[0] | edge << 8, other, west | north << 2);
-    }
+    kept = model_.quiet_tiles(coder_, kept, around == kLit, length);
+    for (uint32_t i = 0; i < kept; ++i) take_class(x + static_cast<int>(i), around);
+    if (kept == length) return static_cast<int>(length);
+    const int odd = x + static_cast<int>(kept);
+    take_class(odd, model_.odd_tile(coder_, source_class(odd), around == kLit));
+    return static_cast<int>(kept) + 1;
+  }
+  PackedClass source_class(int x) const {
+    if constexpr (Coder::kDecodes) return {};
+    return light_.classes[static_cast<size_t>(row_) * tiles_x_ + static_cast<size_t>(x)];
+  }
+
+  void take_class(int x, uint8_t coded) {
     *class_at(x, row_) = coded;
     if (coded == kMixed) {
-      mixed_[mixed_count_++] = x;
+      mixed_[mixed_count_++] = {x};
       return;
     }
     const uint64_t uniform = coded == kLit ? ~uint64_t{0} : 0;
@@ -175,118 +191,85 @@ class TileWalk {
     if (uniform != 0) memory_.rows.put(x, row_, uniform);
   }
 
-  // Fills in the inputs of a class that are of the reference. Returns 0 if all is dark there, up to two pixels around,
-  // 0xff if all is lit, else 1.
-  uint8_t look_at_reference(int x, typename Model::Classes::Inputs& inputs) const {
-    const Place at = in_reference(x);
-    uint32_t any = 0, all = ~0u, any_half[2] = {0, 0}, all_half[2] = {~0u, ~0u}, left = 0, right = 0;
-    uint32_t rows[12];
-    for (int y = 0; y < 12; ++y) {
-      const uint32_t row = rows[y] = light_.reference->window(at.x - 2, at.y + y - 2) & 0xfff;
-      any |= row;
-      all &= row;
-      if (y < 2 || y > 9) continue;
-      any_half[y > 5] |= row;
-      all_half[y > 5] &= row;
-      left |= (row & 1) << (y - 2);
-      right |= (row >> 11) << (y - 2);
+  TileSurroundings<kReferenced> surroundings(int x) const {
+    const uint8_t* here = class_at(x, row_);
+    const uint8_t* above = class_at(x, row_ - 1);
+    const uint8_t* last = memory_.rows.at(x, row_ * 8 - 1);
+    TileSurroundings<kReferenced> around{.west = here[-1],
+                                         .north = above[0],
+                                         .north_east = above[1],
+                                         .north_west = above[-1],
+                                         .west2 = here[-2],
+                                         .north2 = *class_at(x, row_ - 2),
+                                         .north_east2 = above[2],
+                                         .north_west2 = above[-2],
+                                         .above = {last[-1], last[0], last[1]},
+                                         .above2 = *memory_.rows.at(x, row_ * 8 - 2)};
+    if constexpr (kReferenced) {
+      const Place at = in_reference(x);
+      for (int y = 0; y < 12; ++y)
+        around.reference[static_cast<size_t>(y)] = light_.reference->window(at.x - 2, at.y + y - 2) & 0xfff;
     }
-    const auto inner = [](uint32_t row) { return row >> 2 & 0xff; };
-    const uint32_t any_inner = inner(any_half[0] | any_half[1]), all_inner = inner(all_half[0] & all_half[1]);
-    inputs[6] =
-        static_cast<uint8_t>((any_inner != 0) | (all_inner == 0xff) << 1 | (any != 0) << 2 | (all == 0xfff) << 3 |
-                             (inner(any_half[0]) != 0) << 4 | (inner(all_half[0]) == 0xff) << 5 |
-                             (inner(any_half[1]) != 0) << 6 | (inner(all_half[1]) == 0xff) << 7);
-    inputs[7] = static_cast<uint8_t>(inner(rows[2]));
-    inputs[8] = static_cast<uint8_t>(inner(rows[9]));
-    inputs[9] = static_cast<uint8_t>(inner(rows[0]));
-    inputs[10] = static_cast<uint8_t>(inner(rows[11]));
-    inputs[11] = static_cast<uint8_t>(left);
-    inputs[12] = static_cast<uint8_t>(right);
-    return any == 0 ? 0 : all == 0xfff ? 0xff : 1;
+    return around;
   }
 
-  // Reads the windows of the reference's five rows around pixel row `y` of a tile; bit 8 is its leftmost pixel.
-  void look_up_reference(int x, int y, uint32_t (&reference)[5]) const {
+  // Whether the reference has that value in all pixels of a tile's counterpart and in the two around it.
+  bool reference_is(int x, bool lit) const {
     const Place at = in_reference(x);
-    for (int i = 0; i < 5; ++i) reference[i] = light_.reference->window(at.x - 8, at.y + y + i - 2);
+    return light_.reference->is_even(at.x - 2, at.y - 2, 12, lit);
   }
+
+  // A tile of the segment whose pixels are coded, and what its rows so far have.
+  struct MixedTile {
+    int x = 0;
+    uint8_t any = 0, all = 0xff;
+  };
 
   // Codes one pixel row of a mixed tile.
-  void code_pixels(int x, int y) {
+  void code_pixels(MixedTile& tile, int y) {
     const int line = row_ * 8 + y;
     const BitRows& rows = memory_.rows;
-    // In each window, bit 8 is the tile's leftmost pixel.
-    const uint32_t above1 = window(rows, x, line - 1), above2 = window(rows, x, line - 2),
-                   above3 = window(rows, x, line - 3), above4 = window(rows, x, line - 4);
-    uint32_t reference[5] = {};
-    if constexpr (kReferenced) look_up_reference(x, y, reference);
-    uint32_t left = rows.at(x, line)[-1];
-    uint8_t source = 0;
-    if constexpr (!Coder::kDecodes) source = static_cast<uint8_t>(word(x) >> 8 * y);
-    const auto line_place = static_cast<uint8_t>(y << 3 | *class_at(x + 1, row_) << 6);
-    // Whether any pixel around is lit, and whether all are: in windows of 16 pixels (wide) and of eight.
-    uint32_t any_wide = above1 | above2, all_wide = above1 & above2, any = above3, all = above3;
+    RowWindows<kReferenced> windows{.now = rows.at(tile.x, line)[-1],
+                                    .above1 = window(rows, tile.x, line - 1),
+                                    .above2 = window(rows, tile.x, line - 2),
+                                    .above3 = window(rows, tile.x, line - 3),
+                                    .y = static_cast<uint32_t>(y),
+                                    .right = *class_at(tile.x + 1, row_),
+                                    .all_lit = tile.all == 0xff,
+                                    .all_dark = tile.any == 0};
     if constexpr (kReferenced) {
-      any |= any_wide;
-      all &= all_wide;
-      any_wide = 0;
-      all_wide = ~0u;
-      for (const uint32_t row : reference) {
-        any |= row;
-        all &= row;
-      }
-    } else {
-      any |= above4;
-      all &= above4;
+      const Place at = in_reference(tile.x);
+      for (int i = 0; i < 5; ++i)
+        windows.reference[static_cast<size_t>(i)] = light_.reference->window(at.x - 8, at.y + y + i - 2);
     }
-    for (int i = 0; i < 8; ++i) {
-      const uint32_t lit = left | (any >> (5 + i) & 0xff) | (any_wide >> (1 + i) & 0xffff);
-      const uint32_t dark = ~(left & (all >> (5 + i)) & (all_wide >> (1 + i)) & (all_wide >> (9 + i))) & 0xff;
-      const bool source_bit = (source >> i & 1) != 0;
-      const auto place = static_cast<uint8_t>(line_place | i);
-      bool bit;
-      if (lit == 0 || dark == 0) {
-        bit = model_.run_pixel(coder_, source_bit, lit != 0, place);
+    uint32_t source = 0;
+    if constexpr (!Coder::kDecodes) source = static_cast<uint32_t>(word(tile.x) >> 8 * y) & 0xff;
+    const uint32_t even = windows.even();
+    for (int at = 0; at < 8;) {
+      const int run = windows.run(at, even);
+      if (run > 0) {
+        at += code_run(windows, at, run, source);
       } else {
-        typename Model::Pixels::Inputs inputs;
-        const auto eight = [i](uint32_t row, int from) { return static_cast<uint8_t>(row >> (8 + i + from)); };
-        inputs[0] = place;
-        inputs[1] = static_cast<uint8_t>(left);
-        if constexpr (kReferenced) {
-          inputs[2] = eight(above1, -3);
-          inputs[3] = eight(above2, -3);
-          inputs[4] = eight(above3, -3);
-          for (size_t r = 0; r < 5; ++r) inputs[5 + r] = eight(reference[r], -3);
-        } else {
-          inputs[2] = eight(above1, -7);
-          inputs[3] = eight(above1, 1);
-          inputs[4] = eight(above2, -7);
-          inputs[5] = eight(above2, 1);
-          inputs[6] = eight(above3, -3);
-          inputs[7] = eight(above4, -3);
-        }
-        bit = code_pixel(inputs, above1 >> (5 + i), above2 >> (7 + i), reference, i, source_bit);
+        windows.now |= uint32_t{model_.pixel(coder_, (source >> at & 1) != 0, windows, at)} << (8 + at);
+        ++at;
       }
-      left = (left >> 1 | uint32_t{bit} << 7) & 0xff;
     }
-    *memory_.rows.at(x, line) = static_cast<uint8_t>(left);
+    const auto coded = static_cast<uint8_t>(windows.now >> 8);
+    *memory_.rows.at(tile.x, line) = coded;
+    tile.any |= coded;
+    tile.all &= coded;
   }
 
-  // Bit 0 of `above1` is the pixel three to the left, that of `above2` the one to the left.
-  bool code_pixel(const typename Model::Pixels::Inputs& inputs, uint32_t above1, uint32_t above2,
-                  const uint32_t (&reference)[5], int i, bool bit) {
-    const uint32_t left = inputs[1];
-    const uint32_t nearest = (left >> 7) | (above1 >> 2 & 7) << 1 | (left >> 6 & 1) << 4;  // bit 4: two to the left
-    const size_t near = (left >> 4) | (above1 & 0x7f) << 4 | (above2 & 7) << 11;
-    size_t other;
-    if constexpr (kReferenced) {
-      other = nearest | (reference[1] >> (7 + i) & 7) << 5 | (reference[2] >> (7 + i) & 7) << 8 |
-              (reference[3] >> (7 + i) & 7) << 11;
-    } else {
-      other = size_t{inputs[0]} | size_t{nearest} << 8 | (above2 >> 1 & 1) << 13;
-    }
-    return model_.pixel(coder_, bit, inputs, near, other, nearest);
+  // Codes a run up to the first pixel that is not as those before it, at most `length`; returns their number.
+  int code_run(RowWindows<kReferenced>& windows, int at, int length, uint32_t source) {
+    const bool lit = windows.last(at);
+    int kept = 0;
+    if constexpr (!Coder::kDecodes)
+      kept = std::min(length, std::countr_zero((lit ? ~source : source) >> at | 1u << length));
+    kept = model_.run(coder_, kept, windows, at, length);
+    const uint32_t as_before = (1u << kept) - 1, odd = kept < length ? 1u << kept : 0;
+    windows.now |= (lit ? as_before : odd) << (8 + at);
+    return std::min(kept + 1, length);
   }
 
   static uint32_t window(const BitRows& rows, int tile_x, int y) {
@@ -301,7 +284,7 @@ class TileWalk {
   WalkMemory& memory_;
   LightTiles light_;
   int row_ = 0;
-  std::array<int, kSegment> mixed_{};
+  std::array<MixedTile, kSegment> mixed_{};
   size_t mixed_count_ = 0;
 };
 

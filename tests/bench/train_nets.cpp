@@ -24,7 +24,7 @@ using namespace protocol::context;
 
 // One question to a net: its inputs, and the right answer for each output, -1 if that was not asked.
 template <class Net>
-struct Question {
+struct Answered {
   typename Net::Inputs inputs;
   std::array<int8_t, Net::kOutputs> answers;
 };
@@ -33,7 +33,7 @@ struct Question {
 template <class Net>
 class Questions {
  public:
-  void add(const Question<Net>& question) {
+  void add(const Answered<Net>& question) {
     ++met_;
     if (kept_.size() < kMostOfAScene) {
       kept_.push_back(question);
@@ -46,14 +46,14 @@ class Questions {
     kept_.clear();
     met_ = 0;
   }
-  std::vector<Question<Net>>& shuffled() {
+  std::vector<Answered<Net>>& shuffled() {
     std::shuffle(all_.begin(), all_.end(), random_);
     return all_;
   }
 
  private:
   static constexpr size_t kMostOfAScene = 1'500'000;
-  std::vector<Question<Net>> all_, kept_;
+  std::vector<Answered<Net>> all_, kept_;
   uint64_t met_ = 0;
   std::mt19937_64 random_{1};
 };
@@ -67,41 +67,42 @@ template <bool Referenced>
 class Recorder {
  public:
   static constexpr bool kReferenced = Referenced;
-  using Pixels = typename SliceModel<Referenced>::Pixels;
-  using Classes = typename SliceModel<Referenced>::Classes;
+  using Windows = RowWindows<Referenced>;
+  using Surroundings = TileSurroundings<Referenced>;
 
-  Questions<Pixels> pixels;
-  Questions<Classes> classes;
+  Questions<typename Windows::Pixels> pixels;
+  Questions<typename Windows::Runs> runs;
+  Questions<typename Surroundings::Classes> classes;
 
-  bool pixel(Copier&, bool bit, const typename Pixels::Inputs& inputs, size_t, size_t, size_t) {
-    pixels.add({inputs, {static_cast<int8_t>(bit)}});
+  bool pixel(Copier&, bool bit, const Windows& windows, int at) {
+    pixels.add({windows.about_pixel(at).inputs, {static_cast<int8_t>(bit)}});
     return bit;
   }
-  bool run_pixel(Copier&, bool bit, bool around, uint8_t place) {
-    if (++runs_ % 4 != 0 && bit == around) return bit;  // slices start with the net's estimates for runs
-    typename Pixels::Inputs inputs;
-    inputs.fill(around ? 0xff : 0);
-    inputs[0] = place;
-    pixels.add({inputs, {static_cast<int8_t>(bit)}});
-    return bit;
+  int run(Copier&, int kept, const Windows& windows, int at, int length) {
+    runs.add({windows.about_run(at, length).inputs, {static_cast<int8_t>(kept < length)}});
+    return kept;
   }
-  uint8_t tile(Copier&, PackedClass tile_class, const typename Classes::Inputs& inputs, size_t, size_t, size_t) {
+  uint8_t tile(Copier&, PackedClass tile_class, const Surroundings& around) {
+    const auto inputs = around.question().inputs;
     if (tile_class == PackedClass::free) {
       classes.add({inputs, {0, -1}});
-      return (inputs[0] & 3) == kLit ? kLit : kDark;
+      return around.west == kLit ? kLit : kDark;
     }
     const bool mixed = tile_class == PackedClass::mixed, lit = tile_class == PackedClass::lit;
     classes.add({inputs, {static_cast<int8_t>(mixed), mixed ? int8_t{-1} : static_cast<int8_t>(lit)}});
     return mixed ? kMixed : lit ? kLit : kDark;
   }
-  uint8_t quiet_tile(Copier&, PackedClass tile_class, bool around) {
-    if (tile_class == PackedClass::free) return around ? kLit : kDark;
-    return tile_class == PackedClass::mixed ? kMixed : tile_class == PackedClass::lit ? kLit : kDark;
+  uint32_t quiet_tiles(Copier&, uint32_t kept, bool, uint32_t) { return kept; }
+  uint8_t odd_tile(Copier&, PackedClass tile_class, bool around) {
+    return tile_class == PackedClass::mixed ? kMixed : around ? kDark : kLit;
   }
   Motion motion(Copier&, Motion motion, Motion predicted) { return motion == kAnyMotion ? predicted : motion; }
 
- private:
-  uint64_t runs_ = 0;
+  void end_scene() {
+    pixels.end_scene();
+    runs.end_scene();
+    classes.end_scene();
+  }
 };
 
 constexpr uint32_t kRowsOfASlice = 20;  // about, of tiles
@@ -138,38 +139,28 @@ void record(const PathFrame& frame, const protocol::MaskReference* reference, Re
 template <class Net>
 class Trainee {
  public:
-  template <size_t Groups>
-  explicit Trainee(const std::array<GroupShape, Groups>& shapes)
-      : shapes_(shapes), weights_(rows_of(shapes) * kUnits) {
+  Trainee() {
     std::mt19937 random(1);
-    std::normal_distribution<float> normal(0, 0.3f);
-    for (float& weight : weights_) weight = normal(random);
-    for (auto& output : outputs_)
-      for (float& weight : output) weight = normal(random) / 2;
+    std::normal_distribution<float> normal(0, 0.25f);
+    for (size_t part = 0; part < Net::kParts; ++part) {
+      parts_[part].rows.resize(Net::kBits[part]);
+      for (Units& row : parts_[part].rows)
+        for (float& weight : row) weight = normal(random);
+      for (auto& output : parts_[part].outputs)
+        for (float& weight : output) weight = normal(random);
+    }
   }
 
-  void learn(const Question<Net>& question, float rate) {
-    size_t rows = 0, row = 0;
-    for (size_t group = 0; group < Net::kGroups; ++group)
-      row = shapes_[group].for_rows(question.inputs[group], row, [&](size_t r) { active_[rows++] = r * kUnits; });
-    std::array<float, kUnits> units = biases_, back{};
-    for (size_t i = 0; i < rows; ++i)
-      for (size_t unit = 0; unit < kUnits; ++unit) units[unit] += weights_[active_[i] + unit];
-    for (float& unit : units) unit = std::max(unit, 0.0f);
+  void learn(const Answered<Net>& question, float rate) {
+    std::array<float, Net::kOutputs> sums = biases_;
+    for (size_t part = 0; part < Net::kParts; ++part) parts_[part].say(question.inputs[part], sums);
+    std::array<float, Net::kOutputs> errors{};
     for (size_t o = 0; o < Net::kOutputs; ++o) {
       if (question.answers[o] < 0) continue;
-      float sum = output_biases_[o];
-      for (size_t unit = 0; unit < kUnits; ++unit) sum += units[unit] * outputs_[o][unit];
-      const float error = (static_cast<float>(question.answers[o]) - 1 / (1 + std::exp(-sum))) * rate;
-      output_biases_[o] += error;
-      for (size_t unit = 0; unit < kUnits; ++unit) {
-        if (units[unit] > 0) back[unit] += error * outputs_[o][unit];
-        outputs_[o][unit] += error * units[unit];
-      }
+      errors[o] = (static_cast<float>(question.answers[o]) - 1 / (1 + std::exp(-sums[o]))) * rate;
+      biases_[o] += errors[o];
     }
-    for (size_t unit = 0; unit < kUnits; ++unit) biases_[unit] += back[unit];
-    for (size_t i = 0; i < rows; ++i)
-      for (size_t unit = 0; unit < kUnits; ++unit) weights_[active_[i] + unit] += back[unit];
+    for (size_t part = 0; part < Net::kParts; ++part) parts_[part].learn(question.inputs[part], errors);
   }
 
   // The weights in the order in which Net reads them.
@@ -179,30 +170,58 @@ class Trainee {
       all.push_back(
           std::clamp(static_cast<int>(std::lround(value * static_cast<float>(1 << bits))), -32767, 32767));
     };
-    for (const float weight : weights_) add(weight, kWeightBits);
-    for (const float bias : biases_) add(bias, kWeightBits);
-    for (size_t o = 0; o < Net::kOutputs; ++o) {
-      for (const float weight : outputs_[o]) add(weight, kOutputBits);
-      add(output_biases_[o], kOutputBits);
+    for (size_t part = 0; part < Net::kParts; ++part) {
+      for (const Units& row : parts_[part].rows)
+        for (const float weight : row) add(weight, kWeightBits);
+      for (const float bias : parts_[part].biases) add(bias, kWeightBits);
+      for (size_t o = 0; o < Net::kOutputs; ++o) {
+        for (const float weight : parts_[part].outputs[o]) add(weight, kOutputBits);
+        add(part == 0 ? biases_[o] : 0, kOutputBits);
+      }
     }
     return all;
   }
 
  private:
-  static constexpr size_t kUnits = Net::kHidden;
+  using Units = std::array<float, kHidden>;
 
-  std::array<GroupShape, Net::kGroups> shapes_;
-  std::vector<float> weights_;
-  std::array<float, kUnits> biases_{};
-  std::array<std::array<float, kUnits>, Net::kOutputs> outputs_{};
-  std::array<float, Net::kOutputs> output_biases_{};
-  std::array<size_t, Net::kGroups * 8> active_{};
+  struct Part {
+    std::vector<Units> rows;
+    Units biases{}, units{};
+    std::array<Units, Net::kOutputs> outputs{};
+
+    void say(uint32_t inputs, std::array<float, Net::kOutputs>& sums) {
+      units = biases;
+      for (; inputs != 0; inputs &= inputs - 1) {
+        const Units& row = rows[static_cast<size_t>(std::countr_zero(inputs))];
+        for (size_t unit = 0; unit < kHidden; ++unit) units[unit] += row[unit];
+      }
+      for (float& unit : units) unit = std::max(unit, 0.0f);
+      for (size_t o = 0; o < Net::kOutputs; ++o)
+        for (size_t unit = 0; unit < kHidden; ++unit) sums[o] += units[unit] * outputs[o][unit];
+    }
+    void learn(uint32_t inputs, const std::array<float, Net::kOutputs>& errors) {
+      Units back{};
+      for (size_t o = 0; o < Net::kOutputs; ++o)
+        for (size_t unit = 0; unit < kHidden; ++unit) {
+          back[unit] += units[unit] > 0 ? errors[o] * outputs[o][unit] : 0;
+          outputs[o][unit] += errors[o] * units[unit];
+        }
+      for (size_t unit = 0; unit < kHidden; ++unit) biases[unit] += back[unit];
+      for (; inputs != 0; inputs &= inputs - 1) {
+        Units& row = rows[static_cast<size_t>(std::countr_zero(inputs))];
+        for (size_t unit = 0; unit < kHidden; ++unit) row[unit] += back[unit];
+      }
+    }
+  };
+
+  std::array<Part, Net::kParts> parts_;
+  std::array<float, Net::kOutputs> biases_{};
 };
 
-template <class Net, size_t Groups>
-void train(const std::string& name, const std::array<GroupShape, Groups>& shapes, Questions<Net>& questions,
-           int rounds, std::ofstream& out) {
-  Trainee<Net> net(shapes);
+template <class Net>
+void train(const std::string& name, Questions<Net>& questions, int rounds, std::ofstream& out) {
+  Trainee<Net> net;
   auto& all = questions.shuffled();
   say(name + ": " + std::to_string(all.size()) + " questions");
   const double total = static_cast<double>(all.size()) * rounds;
@@ -230,17 +249,17 @@ Result<void> train_all(const std::vector<std::string>& scenes, const PathPlan& p
         record(spot.now, &reference, referenced);
       }
     }
-    alone.pixels.end_scene();
-    alone.classes.end_scene();
-    referenced.pixels.end_scene();
-    referenced.classes.end_scene();
+    alone.end_scene();
+    referenced.end_scene();
   }
   std::ofstream out(file);
   out << "// Made by gnomon-train-nets (tests/bench/train_nets.cpp); net.h says what the numbers are.\n";
-  train("kPixelWeights", kPixelShapes, alone.pixels, rounds, out);
-  train("kReferencePixelWeights", kReferencePixelShapes, referenced.pixels, rounds, out);
-  train("kClassWeights", kClassShapes, alone.classes, rounds, out);
-  train("kReferenceClassWeights", kReferenceClassShapes, referenced.classes, rounds, out);
+  train("kPixelWeights", alone.pixels, rounds, out);
+  train("kReferencePixelWeights", referenced.pixels, rounds, out);
+  train("kRunWeights", alone.runs, rounds, out);
+  train("kReferenceRunWeights", referenced.runs, rounds, out);
+  train("kClassWeights", alone.classes, rounds, out);
+  train("kReferenceClassWeights", referenced.classes, rounds, out);
   if (out.flush()) return {};
   return Error{"cannot write " + file};
 }

@@ -68,6 +68,6 @@ while (cases.left) {
   const shape = { width: cases.u32(), height: cases.u32(), lights: cases.u32() };
   const words = 2 * Math.ceil(shape.width / 8) * Math.ceil(shape.height / 8) * shape.lights;
   const frames = framesOf(cases, words);
-  const isContext = frames[0][0][20] === 2; // the codec
+  const isContext = frames[0][0][20] === 3; // the codec
   console.log(`WebAssembly ${alone(shape, frames)} ms${isContext ? `, ${withLanes(shape, frames)}` : ''}`);
 }

@@ -80,7 +80,7 @@ function decoder(log) {
         got.set(frame, (got.get(frame) ?? 0) + 1);
         if (got.get(frame) < 2) return null;
         stream.have = frame;
-        return { frame, words: new Uint32Array(2), width: 8, height: 8, lightsVersion: 0, codec: 2 };
+        return { frame, words: new Uint32Array(2), width: 8, height: 8, lightsVersion: 0, codec: 3 };
       };
       const stream = {
         have: 0,

@@ -9,7 +9,7 @@ export const VERSION = 2;
 /** Bits of Hello.features. */
 export const Feature = {
   moments: 1n,
-  references: 8n,
+  references: 2048n,
   sizes: 32n,
   paths: 64n,
   waiting: 128n,
@@ -40,7 +40,7 @@ const MOVE_NOW = 1; // its flag
 const Kind = { cameraUpdate: 1, frameSlice: 2 };
 
 /** Codec numbers by the names that the server's log gives them. */
-export const Codec = { raw32_lz4: 0, tiles_lz4: 1, tiles_context: 2 };
+export const Codec = { raw32_lz4: 0, tiles_lz4: 1, tiles_context: 3 };
 
 /** The code of Refused that an operator's kick leads to; nobody comes back by itself then. */
 export const KEPT_OUT = 14;

@@ -1,172 +1,18 @@
-"""Codec 2, tiles_context: every decision coded with the probability that its surroundings give it. Slow and plain."""
-import pathlib
-import re
+"""Codec 3, tiles_context: every decision coded with the probability that its surroundings give it. Slow and plain."""
 from collections import defaultdict
-from functools import lru_cache
 
 import xxhash
 
+from context_numbers import Bits, Count, Predictor, joined, nets, within
 from fields import Malformed, require
 
 DARK, LIT, MIXED, OUTSIDE = range(4)
-MOST = 2047  # of stretched numbers
 SEGMENT = 32  # tiles
 BLOCK = 8
-WEIGHTS = pathlib.Path(__file__).resolve().parents[3] / "protocol/context/net_weights.inc"
 
 
 class NoReference(Malformed):
     """A slice that is as good as lost."""
-
-
-def squash_table():
-    table, e = [0] * (2 * MOST + 1), 1 << 40
-    for n in range(MOST + 1):
-        q = (1 << 56) // ((1 << 40) + e)
-        table[MOST + n], table[MOST - n] = min(q, 65535), max(65536 - q, 1)
-        high, low = e >> 20, e & 0xFFFFF
-        e = high * 1_044_487 + (low * 1_044_487 >> 20) + (high * 1_037_664 >> 20)
-    return table
-
-
-def stretch_table(squashed):
-    table, at = [], 0
-    for p in range(4096):
-        while at < 2 * MOST and squashed[at] < p * 16 + 8:
-            at += 1
-        table.append(at - MOST)
-    return table
-
-
-SQUASHED = squash_table()
-STRETCHED = stretch_table(SQUASHED)
-
-
-def within(value, least, most):
-    return least if value < least else most if value > most else value
-
-
-def squash(s):
-    return SQUASHED[within(s, -MOST, MOST) + MOST]
-
-
-class Bits:
-    """The range coder's decoder."""
-
-    def __init__(self, coded):
-        self.coded, self.at = coded, 0
-        self.range, self.value = (1 << 32) - 1, 0
-        for _ in range(4):
-            self.value = self.value << 8 | self._byte()
-
-    def _byte(self):
-        self.at += 1
-        return self.coded[self.at - 1] if self.at <= len(self.coded) else 0
-
-    def take(self, p):
-        bound = (self.range >> 16) * p
-        bit = self.value < bound
-        if bit:
-            self.range = bound
-        else:
-            self.value -= bound
-            self.range -= bound
-        while self.range < 1 << 24:
-            self.range <<= 8
-            self.value = self.value << 8 | self._byte()
-        return int(bit)
-
-
-class Count:
-    __slots__ = "one", "seen"
-
-    def __init__(self, one=32768, seen=0):
-        self.one, self.seen = one, seen
-
-    def learn(self, bit):
-        rate = 655_360 // (10 * self.seen + 16)
-        self.one += (65535 - self.one if bit else -self.one) * (rate >> 1) >> 15
-        self.seen = min(self.seen + 1, 60)
-
-    def says(self):
-        return STRETCHED[self.one >> 4] * min(self.seen, 8) >> 3
-
-    def take(self, bits):
-        bit = bits.take(within(self.one, 32, 65503))
-        self.learn(bit)
-        return bit
-
-
-class Net:
-    """`inputs`: for each byte, the widths of its one-of fields; None: a byte of pixels."""
-
-    def __init__(self, name, hidden, inputs, outputs):
-        numbers = re.search(rf"{name}\[\d+\] = {{(.*?)}}", WEIGHTS.read_text(), re.S)[1]
-        self.numbers, self.hidden, self.inputs = list(map(int, re.findall(r"-?\d+", numbers))), hidden, inputs
-        self.first_row = []
-        row = 0
-        for fields in inputs:
-            self.first_row.append(row)
-            row += sum(1 << bits for bits in fields) if fields else 8
-        self.biases = self._hidden_numbers(row)
-        rest = self.numbers[(row + 1) * hidden:]
-        assert len(rest) == outputs * (hidden + 1)
-        self.outputs = [(rest[o * (hidden + 1):][:hidden], rest[o * (hidden + 1) + hidden]) for o in range(outputs)]
-        self.part = lru_cache(None)(self._part)
-        self.units = lru_cache(1 << 16)(self._units)
-
-    def _hidden_numbers(self, row):
-        return self.numbers[row * self.hidden:(row + 1) * self.hidden]
-
-    def _part(self, number, byte):
-        """What one input byte adds to the units."""
-        fields, row, rows = self.inputs[number], self.first_row[number], []
-        if not fields:
-            rows = [row + bit for bit in range(8) if byte >> bit & 1]
-        for bits in fields or ():
-            rows.append(row + (byte & (1 << bits) - 1))
-            row, byte = row + (1 << bits), byte >> bits
-        return [sum(column) for column in zip(*map(self._hidden_numbers, rows))] if rows else [0] * self.hidden
-
-    def _units(self, inputs):
-        parts = [self.part(number, byte) for number, byte in enumerate(inputs)]
-        sums = map(sum, zip(self.biases, *parts))
-        return [max(0, (s + 32768 & 65535) - 32768) for s in sums]
-
-    def output(self, inputs, number=0):
-        weights, bias = self.outputs[number]
-        return (sum(u * w for u, w in zip(self.units(inputs), weights)) >> 6) + bias
-
-
-PLACE, CLASSES, PIXELS = (3, 3, 2), (2, 2, 2, 2), None
-
-
-@lru_cache(None)
-def nets(referenced):
-    """Of pixels and of classes."""
-    if referenced:
-        return (Net("kReferencePixelWeights", 32, [PLACE] + 9 * [PIXELS], 1),
-                Net("kReferenceClassWeights", 16, 2 * [CLASSES] + 11 * [PIXELS], 2))
-    return (Net("kPixelWeights", 32, [PLACE] + 7 * [PIXELS], 1),
-            Net("kClassWeights", 16, 2 * [CLASSES] + 4 * [PIXELS], 2))
-
-
-class Blend:
-    def __init__(self):
-        self.weights = defaultdict(lambda: [65536, 9830, 9830])
-        self.counts = defaultdict(Count), defaultdict(Count)
-
-    def take(self, bits, output, set_, contexts):
-        counts = [table[context] for table, context in zip(self.counts, contexts)]
-        weights = self.weights[set_]
-        numbers = within(output, -MOST, MOST), *(count.says() for count in counts)
-        p = squash(sum(w * n for w, n in zip(weights, numbers)) >> 16)
-        bit = bits.take(p)
-        error = (65535 if bit else 0) - p
-        weights[:] = (within(w + (error * n >> 15), -262_144, 262_144) for w, n in zip(weights, numbers))
-        for count in counts:
-            count.learn(bit)
-        return bit
 
 
 class Plane:
@@ -225,10 +71,12 @@ class Slice:
     def __init__(self, slice_, tiles_x, tiles_y, coded, references):
         self.slice, self.tiles_x, self.tiles_y = slice_, tiles_x, tiles_y
         self.bits, self.references = Bits(coded), references
-        self.pixel_net, self.class_net = nets(references is not None)
-        self.pixel_blend, self.class_blends = Blend(), (Blend(), Blend())
-        self.even_pixels = {}
-        self.even_classes = [(Count(600, 30), Count(65436 if v else 100, 30)) for v in (0, 1)]
+        self.pixel_net, self.run_net, self.class_net = nets(references is not None)
+        self.pixels, self.runs, self.mixed, self.lit = (Predictor() for _ in range(4))
+        self.breaks = {(v, n, i): Count(65535 // (n - i), 12) for v in (0, 1) for n in range(1, 9) for i in range(n)}
+        self.quiet_breaks = {(v, size + 1): Count(one, 30) for v in (0, 1)
+                             for size, one in enumerate((700, 1700, 3600, 7500, 15000, 19000))}
+        self.odd = [Count(56_000, 30) for _ in (0, 1)]
         self.foreseen = Count(50_000, 4)
         self.lengths = defaultdict(lambda: Count(32768, 2))
 
@@ -257,16 +105,21 @@ class Slice:
             for block in range(xs[0] // BLOCK, xs[-1] // BLOCK + 1):
                 if (block, y // BLOCK) not in self.motions:
                     self.motions[block, y // BLOCK] = self._motion(block, y // BLOCK)
-        for x in xs:
-            class_ = self.plane.classes[x, y] = self._class(x, y)
-            if class_ == LIT:
-                for r in range(8):
-                    self.plane.rows[8 * y + r] |= 255 << 8 * x
+        x = xs[0]
+        while x <= xs[-1]:
+            run = self._quiet(x, y, xs[-1] + 1)
+            x += self._quiet_run(x, y, run) if run else self._set_class(x, y, self._class(x, y))
         mixed = [x for x in xs if self.plane.classes[x, y] == MIXED]
         for r in range(8):
             for x in mixed:
-                for c in range(8):
-                    self.plane.rows[8 * y + r] |= self._pixel(x, y, c, r) << 8 * x + c
+                self._pixel_row(x, y, r)
+
+    def _set_class(self, x, y, class_):
+        self.plane.classes[x, y] = class_
+        if class_ == LIT:
+            for r in range(8):
+                self.plane.rows[8 * y + r] |= 255 << 8 * x
+        return 1
 
     # ---- motions
 
@@ -298,62 +151,130 @@ class Slice:
 
     # ---- classes
 
+    def _quiet(self, x, y, end):
+        """The tiles of a run from x on; 0: none."""
+        at, start = self.plane.class_at, x
+        v = at(x - 1, y)
+        if v not in (DARK, LIT) or at(x - 1, y - 1) != v or at(x, y - 1) != v:
+            return 0
+        while x < end and at(x + 1, y - 1) == v and (
+                not self.references or set(self.reference.window(*self._moved(x, y))) == {4095 * v}):
+            x += 1
+        return x - start
+
+    def _quiet_run(self, x, y, n):
+        v, i = self.plane.class_at(x - 1, y), n
+        if self.quiet_breaks[v, n.bit_length()].take(self.bits):
+            i = 0
+            while i < n - 1 and not self.bits.take(65536 // (n - i)):
+                i += 1
+        for kept in range(i):
+            self._set_class(x + kept, y, v)
+        if i == n:
+            return n
+        self._set_class(x + i, y, MIXED if self.odd[v].take(self.bits) else 1 - v)
+        return i + 1
+
     def _class(self, x, y):
-        at, plane = self.plane.class_at, self.plane
-        near = at(x - 1, y), at(x, y - 1), at(x + 1, y - 1), at(x - 1, y - 1)
-        far = at(x - 2, y), at(x, y - 2), at(x + 2, y - 1), at(x - 2, y - 1)
-        window = self.reference.window(*self._moved(x, y)) if self.references else None
-        v = near[0]
-        if v in (DARK, LIT) and len(set(near)) == 1 and (window is None or set(window) == {4095 * v}):
-            mixed, lit = self.even_classes[v]
-            return MIXED if mixed.take(self.bits) else lit.take(self.bits)
-        above = plane.span(8 * x, 8 * y - 1, 0, 7)
-        inputs = [sum(c << 2 * i for i, c in enumerate(near)), sum(c << 2 * i for i, c in enumerate(far)),
-                  plane.span(8 * x, 8 * y - 1, -8, -1), above, plane.span(8 * x, 8 * y - 1, 8, 15),
-                  plane.span(8 * x, 8 * y - 2, 0, 7)]
-        contexts = [inputs[0] | (0 if above == 0 else 1 if above == 255 else 2) << 8, above | near[0] << 8]
-        if window:
+        at, span = self.plane.class_at, self.plane.span
+        classes = lambda *four: joined(*((2, c) for c in four))
+        near = classes(at(x - 1, y), at(x, y - 1), at(x + 1, y - 1), at(x - 1, y - 1))
+        far = classes(at(x - 2, y), at(x, y - 2), at(x + 2, y - 1), at(x - 2, y - 1))
+        both = classes(at(x - 1, y), at(x, y - 1))
+        above, west, east = (span(8 * x, 8 * y - 1, first, first + 7) for first in (0, -8, 8))
+        edge = int(above != 0) | int(above == 255) << 1
+        if self.references:
             mx, my = self._moved(x, y)
-            tile = [row >> 2 & 255 for row in window[2:10]]
-            flags = 0
+            window = self.reference.window(mx, my)
+            inner = [row >> 2 & 255 for row in window]
+            tile, flags, beyond = inner[2:10], 0, 0
             for number, (rows, full) in enumerate(((tile, 255), (window, 4095), (tile[:4], 255), (tile[4:], 255))):
                 flags |= int(any(rows)) << 2 * number | int(all(r == full for r in rows)) << 2 * number + 1
-            inputs += [flags, tile[0], tile[7], window[0] >> 2 & 255, window[11] >> 2 & 255,
-                       self.reference.column(mx - 2, my), self.reference.column(mx + 9, my)]
-            contexts[1] = flags | near[0] << 8 | near[1] << 10
-        inputs, set_ = tuple(inputs), near[0] | near[1] << 2
-        mixed, lit = self.class_blends
-        if mixed.take(self.bits, self.class_net.output(inputs, 0), set_, contexts):
+            for number, row in enumerate((inner[0], inner[11])):
+                beyond |= int(row != 0) << 2 * number | int(row == 255) << 2 * number + 1
+            coarse = flags & 15 | both << 4
+            columns = (8, self.reference.column(mx - 2, my)), (8, self.reference.column(mx + 9, my))
+            inputs = (joined((8, near), (8, flags)), joined((8, tile[0]), (8, tile[7])), joined(*columns),
+                      joined((8, above), (4, both)), joined((8, far), (4, beyond), (2, edge)))
+        else:
+            coarse = near
+            inputs = (joined((8, near), (8, above)), joined((8, far), (4, west >> 4), (4, east & 15)),
+                      joined((8, span(8 * x, 8 * y - 2, 0, 7)), (4, both), (2, edge)))
+        if self.mixed.take(self.bits, self.class_net.output(inputs, 0), both, coarse):
             return MIXED
-        return lit.take(self.bits, self.class_net.output(inputs, 1), set_, contexts)
+        return self.lit.take(self.bits, self.class_net.output(inputs, 1), both, coarse)
 
     # ---- pixels
 
-    def _pixel(self, tile_x, tile_y, c, r):
-        span, x, y = self.plane.span, 8 * tile_x + c, 8 * tile_y + r
-        place = c | r << 3 | self.plane.class_at(tile_x + 1, tile_y) << 6
-        west = span(x, y, -8, -1)
+    def _pixel_row(self, tile_x, tile_y, r):
+        """Row r of a tile. `of(k, a, b)` are pixels of the row k above, `there(k, a, b)` of the reference's k below."""
+        self.tile, self.r, y = (tile_x, tile_y), r, 8 * tile_y + r
+        above = [self.plane.span(8 * tile_x, 8 * tile_y + k, 0, 7) for k in range(r)]
+        self.uniform = [all(row == 255 * v for row in above) for v in (0, 1)]
+        moved = self._moved(tile_x, tile_y) if self.references else None
+        c = 0
+        while c < 8:
+            x = 8 * tile_x + c
+            of = lambda k, a, b, x=x: self.plane.span(x, y - k, a, b)
+            there = lambda k, a, b, c=c: self.reference.span(moved[0] + c, moved[1] + r + k, a, b)
+            v = of(0, -1, -1)
+            n = 0
+            if of(0, -2, -1) == 3 * v and of(1, 0, 0) == v:
+                while c + n < 8 and self._is_even(of, there, n, v):
+                    n += 1
+            if n:
+                kept = self._run(of, there, c, n, v)
+                pixels = (1 << kept) - 1 if v else int(kept < n) << kept
+                c_next = min(kept + 1, n)
+            else:
+                pixels, c_next = self._pixel(of, there, c), 1
+            self.plane.rows[y] |= pixels << x
+            c += c_next
+
+    def _is_even(self, of, there, n, v):
+        spans = ([(of, 1, -1, 2), (of, 2, -1, 1), (there, -1, -1, 1), (there, 0, -2, 2), (there, 1, -1, 1)]
+                 if self.references else [(of, 1, -2, 3), (of, 2, -1, 2)])
+        return all(row(k, n + a, n + b) == v * ((1 << b - a + 1) - 1) for row, k, a, b in spans)
+
+    def _run(self, of, there, c, n, v):
+        u = int(self.uniform[v] and (c == 0 or of(0, -c, -1) == v * ((1 << c) - 1)))
+        end = n - 1
+
+        def other(row, k, a, b):
+            return b - a + 1, row(k, end + a, end + b) ^ v * ((1 << b - a + 1) - 1)
+        place = (3, n - 1), (1, u), (3, self.r)
         if self.references:
-            mx, my = self._moved(tile_x, tile_y)
-            of = lambda dy, first, last: self.reference.span(mx + c, my + r + dy, first, last)
-            pixels = (west, span(x, y - 1, -3, 4), span(x, y - 2, -3, 4), span(x, y - 3, -3, 4),
-                      *(of(dy, -3, 4) for dy in range(-2, 3)))
+            inputs = (joined(*place, other(of, 1, 2, 4), other(there, 0, 2, 4), other(there, 1, 1, 3)),
+                      joined(other(of, 2, 1, 3), other(there, -1, 1, 3), other(there, 1, 1, 3),
+                             other(there, 0, 2, 4), (1, v)))
         else:
-            pixels = (west, span(x, y - 1, -7, 0), span(x, y - 1, 1, 8), span(x, y - 2, -7, 0), span(x, y - 2, 1, 8),
-                      span(x, y - 3, -3, 4), span(x, y - 4, -3, 4))
-        output = self.pixel_net.output((place, *pixels))
-        if set(pixels) in ({0}, {255}):
-            key = pixels[0] & 1, place
-            if key not in self.even_pixels:
-                self.even_pixels[key] = Count(squash(output), 24)
-            return self.even_pixels[key].take(self.bits)
-        near = west >> 7 | span(x, y - 1, -1, 1) << 1 | (west >> 6 & 1) << 4
-        first = west >> 4 | span(x, y - 1, -3, 3) << 4 | span(x, y - 2, -1, 1) << 11
+            inputs = (joined(*place, other(of, 1, 2, 5), other(of, 2, 2, 5), (1, v)),
+                      joined(other(of, 3, 0, 4), other(of, 2, 2, 5), other(of, 1, 3, 4), (1, u)))
+        if not self.runs.take(self.bits, self.run_net.output(inputs), n - 1, n - 1 | u << 3):
+            return n
+        i = 0
+        while i < n - 1 and not self.breaks[v, n, i].take(self.bits):
+            i += 1
+        return i
+
+    def _pixel(self, of, there, c):
+        def some(row, k, a, b):
+            return b - a + 1, row(k, a, b)
+        left, e = some(of, 0, -1, -1), (1, int(any(self.uniform)))
+        near = joined(some(of, 0, -4, -1), some(of, 1, -3, 4), some(of, 2, -1, 2))
+        fine = of(0, -2, -1) | of(1, -1, 1) << 2
         if self.references:
-            second = near | of(-1, -1, 1) << 5 | of(0, -1, 1) << 8 | of(1, -1, 1) << 11
+            coarse = fine | there(0, -1, 1) << 5
+            inputs = (near, joined(left, some(there, -1, -1, 1), some(there, 0, -3, 3), some(there, 1, -2, 2)),
+                      joined(some(of, 0, -2, -1), some(of, 1, -2, 2), some(there, -1, -2, 2), some(there, 0, -1, 2)),
+                      joined(left, some(of, 1, 0, 0), some(there, -2, -1, 1), some(there, 2, -1, 1),
+                             some(there, 0, 2, 4), some(of, 1, 2, 4), some(of, 2, 0, 0), e))
         else:
-            second = place | near << 8 | span(x, y - 2, 0, 0) << 13
-        return self.pixel_blend.take(self.bits, output, near, (first, second))
+            coarse = fine | of(0, -3, -3) << 5 | of(1, 2, 2) << 6 | of(2, 0, 0) << 7
+            right = self.plane.class_at(self.tile[0] + 1, self.tile[1])
+            inputs = (near, joined(left, some(of, 1, 0, 1), some(of, 2, -4, 4), some(of, 3, -1, 2)),
+                      joined((3, c), (3, self.r), (2, right), left, some(of, 1, 0, 1), some(of, 1, 5, 8), e))
+        return self.pixels.take(self.bits, self.pixel_net.output(inputs), fine, coarse)
 
 
 def tiles_context(slice_, tiles_x, tiles_y, kept):

@@ -211,7 +211,7 @@ class Packets(unittest.TestCase):
         self.assertEqual(decode(a_slice(packet("raw32_payload"), 1, 1, 0)), [[0]])
 
     def test_payloads_of_tiles_context(self):
-        alone, referring = (a_slice(packet(name), 2, 2, 2) for name in ("context_payload", "referenced_payload"))
+        alone, referring = (a_slice(packet(name), 2, 2, 3) for name in ("context_payload", "referenced_payload"))
         self.assertEqual(decode(alone, 2, 1), [LIGHT_0, LIGHT_1])
         self.assertEqual(decode(referring, 2, 1, {6: [LIGHT_0, LIGHT_1]}), [LIGHT_0, LIGHT_1])
         for kept in ({}, {5: [LIGHT_0, LIGHT_1]}, {6: [LIGHT_0, LIGHT_0]}):
