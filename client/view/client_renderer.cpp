@@ -135,7 +135,7 @@ Result<const gpu::SeenMasks*> ClientRenderer::seen() {
   if (!reprojection) return reprojection.error();
   auto seen = (*reprojection)
                   ->see(gpu::from_wire(masks_->camera), masks_->mask.mask(),
-                        scenes::SceneTime(masks_->mask.moment.scene_time_us));
+                        scenes::SceneTime(masks_->mask.moment.scene_time_us), masks_->mask.planes);
   if (!seen) return seen.error();
   seen_ = std::move(*seen);
   return &*seen_;

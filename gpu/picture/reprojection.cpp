@@ -110,9 +110,13 @@ Result<RasterView> Reprojection::raster_of(const CameraView& camera, uint32_t wi
   return RasterView{camera, width, height, {}, std::make_shared<Buffer>(std::move(*buffer))};
 }
 
-Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time) {
+Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time,
+                                    const LightPlanes& planes) {
   const uint32_t lights = seer_->scene().light_count();
-  if (masks.grid.planes < lights || masks.words.size() != masks.grid.word_count())
+  const bool of_scene = planes.light_count() == 0
+                            ? masks.grid.planes == lights
+                            : planes.light_count() == lights && planes.total() == masks.grid.planes;
+  if (!of_scene || masks.words.size() != masks.grid.word_count())
     return Error{"a mask of " + std::to_string(masks.grid.planes) + " planes for a scene of " +
                  std::to_string(lights) + " lights"};
   const auto grid = seer_->reserve(masks.grid.width, masks.grid.height, time, masks.grid.planes);

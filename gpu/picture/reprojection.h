@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "common/light_planes.h"
 #include "gpu/picture/blocking_frame.h"
 
 namespace gnomon::gpu {
@@ -54,8 +55,10 @@ class Reprojection {
   Result<RasterView> raster_of(const CameraView& camera, uint32_t width, uint32_t height,
                                std::span<const uint32_t> ids);
 
-  // Rasterises the view of `masks`, of whatever planes, and uploads them. Error also: there are fewer than lights.
-  Result<SeenMasks> see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time);
+  // Rasterises the view of `masks` and uploads them. `planes`: of the masks; without any: one for each light. Error also:
+  // the masks have others, or the planes are of another number of lights than the scene's.
+  Result<SeenMasks> see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time,
+                        const LightPlanes& planes = {});
 
   // For each pixel of `view`: 0 if it shows no surface or one that `seen` does not show, else 1 + the number of the
   // pixel of `seen`, counted row by row. The scene time is that of `seen`. Valid until the next call.

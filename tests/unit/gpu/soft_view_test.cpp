@@ -112,7 +112,7 @@ TEST(SoftViewTest, PredictionTakesTheCountOfTheSourcePixel) {
   const auto words = given.mask([](uint32_t x, uint32_t) { return x * kSamples / kWidth; });
   const auto reprojection = given.view->reprojection();
   ASSERT_TRUE(reprojection) << reprojection.error().message;
-  const auto seen = (*reprojection)->see(given.camera, {given.grid, words}, {});
+  const auto seen = (*reprojection)->see(given.camera, {given.grid, words}, {}, given.planes);
   ASSERT_TRUE(seen) << seen.error().message;
   const auto predicted = given.view->predict(given.camera, kWidth, kHeight, *seen, given.options());
   ASSERT_TRUE(predicted) << predicted.error().message;
