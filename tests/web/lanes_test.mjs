@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Lanes, lanesFor } from '../../web/link/lanes.js';
 import { Session } from '../../web/link/session.js';
+import { Codec } from '../../web/wire/messages.js';
 import { Timers } from './timers.mjs';
 
 class FakeWorker {
@@ -80,7 +81,7 @@ function decoder(log) {
         got.set(frame, (got.get(frame) ?? 0) + 1);
         if (got.get(frame) < 2) return null;
         stream.have = frame;
-        return { frame, words: new Uint32Array(2), width: 8, height: 8, lightsVersion: 0, codec: 3 };
+        return { frame, words: new Uint32Array(2), width: 8, height: 8, lightsVersion: 0, codec: Codec.tiles_context };
       };
       const stream = {
         have: 0,
@@ -119,7 +120,7 @@ function sessionOf(t, codec) {
 const slice = (frame) => new Uint8Array([frame, 0, 0, 0, 0]);
 
 test('a frame is whole when the last of its slices has come back', (t) => {
-  const { session, workers, log, frames } = sessionOf(t, 2);
+  const { session, workers, log, frames } = sessionOf(t, Codec.tiles_context);
   session.onSlice(slice(1));
   session.onSlice(slice(1));
   assert.deepEqual([log, frames()], [[], 0]);
@@ -134,7 +135,7 @@ test('a frame is whole when the last of its slices has come back', (t) => {
 });
 
 test('what comes back to another mask, or after the end, is dropped', (t) => {
-  const { session, workers, log, frames } = sessionOf(t, 2);
+  const { session, workers, log, frames } = sessionOf(t, Codec.tiles_context);
   session.onSlice(slice(1));
   session.reopen(16, 16, 1);
   workers[0].answer(0);
@@ -145,7 +146,7 @@ test('what comes back to another mask, or after the end, is dropped', (t) => {
 });
 
 test('another code is decoded by the session alone', (t) => {
-  const { session, workers, log, frames } = sessionOf(t, 1);
+  const { session, workers, log, frames } = sessionOf(t, Codec.tiles_lz4);
   session.onSlice(slice(1));
   session.onSlice(slice(1));
   assert.deepEqual([log, frames()], [['here', 'here'], 1]);

@@ -32,7 +32,6 @@ LIGHTS = {"sphere": {"radius": 0.25}, "disc": {"shape": "disc", "radius": 0.25},
           "rectangle": {"width": 0.5, "height": 0.25}}
 TILT = 0.4  # radians, downwards
 EYE = 0.0, 2.0, 4.0
-RENDERER_COUNTS = False  # whether gpu/ traces as many points as RenderJob::samples says
 
 
 def scene(area):
@@ -133,7 +132,6 @@ class Soft(unittest.TestCase):
         # Arithmetic here is in binary64 and from the surface itself: a point at the plate's very edge may differ.
         self.assertLess(wrong, 0.02 * partly + 1)
 
-    @unittest.skipUnless(RENDERER_COUNTS, "the renderer traces one point of each light")
     def test_counts_are_those_of_the_points(self):
         for codec, (samples, name) in zip((RAW32, TILES, CONTEXT), ((4, "disc"), (16, "sphere"), (16, "rectangle"))):
             with self.subTest(name):
