@@ -21,19 +21,8 @@ constexpr std::array<uint16_t, 4096> make_squashed() {
   return table;
 }
 
-constexpr std::array<int16_t, 4096> make_stretched(const std::array<uint16_t, 4096>& squashed) {
-  std::array<int16_t, 4096> table{};
-  size_t at = 0;  // squashed increases, so one pass finds its inverse
-  for (size_t p = 0; p < table.size(); ++p) {
-    while (at < 2 * kMaxStretched && squashed[at] < p * 16 + 8) ++at;
-    table[p] = static_cast<int16_t>(static_cast<int>(at) - kMaxStretched);
-  }
-  return table;
-}
-
 }  // namespace
 
 constexpr std::array<uint16_t, 4096> kSquashed = make_squashed();
-constexpr std::array<int16_t, 4096> kStretched = make_stretched(kSquashed);
 
 }  // namespace gnomon::protocol::context

@@ -100,10 +100,9 @@ TEST(BinaryCoder, WhatCameAfterAMarkCanBeTakenBack) {
   }
 }
 
-TEST(Logistic, StretchUndoesSquash) {
+TEST(Logistic, SquashGivesTheProbability) {
   for (int stretched = -2000; stretched <= 2000; stretched += 7) {
-    EXPECT_NEAR(context::stretch(context::squash(stretched)), stretched,
-                1 + 4096 / (1 + context::squash(-std::abs(stretched))));
+    EXPECT_NEAR(context::squash(stretched), 65536.0 / (1.0 + std::exp(-stretched / 256.0)), 2.0) << stretched;
   }
   EXPECT_EQ(context::squash(0), 32768u);
   EXPECT_GT(context::squash(-100000), 0u);
