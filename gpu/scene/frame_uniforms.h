@@ -49,7 +49,8 @@ struct FrameUniforms {
   uint32_t light_count = 0;
   SceneAddresses scene;
   exact::TracedLight lights[kMaxLights];
-  uint32_t planes[kMaxLights];  // of each light's masks, the first (common/light_planes.h); kLeftOut: a later pass traces the light
+  // Of each light's masks, the first (common/light_planes.h); kLeftOut: a later pass traces the light.
+  uint32_t planes[kMaxLights];
 };
 static_assert(sizeof(exact::TracedLight) == 40);
 static_assert(offsetof(FrameUniforms, scene) == 144);

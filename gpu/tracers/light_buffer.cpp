@@ -114,6 +114,7 @@ class LightBufferTracer : public Tracer {
   }
 
  private:
+  static constexpr uint64_t kAreaShare = 16;
   // Triangles x lights up to which a build takes some milliseconds only.
   static constexpr size_t kShortBuild = 20'000;
 
@@ -124,6 +125,10 @@ class LightBufferTracer : public Tracer {
       return light.area.shape != scenes::LightShape::point;
     });
     settings.budget_bytes = options_.light_buffer_bytes / (areas ? 2 : 1);
+    // Lists for areas do not become shorter than what lies within the light's reach, so that work on them pays off less.
+    const bool for_areas = std::any_of(input.lights.begin(), input.lights.end(),
+                                       [](const exact::TracedLight& light) { return light.radius > 0.0f; });
+    if (for_areas) settings.most_work /= kAreaShare;
     settings.stop = input.watch.stop;
     settings.progress = [&input, said = size_t{0}](size_t light, double share) mutable {
       if (light == said && !input.mesh.triangles.empty()) {

@@ -64,6 +64,7 @@ void set_outer_edges(Footprint& f, const Corners& p, double volume, const Light&
     f.edges[i] = normal.value_or(glm::dvec3(0.0));
     const double missing = normal ? reach - glm::dot(*normal, p[(i + 2) % 3]) : kInfinity;
     f.slack[i] = missing <= 0.0 ? light.slack() : kCutRounding + 1.001 * missing / depth;
+    f.widening[i] = missing <= 0.0 ? 1.0 / light.reach : 0.0;
   }
 }
 

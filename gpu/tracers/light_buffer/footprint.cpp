@@ -96,7 +96,14 @@ bool covers(const Footprint& f, const Rect& rect) {
 
 double excess(const Footprint& f, const Rect& rect, const Linear& plane) {
   const double most = greatest(f.nearest - plane, f, rect);
-  return f.least ? std::min(most, greatest(*f.least - plane, f, rect)) : most;
+  if (!f.least) return most;
+  double bound = std::min(most, greatest(*f.least - plane, f, rect));
+  for (size_t i = 0; i < 3; ++i) {
+    if (f.widening[i] == 0.0) continue;
+    const Linear widened = (f.edges[i] + Linear(0, 0, kCutRounding)) * f.widening[i];
+    bound = std::min(bound, greatest(widened - plane, f, rect));
+  }
+  return bound;
 }
 
 }  // namespace gnomon::gpu::light_buffer

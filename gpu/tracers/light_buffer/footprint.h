@@ -42,6 +42,8 @@
 //     b + R, take the one that has that ball on its outer side, with the unit normal m inwards. Its points have
 //     dot(m, x) = b + R, as seen from c. If the third corner has no less, dot(m, y) >= b + R - b - t R = (1 - t) R, and
 //     as y = (1 - t) (q - c), dot(m, (u, v, 1)) >= R / depth(q) >= R / farthest. If it has less, that is missing.
+//     So beside the triangle what it hides begins the farther behind it: nearness(q) <= dot(m, (u, v, 1)) / R. Without
+//     that bound the planes of triangles beside each other would hide surfaces that curve away from the light.
 //   - Near plane: q is on the light's side of the triangle's plane, and so is the whole ball: `nearest` is as above.
 //   - Cover: q is behind the plane, the ball before it. The test says yes where the segment meets the plane with
 //     barycentric weights of at least e D (8.5 |edge| + 2 (1 + s) L) / across: within a smaller triangle. All of its
@@ -69,9 +71,11 @@ struct Footprint {
   std::array<double, 3> cover_slack;
   Linear nearest{0.0};          // no point in front of this nearness is hidden by the triangle
   std::optional<Linear> least;  // nor one in front of this one, which is constant
-  Linear cover{0.0};            // every point behind this nearness is hidden, where covers() holds
-  Rect box{};                   // the triangle cannot be hit outside
-  double area = 0;              // of the triangle, in the world
+  // Of each edge, for a light with an extent: nor one in front of edge * widening + rounding. 0: there is no such bound.
+  std::array<double, 3> widening{};
+  Linear cover{0.0};  // every point behind this nearness is hidden, where covers() holds
+  Rect box{};         // the triangle cannot be hit outside
+  double area = 0;    // of the triangle, in the world
   uint32_t triangle = 0;
   bool faces_light = true;  // the light is on the side from which the corners run counter-clockwise
   bool regular = true;

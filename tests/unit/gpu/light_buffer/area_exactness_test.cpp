@@ -16,8 +16,8 @@ namespace exact = gpu::exact;
 namespace light_buffer = gpu::light_buffer;
 
 constexpr size_t kSamples = 16;
-constexpr int kTriangles[] = {3, 40, 12, 120};
-constexpr int kPoints = 600;
+constexpr int kTriangles[] = {3, 40, 12, 80};
+constexpr int kPoints = 400;
 
 float uniform(Random& random, float low, float high) {
   return std::uniform_real_distribution<float>(low, high)(random);
@@ -91,9 +91,7 @@ TEST_P(AreaExactness, EqualsBruteForce) {
     if (HasFatalFailure()) return;
   }
   // The soups must ask something: all answers occur, and lists are walked.
-  if (shape != Shape::edge_on && shape != Shape::touching) {
-    EXPECT_GT(total.all, 50u);
-  }
+  EXPECT_GT(total.all + total.some, 50u);
   EXPECT_GT(total.none, 10u);
   EXPECT_GT(total.some, 20u);
   EXPECT_GT(total.by[static_cast<size_t>(light_buffer::End::list)], 50u);
