@@ -9,6 +9,7 @@
 // protocol/WIRE.md states the same, for a second implementation.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -19,6 +20,11 @@
 namespace gnomon::scenes {
 
 inline constexpr uint32_t kSamplePatterns = 16;
+
+inline bool has_area_lights(const Scene& scene) {
+  return std::any_of(scene.lights.begin(), scene.lights.end(),
+                     [](const Light& light) { return light.area.shape != LightShape::point; });
+}
 
 // The pattern of pixel (x, y) of the traced buffer.
 constexpr uint32_t sample_pattern(uint32_t x, uint32_t y) {

@@ -8,6 +8,7 @@
 #include "daemon/config/machine_memory.h"
 #include "gpu/tracers/light_buffer/builder.h"
 #include "scenes/geometry/geometry.h"
+#include "scenes/light_samples.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -199,8 +200,10 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
 // Enters the scene into the account, and takes away those that leave for it. Error: there is no room.
 Result<void> SceneHost::make_room(const Request& request, const scenes::LoadedScene& loaded) {
   const scenes::Scene& scene = *loaded.scene;
-  const uint64_t light_buffers =
-      light_buffer_bytes_ != 0 ? light_buffer_bytes_ : gpu::light_buffer::default_budget(scene.lights.size());
+  // Lights with an extent have buffers of their own, which share a budget that is configured.
+  const uint64_t light_buffers = light_buffer_bytes_ != 0 ? light_buffer_bytes_
+                                                          : gpu::light_buffer::default_budget(scene.lights.size()) *
+                                                                (scenes::has_area_lights(scene) ? 2 : 1);
   const uint64_t bytes = scenes::predicted_bytes(scene) + light_buffers;
   std::lock_guard lock(mutex_);
   if (account_.bytes_of(request.name) == 0) {

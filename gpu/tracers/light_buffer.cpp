@@ -11,6 +11,7 @@
 #include "gpu/tracers/light_buffer/cache.h"
 #include "gpu/tracers/light_buffer_shaders.h"
 #include "gpu/tracers/tracer.h"
+#include "scenes/light_samples.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -120,11 +121,7 @@ class LightBufferTracer : public Tracer {
 
   light_buffer::BuildSettings settings_for(const TracerInput& input) const {
     light_buffer::BuildSettings settings;
-    const auto& all = input.scene.lights;
-    const bool areas = std::any_of(all.begin(), all.end(), [](const scenes::Light& light) {
-      return light.area.shape != scenes::LightShape::point;
-    });
-    settings.budget_bytes = options_.light_buffer_bytes / (areas ? 2 : 1);
+    settings.budget_bytes = options_.light_buffer_bytes / (scenes::has_area_lights(input.scene) ? 2 : 1);
     // Lists for areas do not become shorter than what lies within the light's reach, so that work on them pays off less.
     const bool for_areas = std::any_of(input.lights.begin(), input.lights.end(),
                                        [](const exact::TracedLight& light) { return light.radius > 0.0f; });
