@@ -20,6 +20,9 @@ constexpr std::array<uint32_t, 3> kSamples{1, 4, 16};
 constexpr uint32_t kCountedSamples = 16;  // of the queries that are counted
 constexpr uint32_t kStride = 5;           // of the pixels whose queries are counted, in both directions
 
+// Of lights of scenes whose file says no extent of any.
+constexpr float kOtherwiseMetres = 0.05f;
+
 // Point and spot lights become spheres.
 scenes::ScenePtr with_spheres(const scenes::Scene& scene, float radius) {
   auto made = std::make_shared<scenes::Scene>(scene);
@@ -53,8 +56,9 @@ class SoftSuite : public Suite {
   void add_options(CLI::App& command) override {
     command.add_option("--scene", scenes_, "built-in name or glTF file")->capture_default_str();
     command.add_option("--size", sizes_, "pixels of the traced picture")->capture_default_str();
-    command.add_option("--radius", radius_, "metres, of the spheres that point and spot lights become")
-        ->capture_default_str();
+    command.add_option("--radius", radius_,
+                       "metres, of spheres that point and spot lights become; default: the extents of the file, or "
+                       "0.05 where it has none");
     command.add_option("--device", device_, "index, type or part of the name");
     command.add_option("--tracer", tracer_, "tracer to measure")->capture_default_str();
     command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
@@ -68,7 +72,11 @@ class SoftSuite : public Suite {
       say("scene " + name + ": loading");
       const auto loaded = open_scene(name);
       if (!loaded) return loaded.error();
-      if (auto measured = measure(with_spheres(**loaded, radius_)); !measured) return measured.error();
+      const bool as_in_file = radius_ == 0.0f && scenes::has_area_lights(**loaded);
+      const float radius = radius_ == 0.0f ? kOtherwiseMetres : radius_;
+      extents_ = as_in_file ? ordered_json("of the file") : ordered_json(radius);
+      if (auto measured = measure(as_in_file ? *loaded : with_spheres(**loaded, radius)); !measured)
+        return measured.error();
     }
     return std::move(report_);
   }
@@ -133,7 +141,7 @@ class SoftSuite : public Suite {
                        {"size", text},
                        {"lights", scene.lights.size()},
                        {"tracer", frame.tracer()->name()},
-                       {"radius_m", radius_},
+                       {"radius_m", extents_},
                        {"samples", samples},
                        {"trace_ms", median(of_cameras[samples])},
                        {"ratio_to_hard", median(ratios)}};
@@ -205,7 +213,8 @@ class SoftSuite : public Suite {
 
   std::vector<std::string> scenes_{"living_room", "temple", "sponza_crytek"};
   std::vector<std::string> sizes_{"960x540", "1920x1080"};
-  float radius_ = 0.1f;
+  float radius_ = 0.0f;
+  ordered_json extents_;
   std::string device_, tracer_ = "light_buffer";
   uint32_t frames_ = 3, repeats_ = 3;
   bool count_ = false;
