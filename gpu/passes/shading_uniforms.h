@@ -30,7 +30,7 @@ struct ShadingUniforms {
   uint32_t has_sky = 0;
   glm::vec3 sky_ground{0.0f};
   float sky_clouds = 0.0f;
-  uint32_t filter_step = 0;  // 0: counts as they are; else the mean of 4x4 pixels this far apart
+  uint32_t filter_step = 0;  // 0: counts as they are; else the mean over pixels this far apart
   LightColour lights[kMaxLights];
 };
 static_assert(sizeof(LightColour) == 28);

@@ -125,36 +125,52 @@ float share_at(uint light, uvec2 pixel) {
 #endif
 }
 
-// Pixel `i` of the 4x4 that the filter looks at. No four of a row or column show the same sample points.
-ivec2 window_pixel(uvec2 pixel, uint i) {
-  return ivec2(pixel) + (ivec2(i & 3u, i >> 2) - 1) * int(push.shading.filter_step);
+// The filter's window, 5x5 pixels: the weights 1, 2, 2, 2, 1 in each direction are the mean of the four 4x4 windows that
+// contain the pixel, of which each has every sample point.
+const uint kWindow = 25u, kOwn = 12u;  // `kOwn`: the pixel itself
+
+ivec2 window_step(uint i) { return ivec2(int(i % 5u), int(i / 5u)) - 2; }
+
+ivec2 window_pixel(uvec2 pixel, uint i) { return ivec2(pixel) + window_step(i) * int(push.shading.filter_step); }
+
+float window_weight(uint i) {
+  ivec2 off = abs(window_step(i));
+  return (off.x == 2 ? 1.0 : 2.0) * (off.y == 2 ? 1.0 : 2.0);
 }
 
-// Those pixels of the window that show the same surface, as bits: of a similar normal, and near its plane. The pixel
-// itself is number 5.
+// Those pixels of the window that show the same surface, as bits: of a normal within 8 degrees, and near its plane.
 uint same_surface(SurfacePoint surface, uvec2 pixel) {
-  uint like = 1u << 5;
+  uint like = 1u << kOwn;
   if (push.shading.filter_step == 0u) return like;
-  for (uint i = 0u; i < 16u; ++i) {
+  float room = 0.004 * distance(surface.position, frame.camera);
+  for (uint i = 0u; i < kWindow; ++i) {
     ivec2 at = window_pixel(pixel, i);
-    if (i == 5u || any(lessThan(at, ivec2(0))) || at.x >= int(frame.width) || at.y >= int(frame.height)) continue;
+    if (i == kOwn || any(lessThan(at, ivec2(0))) || at.x >= int(frame.width) || at.y >= int(frame.height)) continue;
     uint id = triangle_at(uvec2(at));
     if (id == 0u) continue;
     SurfacePoint other = surface_of(id - 1u, uvec2(at));
-    vec3 between = other.position - surface.position;
-    if (dot(other.normal, surface.normal) > 0.9 && abs(dot(between, surface.normal)) <= 0.25 * length(between))
-      like |= 1u << i;
+    bool on_plane = abs(dot(other.position - surface.position, surface.normal)) <= room;
+    if (on_plane && dot(other.normal, surface.normal) > 0.99) like |= 1u << i;
   }
   return like;
 }
 
-// `like`: as same_surface() says.
+// `like`: as same_surface() says. Where wholly lit and wholly dark pixels lie side by side, the edge is sharper than the
+// window, and the pixel keeps its own count.
 float visible(uint light, uvec2 pixel, uint like) {
-  if (push.shading.filter_step == 0u || push.shading.lights[light].samples == 1u) return share_at(light, pixel);
-  float sum = 0.0;
-  for (uint i = 0u; i < 16u; ++i)
-    if ((like >> i & 1u) != 0u) sum += share_at(light, uvec2(window_pixel(pixel, i)));
-  return sum / float(bitCount(like));
+  float own = share_at(light, pixel);
+  if (push.shading.filter_step == 0u || push.shading.lights[light].samples == 1u) return own;
+  float sum = 0.0, weights = 0.0;
+  bool lit = false, dark = false;
+  for (uint i = 0u; i < kWindow; ++i) {
+    if ((like >> i & 1u) == 0u) continue;
+    float share = share_at(light, uvec2(window_pixel(pixel, i)));
+    sum += window_weight(i) * share;
+    weights += window_weight(i);
+    lit = lit || share == 1.0;
+    dark = dark || share == 0.0;
+  }
+  return lit && dark ? own : sum / weights;
 }
 
 // The irradiance by light i: I_i attenuated by distance, range and cone (KHR_lights_punctual), times saturate(N.L).

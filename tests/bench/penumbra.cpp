@@ -94,7 +94,7 @@ class PenumbraSuite : public Suite {
       if (!frame) return frame.error();
       for (const scenes::Light& light : scene->lights) {
         if (light.area.shape == scenes::LightShape::point) continue;
-        add_errors(*frame, trace(*scene, light, camera, *frame, oracle), plain, filtered);
+        add_errors(camera, *frame, trace(*scene, light, camera, *frame, oracle), plain, filtered);
       }
     }
     for (size_t k = 0; k < kCounts.size(); ++k) {
@@ -150,7 +150,7 @@ class PenumbraSuite : public Suite {
     return shares;
   }
 
-  void add_errors(const gpu::ProbedFrame& frame, const LightShares& shares,
+  void add_errors(const gpu::CameraView& camera, const gpu::ProbedFrame& frame, const LightShares& shares,
                   std::array<Errors, kCounts.size()>& plain, std::array<Errors, kCounts.size()>& filtered) const {
     for (size_t k = 0; k < kCounts.size(); ++k) {
       for (uint32_t y = 0; y < size_.height; ++y) {
@@ -166,7 +166,7 @@ class PenumbraSuite : public Suite {
             return {sample.triangle != 0, shares.cares[at] != 0, sample.position, sample.normal,
                     shares.of_count[k][at]};
           };
-          filtered[k].add(filtered_share(neighbour), shares.reference[pixel]);
+          filtered[k].add(filtered_share(camera.position, neighbour), shares.reference[pixel]);
         }
       }
     }

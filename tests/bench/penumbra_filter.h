@@ -1,8 +1,8 @@
-// The clients' filter of penumbrae in C++ (gpu/shaders/shade.glsl: window_pixel, same_surface, visible): the mean of the
-// counts of an area light over the 4x4 pixels around a pixel that show the same surface. Neighbours whose pair was not
+// The clients' filter of penumbrae in C++ (gpu/shaders/shade.glsl: same_surface, visible). Neighbours whose pair was not
 // asked are left out here; a client takes the bits that packing has given them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -16,28 +16,31 @@ struct PenumbraPixel {
   float seen = 0;  // share of the sample points, 0 to 1
 };
 
-inline bool same_surface(const PenumbraPixel& here, const PenumbraPixel& other) {
-  if (!other.shows_surface || !other.cares) return false;
-  const glm::vec3 between = other.position - here.position;
-  return glm::dot(other.normal, here.normal) > 0.9f &&
-         glm::abs(glm::dot(between, here.normal)) <= 0.25f * glm::length(between);
+inline bool same_surface(const PenumbraPixel& here, const PenumbraPixel& other, const glm::vec3& camera) {
+  if (!other.shows_surface || !other.cares || glm::dot(here.normal, other.normal) <= 0.99f) return false;
+  const float off = glm::abs(glm::dot(here.normal, other.position - here.position));
+  return off <= 0.004f * glm::distance(here.position, camera);
 }
 
 // `pixel(dx, dy)`: the neighbour there; beyond the picture one that shows no surface.
 template <class Pixel>
-float filtered_share(Pixel pixel) {
+float filtered_share(const glm::vec3& camera, Pixel pixel) {
+  constexpr std::array<float, 5> kWeights{1, 2, 2, 2, 1};
   const PenumbraPixel here = pixel(0, 0);
-  float sum = 0;
-  int count = 0;
-  for (int dy = -1; dy <= 2; ++dy) {
-    for (int dx = -1; dx <= 2; ++dx) {
+  float sum = 0, weights = 0;
+  bool lit = false, dark = false;
+  for (int dy = -2; dy <= 2; ++dy) {
+    for (int dx = -2; dx <= 2; ++dx) {
       const PenumbraPixel other = pixel(dx, dy);
-      if ((dx != 0 || dy != 0) && !same_surface(here, other)) continue;
-      sum += other.seen;
-      ++count;
+      if ((dx != 0 || dy != 0) && !same_surface(here, other, camera)) continue;
+      const float weight = kWeights[static_cast<size_t>(dx + 2)] * kWeights[static_cast<size_t>(dy + 2)];
+      sum += weight * other.seen;
+      weights += weight;
+      lit = lit || other.seen == 1.0f;
+      dark = dark || other.seen == 0.0f;
     }
   }
-  return sum / static_cast<float>(count);
+  return lit && dark ? here.seen : sum / weights;
 }
 
 }  // namespace gnomon::bench

@@ -34,7 +34,8 @@ test('a Hello is that of the document but for its features', () => {
   });
   const expected = packet('hello');
   assert.equal(new DataView(expected.buffer).getBigUint64(10, true), 0n);
-  new DataView(expected.buffer).setBigUint64(10, 1n + 8n + 32n + 64n + 128n + 512n, true);
+  const { moments, references, sizes, paths, waiting, fleet } = messages.Feature;
+  new DataView(expected.buffer).setBigUint64(10, moments + references + sizes + paths + waiting + fleet, true);
   assert.deepEqual([...hello], [...expected]);
 });
 

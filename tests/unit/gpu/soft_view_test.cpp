@@ -95,7 +95,10 @@ TEST(SoftViewTest, EachPixelHasItsOwnCountUnlessItIsFiltered) {
     }
   ShadeOptions filtered = given.options();
   filtered.soft_filter = true;
-  const RgbaImage smooth = given.picture(given.mask(checkers), filtered);
+  EXPECT_EQ(given.picture(given.mask(checkers), filtered).rgba, exact.rgba)
+      << "an edge that is sharper than the window";
+  const auto grain = [](uint32_t x, uint32_t y) { return (x + y) % 2 ? kSamples - 2 : 2u; };
+  const RgbaImage smooth = given.picture(given.mask(grain), filtered);
   size_t halves = 0, shown = 0;
   for (size_t at = 0; at < all.rgba.size(); at += 4) {
     if (all.rgba[at] <= 64) continue;
