@@ -119,7 +119,7 @@ Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView
   if (!of_scene || masks.words.size() != masks.grid.word_count())
     return Error{"a mask of " + std::to_string(masks.grid.planes) + " planes for a scene of " +
                  std::to_string(lights) + " lights"};
-  const auto grid = seer_->reserve(masks.grid.width, masks.grid.height, time, masks.grid.planes);
+  const auto grid = seer_->reserve_given(masks.grid, time);
   if (!grid) return grid.error();
   auto words = buffer(masks.words.size_bytes());
   if (!words) return words.error();
