@@ -86,7 +86,12 @@ class Link(unittest.TestCase):
         return silent
 
     def where(self):
-        return {s["address"].rsplit(":", 1)[0] for s in self.node.status()["sessions"]}
+        """Where the sessions are, as the status says, which lists a new one within about a second."""
+        for _ in range(100):
+            if sessions := self.node.status()["sessions"]:
+                return {s["address"].rsplit(":", 1)[0] for s in sessions}
+            time.sleep(0.05)
+        return set()
 
     def test_nobody_is_sent_frames_who_did_not_answer(self):
         """A client that has proved its address sends on in the name of another."""
