@@ -147,7 +147,7 @@ class Viewer(unittest.TestCase):
 
         fast = [look(yaw + turn) for turn in (0.1, 0.2, 0.3)]
         page.evaluate("gnomon.viewer.set({codec: 'tiles_context'})")
-        page.wait("viewer.welcome.codec === 2", "a session by the other code")
+        page.wait("viewer.welcome.codec === 3", "a session by the other code")
         for turn, brightness in zip((0.1, 0.2, 0.3), fast):  # the later ones refer to the first
             self.assertAlmostEqual(look(yaw + turn), brightness, delta=2)  # without shadows it is brighter by 8
         self.assertEqual(page.viewer("[viewer.masks.codec, viewer.masks.lanes]"), ["tiles_context", 3])
