@@ -34,16 +34,6 @@ std::array<glm::vec3, kSamples> make_samples(const exact::TracedLight& light, Ra
   return samples;
 }
 
-bool blocked(const scenes::WorldMesh& mesh, const exact::ShadowSegment& segment) {
-  for (const glm::uvec3& t : mesh.triangles) {
-    if (exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x], mesh.positions[t.y],
-                                      mesh.positions[t.z])) {
-      return true;
-    }
-  }
-  return false;
-}
-
 struct Ends {
   uint32_t all = 0, none = 0, some = 0;
   std::array<uint32_t, 3> by{};

@@ -15,16 +15,6 @@ namespace {
 namespace exact = gpu::exact;
 namespace light_buffer = gpu::light_buffer;
 
-bool blocked(const scenes::WorldMesh& mesh, const exact::ShadowSegment& segment) {
-  for (const glm::uvec3& t : mesh.triangles) {
-    if (exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x], mesh.positions[t.y],
-                                      mesh.positions[t.z])) {
-      return true;
-    }
-  }
-  return false;
-}
-
 struct Ends {
   uint32_t lit = 0, dark = 0;
   std::array<uint32_t, 3> by{};

@@ -187,4 +187,14 @@ gpu::exact::SurfacePoint make_point(const Soup& soup, Random& random) {
   return {position, unit};
 }
 
+bool blocked(const scenes::WorldMesh& mesh, const gpu::exact::ShadowSegment& segment) {
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (gpu::exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x],
+                                           mesh.positions[t.y], mesh.positions[t.z])) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace gnomon::test

@@ -43,4 +43,7 @@ Soup make_soup(Shape shape, Lamp lamp, int triangles, Random& random);
 // A surface point on or near one of the soup's triangles, or anywhere, with a normal that faces the light.
 gpu::exact::SurfacePoint make_point(const Soup& soup, Random& random);
 
+// Whether some triangle meets the segment: brute force, by the shared test.
+bool blocked(const scenes::WorldMesh& mesh, const gpu::exact::ShadowSegment& segment);
+
 }  // namespace gnomon::test
