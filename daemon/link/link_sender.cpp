@@ -10,9 +10,8 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::DatagramKind;
 
-constexpr Nanoseconds kLongestSpread = 4ms;  // of a frame's datagrams, where the rate allows more
-constexpr Nanoseconds kSilence = 200ms;      // beyond four round trips
-constexpr double kPlenty = 2;                // a rate of this many times what is sent leaves room for padding
+constexpr Nanoseconds kSilence = 200ms;  // beyond four round trips
+constexpr double kPlenty = 2;            // a rate of this many times what is sent leaves room for padding
 constexpr size_t kSealBytes = protocol::kHeaderBytes + protocol::kTagBytes;
 
 DatagramKind kind_of(Cargo cargo) {
@@ -62,7 +61,7 @@ size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline,
   for (uint16_t i = 0; i < frame.parity_count(); ++i) {
     queue_.push({frame.answer(), frame.frame(), Cargo::parity, i, frame.parity_body(i).size() + kSealBytes});
   }
-  spread_rate_ = static_cast<double>(queue_.bytes()) / to_seconds(std::min(kLongestSpread, interval_ / 2));
+  spread_rate_ = static_cast<double>(queue_.bytes()) / to_seconds(std::min(spread_.now(), interval_ / 2));
   return queue_.bytes() - before;
 }
 
@@ -147,6 +146,7 @@ void LinkSender::begin_path(TimePoint now) {
   path_began_ = now;
   pacer_ = {};
   queue_delay_ = {};
+  spread_ = {};
   rate_ = {};
   mtu_ = {};
   delivery_ = {};
@@ -178,6 +178,7 @@ FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoin
   }
   report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
+  spread_.observe(report.lost, report.queue);
   rate_.observe(report, now);
   return FeedbackVerdict::taken;
 }

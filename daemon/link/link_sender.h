@@ -10,6 +10,7 @@
 
 #include "daemon/link/delivery_rate.h"
 #include "daemon/link/feedback_allowance.h"
+#include "daemon/link/frame_spread.h"
 #include "daemon/link/loss_detection.h"
 #include "daemon/link/mtu_discovery.h"
 #include "daemon/link/pacer.h"
@@ -131,6 +132,7 @@ class LinkSender {
   TimePoint last_frame_{};
 
   Pacer pacer_;
+  FrameSpread spread_;
   LossDetection loss_detection_;
   SentSlices sent_slices_;
   QueueDelay queue_delay_;
