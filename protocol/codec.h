@@ -15,6 +15,8 @@
 
 namespace gnomon::protocol {
 
+inline constexpr size_t kMaxSlices = 65'535;  // of a frame: what a slice's header can number
+
 // A frame cut into slices. The payload of slice i is bytes[offsets[i] .. offsets[i + 1]).
 struct EncodedFrame {
   CodecId codec = CodecId::tiles_lz4;
@@ -25,6 +27,9 @@ struct EncodedFrame {
   std::span<const uint8_t> payload(size_t slice) const {
     return std::span(bytes).subspan(offsets[slice], offsets[slice + 1] - offsets[slice]);
   }
+
+  void begin(CodecId of);        // without slices; keeps its memory
+  Result<void> number_slices();  // error, and then without slices, if there are more than kMaxSlices
 };
 
 inline constexpr size_t kMinPayloadBytes = 600;
@@ -37,7 +42,7 @@ class FrameEncoder {
   FrameEncoder(FrameEncoder&&) noexcept;
 
   // No payload is longer than `max_payload_bytes` (at least kMinPayloadBytes). `out`'s memory is reused.
-  // Error, with `out` empty, if the frame would take more than the 65,535 slices that a header can number.
+  // Error, with `out` empty, if the frame would take more than kMaxSlices.
   // A frame without lights has no slices.
   Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
   // Equals encoding the unpacked frame, in less time; except that with tiles_context a free tile takes the likelier
@@ -48,32 +53,8 @@ class FrameEncoder {
 
  private:
   struct Workspace;
-  Result<void> cut(CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
 
   std::unique_ptr<Workspace> workspace_;
-};
-
-// Encodes one frame with tiles_context on several threads: each unit is encoded by one of them, then the slices are
-// joined. The slices do not depend on the number of threads and are identical to FrameEncoder's.
-class SplitFrame {
- public:
-  // Copies what it needs of `frame`. `reference` is of the same grid, or null. `camera` is the frame's; nullopt if it
-  // is unknown.
-  SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference,
-             const std::optional<CameraView>& camera = {});
-  ~SplitFrame();
-
-  size_t unit_count() const;
-  // Called once for each unit, from any thread.
-  void encode(size_t unit);
-  // Precondition: every unit is encoded. Error: as FrameEncoder::encode.
-  Result<void> join(EncodedFrame& out);
-  // The mask that a decoder will have, borrowed from this. Precondition: every unit is encoded.
-  TileMaskView decoded() const;
-
- private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
 };
 
 // True if the slice refers to a frame that `references` (may be null) does not hold, or holds with another grid or

@@ -13,6 +13,7 @@
 #include "daemon/encode/cores.h"
 #include "daemon/frame/frame_sink.h"
 #include "daemon/metrics/metrics.h"
+#include "protocol/split_frame.h"
 
 namespace gnomon::daemon {
 
