@@ -22,8 +22,8 @@ constexpr double kReferenceOverhead = 1.2;      // its tiles' classes
 constexpr uint64_t kSessionBytes = 192 * 1024;  // its record, keys, queues, connection, what is known of its link
 
 constexpr uint32_t kTileSide = 8;
-constexpr int kSizesTried = 15;  // in sixteenths of the requested size
-constexpr double kLeastRate = 1;
+constexpr int kSizesTried = 15;    // in sixteenths of the requested size
+constexpr double kMostRate = 1e6;  // that is offered; as whole numbers of doubles go
 
 uint64_t pixels_of(const Demand& d) { return uint64_t{d.width} * d.height; }
 
@@ -143,12 +143,18 @@ std::variant<Booking, AdmissionRejection> AdmissionControl::book(TenantId tenant
     rejection.fit_width = smaller.width;
     rejection.fit_height = smaller.height;
   }
-  Demand slower = demand;
-  for (double rate = std::floor(demand.rate_hz); rate >= kLeastRate && rejection.fit_rate_hz == 0; --rate) {
-    slower.rate_hz = rate;
-    if (!obstacle(tenant, slower, model)) rejection.fit_rate_hz = rate;
-  }
+  rejection.fit_rate_hz = fitting_rate(tenant, demand, model);
   return rejection;
+}
+
+// By bisection, as a lower rate takes no more of anything.
+double AdmissionControl::fitting_rate(TenantId tenant, Demand demand, const CostModel& model) const {
+  double fits = 0, too_fast = std::floor(std::min(demand.rate_hz, kMostRate)) + 1;
+  while (too_fast - fits > 1) {
+    demand.rate_hz = std::floor((fits + too_fast) / 2);
+    (obstacle(tenant, demand, model) ? too_fast : fits) = demand.rate_hz;
+  }
+  return fits;
 }
 
 void AdmissionControl::release(TenantId tenant, const Booking& booking) {

@@ -84,6 +84,8 @@ class AdmissionControl {
 
  private:
   std::optional<Limit> obstacle(TenantId tenant, const Demand& demand, const CostModel& model) const;
+  // The highest whole rate that would be admitted; 0 if there is none.
+  double fitting_rate(TenantId tenant, Demand demand, const CostModel& model) const;
   uint64_t host_bytes_reserved_for_others(TenantId tenant) const;
 
   NodeLimits node_;

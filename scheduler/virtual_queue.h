@@ -42,7 +42,6 @@ class VirtualQueue {
   void set_weight(Member member, double weight);
 
   double lag(Member member) const;  // 0 if the member is idle
-  double virtual_time() const { return now_; }
   bool waits(Member member) const { return members_[member].waiting; }
 
  private:

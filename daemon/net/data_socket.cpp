@@ -95,6 +95,13 @@ void DataSocket::close() {
   socket_.close(ignored);
 }
 
+// What Linux answers where the network device of the route, or the kernel, cannot cut a buffer into datagrams. Other
+// errors, as of a firewall or one client's network, say nothing of it.
+static bool cannot_segment(const asio::error_code& error) {
+  return error == asio::error_code(EIO, asio::system_category()) || error == asio::error::invalid_argument ||
+         error == asio::error::operation_not_supported;
+}
+
 void DataSocket::wait() {
   until_memory_suffices([this] {
     socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const asio::error_code& error) {
@@ -134,7 +141,7 @@ size_t DataSocket::send(std::span<const std::vector<uint8_t>> datagrams, const a
   while (sent < datagrams.size() && !error) {
     const auto batch = datagrams.subspan(sent, std::min(kBatch, datagrams.size() - sent));
     const size_t took = send_batch(batch, to, error);
-    if (error && segments_ && error != asio::error::message_size) {  // the network device may not support it
+    if (segments_ && cannot_segment(error)) {  // from now on each datagram is sent by itself
       segments_ = false;
       error.clear();
       continue;

@@ -26,9 +26,10 @@ class DataSocket {
   uint16_t port() const { return port_; }
   asio::ip::udp::endpoint local() const { return socket_.local_endpoint(); }
 
-  // Called for each datagram, which is valid during the call. A datagram longer than kLongestBytes is truncated to that.
-  static constexpr size_t kLongestBytes =
-      1500;  // as long as QUIC's may be (daemon/quic/connection.cpp); ours are shorter
+  // A longer datagram is truncated to this, which is as long as QUIC's may be (daemon/quic/connection.cpp); ours are
+  // shorter.
+  static constexpr size_t kLongestBytes = 1500;
+  // Called for each datagram, which is valid during the call.
   using OnDatagram = std::function<void(std::span<const uint8_t>, const asio::ip::udp::endpoint& from)>;
   void start(OnDatagram on_datagram);
   void close();

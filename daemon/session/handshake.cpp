@@ -23,6 +23,9 @@ uint64_t features_of(const Config& config) {
          (config.server.public_address.empty() ? 0 : protocol::kFeatureFleet);
 }
 
+// Camera updates a second of one session. Beyond it no display shows more, and sums of rates stay exact.
+constexpr float kMostRateHz = 1000;
+
 // Text from a client, quoted and cut to 80 bytes.
 std::string shown(const std::string& text) {
   std::string quoted(1, '\'');
@@ -116,7 +119,7 @@ std::variant<SessionGrant, Refused> check_hello(const Hello& hello, TenantId ten
                       .scene_name = std::move(scene),
                       .width = hello.width,
                       .height = hello.height,
-                      .rate_hz = hello.rate_hz,
+                      .rate_hz = std::min(hello.rate_hz, kMostRateHz),
                       .codec = choose_codec(hello, config.encode),
                       .dense_codec = densest_codec(hello, config.encode),
                       .cipher = choose_cipher(hello.ciphers),

@@ -6,7 +6,7 @@
 namespace gnomon::gpu {
 namespace {
 
-// As shaders/trace_bvh.comp declares it, after the address of the masks.
+// As shaders/trace_bvh.comp declares it, after the addresses of the masks and of valid_bits.
 struct Push {
   VkDeviceAddress nodes = 0;
   VkDeviceAddress triangles = 0;

@@ -16,7 +16,7 @@
 namespace gnomon::gpu {
 namespace {
 
-// As shaders/trace_light_buffer.glsl declares it, after the addresses of the masks.
+// As shaders/trace_light_buffer.glsl declares it, after the addresses of the masks and of valid_bits.
 struct Push {
   VkDeviceAddress grid = 0;
   VkDeviceAddress leaves = 0;

@@ -112,7 +112,7 @@ Result<AccelerationStructure> AccelerationStructure::build(
   return out;
 }
 
-// As shaders/trace_ray_query.comp declares it, after the address of the masks.
+// As shaders/trace_ray_query.comp declares it, after the addresses of the masks and of valid_bits.
 struct Push {
   VkDeviceAddress top = 0;
   uint32_t first_masked_triangle = 0;

@@ -1,12 +1,14 @@
 #include "gpu/tracers/tracer.h"
 
+#include <algorithm>
+
 namespace gnomon::gpu {
 
 Result<void> check_tracer_name(std::string_view name) {
-  for (const char* known : {"auto", "bvh", "light_buffer", "ray_query"}) {
-    if (name == known) return {};
-  }
-  return Error{"no tracer is called '" + std::string(name) + "'; there are auto, bvh, light_buffer, ray_query"};
+  if (name == "auto" || std::find(kTracers.begin(), kTracers.end(), name) != kTracers.end()) return {};
+  std::string all("auto");
+  for (const std::string_view known : kTracers) all.append(", ").append(known);
+  return Error{"no tracer is called '" + std::string(name) + "'; there are " + all};
 }
 
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
@@ -16,7 +18,7 @@ Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DeviceP
     if (auto tracer = make_light_buffer_tracer(device, options)) return tracer;
     name = "bvh";
   }
-  if (name == "bvh") return make_bvh_tracer(device);
+  if (name == "bvh") return make_bvh_tracer(device, options.builds);
   if (name == "light_buffer") return make_light_buffer_tracer(device, options);
   if (name == "ray_query") return make_ray_query_tracer(device, options.builds);
   return check_tracer_name(name).error();

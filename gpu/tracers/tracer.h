@@ -1,9 +1,11 @@
-// A tracer: answers whether a shadow segment meets geometry. On the device it is a shader that defines
+// A tracer: answers whether a shadow segment meets geometry. On the device it is a shader, shaders/trace_NAME*.comp, that
+// includes trace.glsl and gives it
 //   bool occluded(vec3 origin, vec3 direction)   // some geometry at origin + t * direction, 0 < t < 1
-// (shaders/tracers/NAME.glsl, included by shaders/trace_NAME.comp); on the host it builds, once for each scene, what
-// that shader reads.
+// or replaces that file, as trace_light_buffer.glsl does; shaders/tracers/ holds what several of them share. On the host
+// it builds, once for each scene, what that shader reads.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -79,7 +81,10 @@ class Tracer {
   }
 };
 
-// Error: there is no such tracer; whether a device supports it is not looked at.
+// All tracers, by name.
+inline constexpr std::array<std::string_view, 3> kTracers{"bvh", "light_buffer", "ray_query"};
+
+// Error: `name` is neither "auto" nor one of kTracers; whether a device supports it is not looked at.
 Result<void> check_tracer_name(std::string_view name);
 
 // `name`: "bvh", "light_buffer", "ray_query", or "auto" for the fastest that this device can run. Error: there is no
@@ -87,7 +92,7 @@ Result<void> check_tracer_name(std::string_view name);
 Result<std::unique_ptr<Tracer>> make_tracer(std::string_view name, const DevicePtr& device,
                                             const TracerOptions& options = {});
 
-std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device, StructureBuildsPtr builds = builds_here());
+std::unique_ptr<Tracer> make_bvh_tracer(const DevicePtr& device, StructureBuildsPtr builds);
 // Error: the device offers no subgroups of 4 to 128 lanes with ballots and votes, which its shaders are written for.
 Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options);
 Result<std::unique_ptr<Tracer>> make_ray_query_tracer(const DevicePtr& device, StructureBuildsPtr builds);

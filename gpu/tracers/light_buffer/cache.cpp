@@ -184,11 +184,12 @@ Result<void> save(const std::filesystem::path& folder, const CacheKey& key, cons
   write_array(out, buffer.leaves);
   write_array(out, buffer.entries);
   out.close();
+  const std::error_code refused(out ? 0 : errno, std::generic_category());
   if (out) std::filesystem::rename(part, file, failed);
   if (out && !failed) return {};
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
-  return Error{"writing '" + file.string() + "': " + (failed ? failed.message() : "the disk refused it")};
+  return Error{"writing '" + file.string() + "': " + (failed ? failed : refused).message()};
 }
 
 Trimmed trim(const std::filesystem::path& folder, uint64_t most_bytes) {

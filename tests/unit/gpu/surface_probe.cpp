@@ -26,7 +26,7 @@ Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const 
 Result<void> SurfaceProbe::set_lights(const std::vector<scenes::Light>& lights) {
   ResidentScene& scene = frame_->scene();
   if (scene.needs_static_bvh(lights)) {
-    auto bvh = build_static_bvh(*make_bvh_tracer(frame_->device_ptr()), scene.scene());
+    auto bvh = build_static_bvh(*make_bvh_tracer(frame_->device_ptr(), builds_here()), scene.scene());
     if (!bvh) return bvh.error();
     scene.give_static_bvh(std::move(*bvh));
   }

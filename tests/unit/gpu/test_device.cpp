@@ -59,7 +59,8 @@ std::vector<std::string> tracers() {
     std::vector<std::string> names;
     const auto device = gpu::Device::create({device_options().device, {}});
     const char* only = std::getenv("GNOMON_TEST_TRACERS");
-    for (const std::string name : {"bvh", "light_buffer", "ray_query"}) {
+    for (const std::string_view tracer : gpu::kTracers) {
+      const std::string name(tracer);
       if (only && name != only) continue;
       if (device && gpu::make_tracer(name, *device)) {
         names.push_back(name);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace gnomon::scheduler {
@@ -51,6 +52,15 @@ TEST_F(AdmissionTest, CapacityIsSharedByAllAndAnOfferFits) {
   smaller.width = rejection.fit_width;
   smaller.height = rejection.fit_height;
   EXPECT_TRUE(admitted(smaller));
+}
+
+TEST_F(AdmissionTest, ARateWithoutMeasureIsRefusedAtOnceAndOfferedWhatFits) {
+  limit({.buffers_per_second = 45});
+  for (const double rate : {46.0, 1e5, 1e9, double{std::numeric_limits<float>::max()}}) {
+    EXPECT_EQ(refused({1000, 1000, 8, rate}).fit_rate_hz, 45) << rate;
+  }
+  limit({.width = 10, .height = 10});
+  EXPECT_EQ(refused({1000, 1000, 8, std::numeric_limits<float>::max()}).fit_rate_hz, 0) << "no rate would help";
 }
 
 TEST_F(AdmissionTest, AreaLightsBookTheirWeightAndTheMemoryOfTheirPlanes) {

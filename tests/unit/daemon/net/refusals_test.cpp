@@ -111,6 +111,15 @@ TEST_F(Served, WhoseFramesFindNoMemoryAtTheLeastSizeIsRefused) {
   EXPECT_TRUE(metrics_say("gnomon_sessions{tenant=\"default\"} 1")) << "who is refused has no permit";
 }
 
+TEST_F(Served, NoSessionHasARateBeyondWhatAScreenShows) {
+  start();
+  protocol::Hello hello = TestClient::hello(kScene);
+  hello.rate_hz = std::numeric_limits<float>::max();
+  TestClient client = this->client();
+  ASSERT_TRUE(client.join(hello));
+  EXPECT_EQ(client.welcome().rate_hz, 1000);
+}
+
 TEST_F(Served, ARefusalForATenantsLimitSaysWhatWouldFit) {
   config_.tenants = {{.name = kDefaultTenant, .max_vbps = 50, .max_width = 200}};
   start();
