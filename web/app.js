@@ -26,6 +26,7 @@ const viewer = new Viewer(canvas, (event) => reactions[event.is]?.(event));
 /** The server says so in the head of the page (fleet.name). */
 const fleet = /** @type {HTMLMetaElement | null} */ (document.querySelector('meta[name=gnomon-fleet]'))?.content ?? '';
 const place = takeFromAddress(location, history, sessionStorage);
+viewer.set({ samples: place.samples });
 /** @type {Flight | null} */
 let flight = null;
 let viewIsSet = false;
@@ -115,7 +116,7 @@ function setFlying(on) {
 let flying = false;
 
 function link() {
-  return new URL(format({ ...place, view: { ...gaze } }), location.href).href;
+  return new URL(format({ ...place, samples: viewer.picture.samples, view: { ...gaze } }), location.href).href;
 }
 
 async function copyLink() {
@@ -166,6 +167,7 @@ window.addEventListener('hashchange', () => {
   if (said.view) Object.assign(gaze, said.view);
   if (said.scene && said.scene !== place.scene) {
     viewIsSet = Boolean(said.view);
+    viewer.set({ samples: said.samples });
     open(said);
   }
 });

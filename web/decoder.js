@@ -36,7 +36,8 @@ export class DecodeError extends Error {
  * @property {() => void} _initialize
  * @property {() => number} body
  * @property {() => number} most_bytes
- * @property {(width: number, height: number, lights: number, grantedWidth: number, grantedHeight: number) => number} open
+ * @property {(width: number, height: number, planes: number, samples: number, grantedWidth: number,
+ *   grantedHeight: number, grantedSamples: number) => number} open
  * @property {(stream: number) => void} close
  * @property {(stream: number, bytes: number) => number} slice
  * @property {(stream: number) => number} taken
@@ -79,13 +80,16 @@ export class Decoder {
   }
 
   /**
-   * Masks of one size and number of lights; another stream is opened when these change, which forgets the frames kept.
-   * `granted` is the size in Welcome, which slices have that say none; by default the stream's own. Throws a RangeError
-   * if a mask of that size is none, or larger than there is memory for.
-   * @param {{width: number, height: number, lights: number, granted?: {width: number, height: number}}} shape
+   * Masks of one size and number of lights, or of planes where these have several (wire/planes.js); another stream is
+   * opened when these change, which forgets the frames kept. `samples` of area lights are in force. `granted` is what
+   * Welcome says, which slices have that say nothing; by default the stream's own. Throws a RangeError if a mask of that
+   * size is none, or larger than there is memory for.
+   * @param {{width: number, height: number, lights: number, samples?: number,
+   *   granted?: {width: number, height: number, samples?: number}}} shape
    */
-  stream({ width, height, lights, granted = { width, height } }) {
-    const handle = this.exports.open(width, height, lights, granted.width, granted.height);
+  stream({ width, height, lights, samples = 1, granted = { width, height, samples } }) {
+    const { open } = this.exports;
+    const handle = open(width, height, lights, samples, granted.width, granted.height, granted.samples ?? samples);
     if (handle === 0)
       throw new RangeError(`no mask of ${width} x ${height} pixels and ${lights} lights can be decoded`);
     return new MaskStream(this.exports, handle, { width, height, lights });

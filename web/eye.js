@@ -55,9 +55,9 @@ export class Eye {
   /**
    * Opens a session; the one before is closed.
    * @param {Wanted} wanted
-   * @param {keyof typeof Codec} codec
+   * @param {{codec: keyof typeof Codec, samples: number}} masks samples: points of an area light
    */
-  connect(wanted, codec, rateHz = MOST_RATE_HZ) {
+  connect(wanted, { codec, samples }, rateHz = MOST_RATE_HZ) {
     const socket = new URL('session', this.base);
     socket.protocol = socket.protocol === 'http:' ? 'ws:' : 'wss:';
     this.worker.postMessage({
@@ -75,6 +75,7 @@ export class Eye {
         borderY: this.size.borderY,
         rateHz,
         codecs: [Codec[codec], Codec.tiles_lz4],
+        samples,
       },
     });
   }

@@ -18,7 +18,8 @@ const STEPS_AHEAD = 4; // pictures by which the border goes before the turn
  * @typedef {import('./prediction/border.js').Pose} Pose
  * @typedef {import('./render/picture.js').Shadows} Shadows
  * @typedef {{shadows: Shadows, split: {at: number, left: Shadows, right: Shadows} | null, lightsOn: Uint8Array | null,
- *   codec: 'tiles_lz4' | 'tiles_context', smooth: boolean}} PictureOptions smooth: with four samples a pixel at rest
+ *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, smooth: boolean}} PictureOptions samples: points of each
+ *   area light (soft shadows); smooth: with four samples a pixel at rest
  */
 
 export class Viewer {
@@ -32,7 +33,7 @@ export class Viewer {
     this.base = new URL('.', import.meta.url);
     this.quality = new Quality();
     /** @type {PictureOptions} */
-    this.picture = { shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', smooth: true };
+    this.picture = { shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', samples: 1, smooth: true };
     this.eye = new Eye(this.base, (event) => this.on(event));
     /** @type {import('./eye.js').Wanted | null} */
     this.wanted = null;
@@ -77,7 +78,7 @@ export class Viewer {
     this.wanted = { ...wanted };
     this.pack = this.welcome = null;
     this.dropRenderer();
-    this.eye.connect(wanted, this.picture.codec);
+    this.eye.connect(wanted, this.picture);
     await this.loadScene('default');
   }
 
@@ -156,7 +157,7 @@ export class Viewer {
       return this.emit({ is: 'closed', why: event.text, againInMs: null });
     }
     this.emit({ is: 'fits', ...event });
-    if (this.wanted) this.eye.connect(this.wanted, this.picture.codec);
+    if (this.wanted) this.eye.connect(this.wanted, this.picture);
   }
 
   /** Whether pictures change by themselves. */
@@ -178,7 +179,7 @@ export class Viewer {
     if (this.paused) return false;
     if (now >= this.resizeAt) {
       this.resizeAt = Infinity;
-      if (this.setSize() && this.wanted) this.eye.connect(this.wanted, this.picture.codec);
+      if (this.setSize() && this.wanted) this.eye.connect(this.wanted, this.picture);
       this.changed = true;
     }
     this.look(pose, now);
@@ -275,10 +276,12 @@ export class Viewer {
 
   /** Changes how the picture is made; what is not named stays. @param {Partial<PictureOptions>} changes */
   set(changes) {
-    const before = { codec: this.picture.codec, isLocal: this.isLocal };
+    const { codec, samples } = this.picture;
+    const before = { codec, samples, isLocal: this.isLocal };
     Object.assign(this.picture, changes);
     this.changed = true;
-    if (before.codec !== this.picture.codec && this.wanted) this.eye.connect(this.wanted, this.picture.codec);
+    const sameMasks = before.codec === this.picture.codec && before.samples === this.picture.samples;
+    if (!sameMasks && this.wanted) this.eye.connect(this.wanted, this.picture);
     else if (before.isLocal && !this.isLocal) this.eye.lookAgain();
   }
 
@@ -291,7 +294,7 @@ export class Viewer {
   goOn() {
     this.paused = false;
     this.changed = true;
-    if (this.wanted) this.eye.connect(this.wanted, this.picture.codec);
+    if (this.wanted) this.eye.connect(this.wanted, this.picture);
   }
 
   close() {

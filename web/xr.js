@@ -130,7 +130,7 @@ export class Headset {
 
   /** @param {Eye} eye */
   connect(eye) {
-    if (this.viewer.wanted) eye.connect(this.viewer.wanted, this.viewer.picture.codec, this.rateHz);
+    if (this.viewer.wanted) eye.connect(this.viewer.wanted, this.viewer.picture, this.rateHz);
   }
 
   /** The eye that came first has left no room for the other one: both ask for half. */

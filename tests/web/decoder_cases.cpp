@@ -77,7 +77,9 @@ class Case {
     const TileGrid& grid = assembler_.grid();
     const bool of_other_size = (slice.header.flags & protocol::kSliceHasSize) != 0 &&
                                (slice.header.width != grid.width || slice.header.height != grid.height);
-    return of_other_size ? client::SliceOutcome::late : assembler_.add(slice);
+    const bool of_other_samples =
+        (slice.header.flags & protocol::kSliceHasSamples) != 0 && slice.header.samples != 1;
+    return of_other_size || of_other_samples ? client::SliceOutcome::late : assembler_.add(slice);
   }
 
   client::FrameAssembler assembler_;

@@ -162,6 +162,9 @@ test('a slice that says no size is of the granted one', () => {
   const slice = packet('frame_slice_body');
   assert.equal(decoder.stream({ ...shape, granted: { width: 24, height: 8 } }).slice(slice), null);
   assert.ok(decoder.stream({ ...shape, granted: { width: 16, height: 8 } }).slice(slice));
+  const granted = { width: 16, height: 8, samples: 16 };
+  assert.equal(decoder.stream({ ...shape, samples: 4, granted }).slice(slice), null, 'it is of the granted samples');
+  assert.ok(decoder.stream({ ...shape, samples: 16, granted }).slice(slice));
 });
 
 test('what is no mask is refused', () => {
@@ -170,7 +173,7 @@ test('what is no mask is refused', () => {
     [8, 0, 1],
     [8, 8, 0],
     [7681, 8, 1],
-    [8, 8, 257],
+    [8, 8, 256 * 5 + 1],
     [7680, 7680, 256],
     [-1, -1, -1],
   ]) {

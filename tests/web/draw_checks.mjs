@@ -3,6 +3,7 @@ import { loadPack } from '/pack/pack.js';
 import { poseInstance } from '/pack/pose.js';
 import { Renderer } from '/render/renderer.js';
 import { viewOf } from '/render/view.js';
+import { planesOf } from '/wire/planes.js';
 
 const LEAST_STEP = 2; // of 255: differences up to it are not seen
 
@@ -109,6 +110,16 @@ export class Checks {
     const { camera, exposure } = views[i];
     const words = new Uint32Array(await bytes(`${this.inputs}/${i}.words`));
     this.renderer.takeMasks({ camera, width, height, words, sceneTimeUs });
+    return { camera, width, height, sceneTimeUs, exposure, shadows: 'exact', ...more };
+  }
+
+  /** As wish(), with masks that count points of area lights. */
+  async softWish(i, more = {}) {
+    const { width, height, scene_time_us: sceneTimeUs, views, areas, soft_samples: samples } = this.plan;
+    const { camera, exposure } = views[i];
+    const words = new Uint32Array(await bytes(`${this.inputs}/${i}.soft.words`));
+    const planes = planesOf(areas, samples);
+    this.renderer.takeMasks({ camera, width, height, words, planes, sceneTimeUs });
     return { camera, width, height, sceneTimeUs, exposure, shadows: 'exact', ...more };
   }
 

@@ -6,7 +6,8 @@
 // FOLDER gets scene.pack, views.json and, of view I: I.words, I.rgba (fresh), I.predicted.rgba (of a camera a few steps
 // later) and I.smooth.rgba (with four samples a pixel), each also as PNG, I.ids (1 + the number of each pixel's
 // triangle), I.light.L.rgba (base colours where light L shines) and I.later.words (traced for that later camera; `outcome`
-// in views.json is the share of them that was predicted wrongly).
+// in views.json is the share of them that was predicted wrongly). I.soft.words and I.soft.rgba are of kSoft points of
+// each area light, which `areas` in views.json names, and I.soft.predicted.rgba of the later camera.
 //
 // AT_MS: the scene time; posed.positions and posed.normals are the vertices that move, `posed_lights` in views.json the
 // lights at their places.
@@ -34,6 +35,7 @@ namespace gnomon {
 namespace {
 
 constexpr uint32_t kViews = 3;
+constexpr uint32_t kSoft = 16;        // sample points of an area light
 constexpr uint32_t kTrialStep = 4;    // as web/render/outcome.js
 constexpr double kStepSeconds = 0.1;  // from the camera of the masks to the one that is predicted
 
@@ -82,12 +84,15 @@ class Inputs {
     write("posed.positions", posed.positions);
     write("posed.normals", posed.normals);
     const auto posed_lights = scenes::lights_at(*scene_, scene_->lights, time_);
-    nlohmann::json lights, moved_lights;
+    nlohmann::json lights, moved_lights, areas;
+    for (const auto& light : scene_->lights) areas.push_back(light.area.shape != scenes::LightShape::point);
     for (const auto& light : gpu::to_wire(scene_->lights)) lights.push_back(json_of(light));
     for (const auto& light : gpu::to_wire(posed_lights)) moved_lights.push_back(json_of(light));
     std::ofstream(folder_ / "views.json")
-        << nlohmann::json{{"width", size_.width}, {"height", size_.height},       {"scene_time_us", time_.count()},
-                          {"lights", lights},     {"posed_lights", moved_lights}, {"views", views}}
+        << nlohmann::json{{"width", size_.width},           {"height", size_.height},
+                          {"scene_time_us", time_.count()}, {"lights", lights},
+                          {"posed_lights", moved_lights},   {"areas", areas},
+                          {"soft_samples", kSoft},          {"views", views}}
                .dump(1);
   }
 
@@ -124,6 +129,7 @@ class Inputs {
     write(name + ".predicted",
           must(view_->predict(gpu::from_wire(later), size_.width, size_.height, seen, options)));
     const double outcome = outcome_of(name, later, seen, frame.mask());
+    write_soft(name, camera, gpu::from_wire(later), options);
     options.samples = gpu::Samples::four;
     write(name + ".smooth", must(view_->predict(camera, size_.width, size_.height, seen, options)));
     options.view = gpu::ShadeOptions::View::material;
@@ -136,6 +142,18 @@ class Inputs {
             {"predicted", json_of(later)},
             {"exposure", options.exposure},
             {"outcome", outcome}};
+  }
+
+  void write_soft(const std::string& name, const gpu::CameraView& camera, const gpu::CameraView& later,
+                  gpu::ShadeOptions options) {
+    std::vector<bool> areas;
+    for (const auto& light : scene_->lights) areas.push_back(light.area.shape != scenes::LightShape::point);
+    options.planes = LightPlanes(areas, kSoft);
+    const auto frame = must(probe_.render(camera, size_.width, size_.height, time_, kSoft));
+    write(name + ".soft.words", frame.words);
+    write(name + ".soft", must(view_->render(camera, size_.width, size_.height, frame.mask(), options)));
+    const auto seen = must(must(view_->reprojection())->see(camera, frame.mask(), time_, options.planes));
+    write(name + ".soft.predicted", must(view_->predict(later, size_.width, size_.height, seen, options)));
   }
 
   // As client::ClientRenderer::outcome.

@@ -72,8 +72,9 @@ class Pictures(unittest.TestCase):
         return figures
 
     def picture(self, name, more=""):
-        view = name.split(".")[0]
-        wish = f"{{...await checks.wish({view}){more}}}"
+        view, *kind = name.split(".")
+        taken = "softWish" if "soft" in kind else "wish"
+        wish = f"{{...await checks.{taken}({view}){more}}}"
         got = self.browser.run(f"return checks.picture({wish}, '{name}', {'true' if KEEP else 'false'})")
         if KEEP:
             KEEP.mkdir(parents=True, exist_ok=True)
@@ -106,6 +107,13 @@ class Pictures(unittest.TestCase):
         for view in range(VIEWS):
             got = self.picture(f"{view}.smooth", ", antialias: true")
             self.is_like_the_clients("smooth", got)
+
+    def test_soft_pictures_are_the_clients(self):
+        self.assertIn(True, self.plan["areas"], "a scene with area lights")
+        for view in range(VIEWS):
+            self.is_like_the_clients("fresh", self.picture(f"{view}.soft"))
+            later = f", camera: checks.plan.views[{view}].predicted"
+            self.is_like_the_clients("predicted", self.picture(f"{view}.soft.predicted", later))
 
     def test_bits_are_the_servers(self):
         for view in range(VIEWS):

@@ -112,7 +112,8 @@ function sessionOf(t, codec) {
   });
   session.look(0, /** @type {any} */ ({ position: [0, 0, 0], orientation: [0, 0, 0, 1] }));
   const scene = { lights: [{}] };
-  session.onWelcome({ codec, rateHz: 0, lightsVersion: 0, scene, width: 8, height: 8, silenceTimeoutMs: 4000 });
+  const soft = { samples: 1, areas: [false] };
+  session.onWelcome({ codec, rateHz: 0, lightsVersion: 0, scene, ...soft, width: 8, height: 8, silenceTimeoutMs: 4000 });
   const frames = () => events.filter((event) => event.is === 'frame').length;
   return { session, workers, log, frames };
 }

@@ -312,8 +312,8 @@ test('another size or scene opens the decoder anew, and older frames are dropped
       out.u16(0);
     }),
   );
-  const granted = { width: 64, height: 32 };
-  assert.deepEqual(decoder.opened.at(-1), { width: 32, height: 16, lights: 1, granted });
+  const granted = { width: 64, height: 32, samples: 1 };
+  assert.deepEqual(decoder.opened.at(-1), { width: 32, height: 16, lights: 1, samples: 1, granted });
   say(
     message(Type.sceneChanged, (out) => {
       const bytes = new Uint8Array(welcome(2));

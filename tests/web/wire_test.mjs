@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { readFileSync } from 'node:fs';
 import { Malformed } from '../../web/wire/bytes.js';
 import * as messages from '../../web/wire/messages.js';
+import { hardPlanes, planesOf, seenOf } from '../../web/wire/planes.js';
 
 const document = readFileSync(new URL('../../protocol/WIRE.md', import.meta.url), 'utf8');
 
@@ -37,6 +38,67 @@ test('a Hello is that of the document but for its features', () => {
   const { moments, references, sizes, paths, waiting, fleet } = messages.Feature;
   new DataView(expected.buffer).setBigUint64(10, moments + references + sizes + paths + waiting + fleet, true);
   assert.deepEqual([...hello], [...expected]);
+});
+
+test('who wants soft shadows says how many points', () => {
+  const hello = {
+    client: 'probe 1',
+    tenant: '',
+    token: '',
+    scene: 'temple',
+    width: 64,
+    height: 64,
+    borderX: 0,
+    borderY: 0,
+    rateHz: 60,
+    codecs: [1],
+  };
+  const hard = messages.encodeHello(hello);
+  const soft = messages.encodeHello({ ...hello, samples: 16 });
+  assert.deepEqual([...messages.encodeHello({ ...hello, samples: 1 })], [...hard]);
+  assert.equal(soft.length, hard.length + 1);
+  assert.equal(soft.at(-1), 16);
+  const features = (bytes) => new DataView(bytes.buffer).getBigUint64(10, true);
+  assert.equal(features(soft), features(hard) + messages.Feature.soft);
+});
+
+/** The document's Welcome with what the feature soft adds: the samples, and a shape for each light. */
+function softWelcome(samples, shape) {
+  const plain = packet('welcome');
+  const bytes = new Uint8Array(plain.length + 1 + 2 + 25);
+  bytes.set(plain);
+  const view = new DataView(bytes.buffer);
+  view.setUint32(0, bytes.length - 4, true);
+  view.setBigUint64(8, view.getBigUint64(8, true) | messages.Feature.soft, true);
+  view.setUint8(plain.length, samples);
+  view.setUint16(plain.length + 1, 1, true);
+  view.setUint8(plain.length + 3, shape);
+  return bytes;
+}
+
+test('a Welcome says which lights have an extent, and of how many points', () => {
+  const hard = messages.decode(packet('welcome'));
+  assert.deepEqual([hard.samples, hard.areas], [1, [false]]);
+  const soft = messages.decode(softWelcome(16, 2));
+  assert.deepEqual([soft.samples, soft.areas], [16, [true]]);
+  assert.deepEqual(messages.decode(softWelcome(4, 0)).areas, [false]);
+  assert.throws(() => messages.decode(softWelcome(5, 1)), Malformed);
+  assert.throws(() => messages.decode(softWelcome(4, 4)), Malformed);
+  assert.equal(messages.decode(packet('degraded')).samples, 4);
+});
+
+test('planes are numbered as common/light_planes.h has them, and count points', () => {
+  const planes = planesOf([false, true, true], 16);
+  assert.deepEqual(planes, { first: [0, 1, 6], samples: [1, 16, 16], total: 11 });
+  assert.deepEqual(planesOf([true], 4), { first: [0], samples: [4], total: 3 });
+  assert.deepEqual(hardPlanes(2), { first: [0, 1], samples: [1, 1], total: 2 });
+  const count = (set) => seenOf(planes, 1, (plane) => Number(set.includes(plane)));
+  assert.equal(count([1, 2, 5]), 16, 'the first plane is that of all');
+  assert.equal(count([2, 4]), 10, 'most significant first');
+  assert.equal(count([5]), 1);
+  assert.equal(count([]), 0);
+  assert.equal(seenOf(planes, 0, () => 1), 1);
+  assert.equal(seenOf(planes, 0, () => 0), 0);
 });
 
 test('a Welcome is read', () => {

@@ -6,6 +6,7 @@
 // Runs in a worker, so that decoding holds up no picture. What happened is told by events, each an object with `is`.
 import { Codec, decode, encodeBye, encodeHello } from '../wire/messages.js';
 import { Malformed } from '../wire/bytes.js';
+import { planesOf } from '../wire/planes.js';
 import { Carrier } from './carrier.js';
 import { Credit } from './credit.js';
 
@@ -47,6 +48,7 @@ export class Session {
     /** @type {import('../decoder.js').MaskStream | null} null before Welcome */
     this.stream = null;
     this.shape = { width: 0, height: 0 };
+    this.planes = planesOf([], 1);
     this.firstFrame = 1; // older ones are of a grid that is no more
     /** @type {Map<number, object[]>} lights by version */
     this.lights = new Map();
@@ -133,14 +135,14 @@ export class Session {
         break;
       case 'degraded':
         this.credit.rateHz = message.rateHz;
-        this.reopen(message.width, message.height, this.welcome.scene.lights.length);
+        this.reopen(message.width, message.height, message.samples);
         break;
       case 'sceneChanged':
-        this.welcome.scene = message.scene;
+        Object.assign(this.welcome, { scene: message.scene, samples: message.samples, areas: message.areas });
         this.lights.clear();
         this.keepLights(0, message.scene.lights);
         this.firstFrame = this.credit.newest + 1;
-        this.reopen(this.shape.width, this.shape.height, message.scene.lights.length);
+        this.reopen(this.shape.width, this.shape.height, message.samples);
         break;
     }
     this.emit(message);
@@ -153,18 +155,21 @@ export class Session {
     this.credit.rateHz = welcome.rateHz;
     this.keepLights(welcome.lightsVersion, welcome.scene.lights);
     if (welcome.codec === Codec.tiles_context) this.lanes = this.makeLanes();
-    this.reopen(welcome.width, welcome.height, welcome.scene.lights.length);
+    this.reopen(welcome.width, welcome.height, welcome.samples);
     this.emit({ ...welcome, is: 'open' });
     this.tick();
   }
 
-  /** @param {number} width @param {number} height @param {number} lights */
-  reopen(width, height, lights) {
+  /** @param {number} width @param {number} height @param {number} samples in force, of each area light */
+  reopen(width, height, samples) {
     this.stream?.close();
     this.shape = { width, height };
-    const granted = { width: this.welcome.width, height: this.welcome.height };
-    this.stream = this.decoder.stream({ width, height, lights, granted });
-    this.lanes?.open({ width, height, lights });
+    this.planes = planesOf(this.welcome.areas, samples);
+    const { welcome } = this;
+    const granted = { width: welcome.width, height: welcome.height, samples: welcome.samples };
+    const shape = { width, height, lights: this.planes.total };
+    this.stream = this.decoder.stream({ ...shape, samples, granted });
+    this.lanes?.open(shape);
   }
 
   /** @param {number} version @param {object[]} lights */
@@ -214,6 +219,7 @@ export class Session {
         width: frame.width,
         height: frame.height,
         words: frame.words,
+        planes: this.planes,
         sceneTimeUs: frame.sceneTimeUs,
         lightsVersion: frame.lightsVersion,
         lights: this.lights.get(frame.lightsVersion) ?? this.newestLights,

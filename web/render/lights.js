@@ -1,10 +1,11 @@
-// The lights as shaders read them: gpu::traced_light and light_colour. Four texels for each: position and reach
+// The lights as shaders read them: gpu::traced_light and light_colour. Five texels for each: position and reach;
 // direction and the cosine of the outer cone; colour times intensity; scale and offset of the cone, kind, first layer
-// of its shadow maps.
+// of its shadow maps; first plane of the masks and sample points (wire/planes.js).
 import { texture2d } from './gl.js';
 
 const f = Math.fround;
 export const MOST_LIGHTS = 256;
+const TEXELS = 5; // of each
 export const POINT = 0,
   SPOT = 1,
   DIRECTIONAL = 2;
@@ -29,16 +30,17 @@ export class Lights {
   constructor(gl, bounds) {
     this.gl = gl;
     this.bounds = bounds;
-    this.texture = texture2d(gl, gl.RGBA32F, 4, MOST_LIGHTS);
+    this.texture = texture2d(gl, gl.RGBA32F, TEXELS, MOST_LIGHTS);
   }
 
   /**
    * @param {Light[]} lights at their places
    * @param {Uint8Array | null} on null: all
    * @param {number[]} mapLayers first layer of each light's shadow maps; -1: none
+   * @param {import('../wire/planes.js').Planes} planes of the masks
    */
-  put(lights, on, mapLayers) {
-    const rows = new Float32Array(16 * Math.max(1, lights.length));
+  put(lights, on, mapLayers, planes) {
+    const rows = new Float32Array(4 * TEXELS * Math.max(1, lights.length));
     lights.forEach((light, i) => {
       const shines = on === null || on[i] !== 0;
       const spot = light.kind === SPOT;
@@ -55,12 +57,14 @@ export class Lights {
           spot ? f(-f(light.outerConeCos) * scale) : 1,
           light.kind,
           mapLayers[i] ?? -1,
+          planes.first[i],
+          planes.samples[i],
         ],
-        16 * i,
+        4 * TEXELS * i,
       );
     });
     const { gl } = this;
     gl.bindTexture(gl.TEXTURE_2D, this.texture.texture);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 4, Math.max(1, lights.length), gl.RGBA, gl.FLOAT, rows);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, TEXELS, Math.max(1, lights.length), gl.RGBA, gl.FLOAT, rows);
   }
 }

@@ -1,9 +1,10 @@
-// Masks on the device: a texel of two words for each tile, a layer for each light, as the words lie in memory.
+// Masks on the device: a texel of two words for each tile, a layer for each plane, as the words lie in memory.
 import { textureArray } from './gl.js';
 
 /**
  * @typedef {{camera: import('./view.js').Camera, width: number, height: number, words: Uint32Array,
- *   sceneTimeUs: number, lights?: number}} Masks the newest whole frame; two words per tile and light, the low one first
+ *   sceneTimeUs: number, planes?: import('../wire/planes.js').Planes}} Masks the newest whole frame; two words per tile
+ *   and plane, the low one first. Without `planes` each light has one.
  */
 
 export class MaskTexture {
@@ -21,36 +22,36 @@ export class MaskTexture {
     if (this.held === masks.words) return 0;
     const tilesX = Math.ceil(masks.width / 8),
       tilesY = Math.ceil(masks.height / 8);
-    const lights = masks.words.length / (2 * tilesX * tilesY);
+    const planes = masks.words.length / (2 * tilesX * tilesY);
     const { texture } = this;
-    const fits = texture.width === tilesX && texture.height === tilesY && texture.layers === lights;
+    const fits = texture.width === tilesX && texture.height === tilesY && texture.layers === planes;
     if (!fits) {
       gl.deleteTexture(texture.texture);
-      this.texture = textureArray(gl, gl.RG32UI, tilesX, tilesY, Math.max(1, lights));
+      this.texture = textureArray(gl, gl.RG32UI, tilesX, tilesY, Math.max(1, planes));
       this.held = new Uint32Array(0);
     }
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texture.texture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
     const row = 2 * tilesX;
     let sent = 0;
-    for (let light = 0; light < lights; ++light) {
+    for (let plane = 0; plane < planes; ++plane) {
       for (let y = 0; y < tilesY;) {
         const first = y;
-        while (y < tilesY && this.differs(masks.words, (light * tilesY + y) * row, row)) ++y;
+        while (y < tilesY && this.differs(masks.words, (plane * tilesY + y) * row, row)) ++y;
         if (y > first)
           gl.texSubImage3D(
             gl.TEXTURE_2D_ARRAY,
             0,
             0,
             first,
-            light,
+            plane,
             tilesX,
             y - first,
             1,
             gl.RG_INTEGER,
             gl.UNSIGNED_INT,
             masks.words,
-            (light * tilesY + first) * row,
+            (plane * tilesY + first) * row,
           );
         sent += y - first;
         ++y;

@@ -5,6 +5,7 @@ import { EXACT } from './shaders/exact.js';
 import { SCENE, VIEW } from './shaders/frame.js';
 import { PREDICT } from './shaders/predict.js';
 import { placeWithin, seenUniforms } from './view.js';
+import { hardPlanes, seenOf } from '../wire/planes.js';
 
 const STEP = 4;
 
@@ -89,11 +90,12 @@ export async function sourcesOf(stage, seen, shown) {
  * @param {import('./masks.js').Masks} seen
  * @param {import('./masks.js').Masks} later
  * @param {Part} shown of the later view
- * @returns {Promise<number | null>} share of wrong bits; null: nothing can be compared
+ * @returns {Promise<number | null>} share of wrong bits, or of points wrongly counted; null: nothing can be compared
  */
 export async function outcomeOf(stage, seen, later, shown) {
   const place = placeWithin(shown.camera, shown, later.camera, later);
-  if (!place || lightsOf(seen) !== lightsOf(later)) return null;
+  const samples = (/** @type {import('./masks.js').Masks} */ masks) => planesOfMasks(masks).samples.join();
+  if (!place || samples(seen) !== samples(later)) return null;
   const { sources, columns } = await sourcesOf(stage, seen, shown);
   return wrongShare(seen, later, sources, columns, place);
 }
@@ -124,17 +126,17 @@ function tilesOf(/** @type {import('./masks.js').Masks} */ masks) {
   return Math.ceil(masks.width / 8) * Math.ceil(masks.height / 8);
 }
 
-function lightsOf(/** @type {import('./masks.js').Masks} */ masks) {
-  return masks.words.length / (2 * tilesOf(masks));
+function planesOfMasks(/** @type {import('./masks.js').Masks} */ masks) {
+  return masks.planes ?? hardPlanes(masks.words.length / (2 * tilesOf(masks)));
 }
 
 function lit(
   /** @type {import('./masks.js').Masks} */ masks,
-  /** @type {number} */ light,
+  /** @type {number} */ plane,
   /** @type {number} */ x,
   /** @type {number} */ y,
 ) {
-  const tile = light * tilesOf(masks) + (y >> 3) * Math.ceil(masks.width / 8) + (x >> 3);
+  const tile = plane * tilesOf(masks) + (y >> 3) * Math.ceil(masks.width / 8) + (x >> 3);
   const bit = (y & 7) * 8 + (x & 7);
   return (masks.words[2 * tile + (bit >> 5)] >>> (bit & 31)) & 1;
 }
@@ -147,8 +149,8 @@ export function wrongShare(
   /** @type {number} */ columns,
   /** @type {number[]} */ [left, top],
 ) {
-  const lights = lightsOf(later);
-  let bits = 0,
+  const planes = planesOfMasks(later);
+  let points = 0,
     wrong = 0;
   sources.forEach((source, i) => {
     if (source === 0) return;
@@ -156,10 +158,12 @@ export function wrongShare(
       seenY = Math.floor((source - 1) / seen.width);
     const x = left + STEP * (i % columns),
       y = top + STEP * Math.floor(i / columns);
-    for (let light = 0; light < lights; ++light) {
-      ++bits;
-      wrong += lit(seen, light, seenX, seenY) ^ lit(later, light, x, y);
+    for (let light = 0; light < planes.first.length; ++light) {
+      const said = seenOf(planes, light, (plane) => lit(seen, plane, seenX, seenY));
+      const is = seenOf(planes, light, (plane) => lit(later, plane, x, y));
+      points += planes.samples[light];
+      wrong += Math.abs(said - is);
     }
   });
-  return bits ? wrong / bits : 0;
+  return points ? wrong / points : 0;
 }

@@ -8,6 +8,7 @@ import { Picture } from './picture.js';
 import { Programs } from './programs.js';
 import { Stage } from './stage.js';
 import { warmUp } from './warm_up.js';
+import { hardPlanes } from '../wire/planes.js';
 
 export { RenderError };
 
@@ -177,7 +178,8 @@ export class Renderer {
     const masks = asked.includes('exact') ? this.masksOfLights(wish.eye ?? '') : null;
     if (masks) stage.masksOf(wish.eye).put(masks);
     const time = masks ? masks.sceneTimeUs : (wish.sceneTimeUs ?? 0);
-    const lights = this.pose(time, wish.lightsOn ?? null, asked.includes('maps'));
+    const planes = masks?.planes ?? hardPlanes(this.lights.length);
+    const lights = this.pose(time, wish.lightsOn ?? null, asked.includes('maps'), planes);
     const predicted = /** @type {Picture} */ (this.picture).draw(wish, masks, lights.length, output);
     stage.timing.collect();
     return predicted;
@@ -187,12 +189,20 @@ export class Renderer {
   masksOfLights(/** @type {string} */ eye) {
     const masks = this.masks.get(eye);
     if (!masks || this.lights.length === 0) return null;
-    const words = 2 * Math.ceil(masks.width / 8) * Math.ceil(masks.height / 8) * this.lights.length;
-    return masks.words.length === words ? masks : null;
+    const planes = masks.planes ?? hardPlanes(this.lights.length);
+    const words = 2 * Math.ceil(masks.width / 8) * Math.ceil(masks.height / 8) * planes.total;
+    return planes.first.length === this.lights.length && masks.words.length === words ? masks : null;
   }
 
-  /** Brings the scene and its lights to a time. @private */
-  pose(/** @type {number} */ time, /** @type {Uint8Array | null} */ on, /** @type {boolean} */ maps) {
+  /**
+   * Brings the scene and its lights to a time.
+   * @param {number} time
+   * @param {Uint8Array | null} on
+   * @param {boolean} maps
+   * @param {import('../wire/planes.js').Planes} planes of the masks
+   * @private
+   */
+  pose(time, on, maps, planes) {
     const stage = /** @type {Stage} */ (this.stage);
     const { geometry, raster } = stage;
     geometry.pose(time);
@@ -201,14 +211,14 @@ export class Renderer {
     const layers = maps
       ? stage.maps.update(lights, scene, (camera, toClip) => raster.drawDepths(camera, toClip, stage.sceneUniforms))
       : [];
-    stage.lights.put(lights, on, layers);
+    stage.lights.put(lights, on, layers, planes);
     return lights;
   }
 
   /** See exposure.js. `camera` may be that of the masks or of the picture. */
   suggestExposure(/** @type {Camera} */ camera) {
     if (!this.stage) return 1;
-    const lights = this.pose(0, null, false);
+    const lights = this.pose(0, null, false, hardPlanes(this.lights.length));
     return suggestExposure(this.stage, this.pack.info.surroundings, camera, lights.length);
   }
 

@@ -1,6 +1,6 @@
 // What a link to this page says: behind the #, so that no server and no log sees any of it.
 //
-//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&tenant=NAME][&token=SECRET]
+//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&tenant=NAME][&token=SECRET]
 //
 // A token is taken out of the address at once and kept for this tab alone.
 
@@ -12,6 +12,7 @@ const DIGITS = 4;
  * @property {string} scene empty: not said
  * @property {string} tenant
  * @property {string} token
+ * @property {1 | 4 | 16} samples points of each area light
  * @property {{position: number[], yaw: number, pitch: number, verticalFov: number} | null} view radians
  */
 
@@ -31,6 +32,7 @@ export function parse(hash) {
     scene: said.get('scene') ?? '',
     tenant: said.get('tenant') ?? '',
     token: said.get('token') ?? '',
+    samples: /** @type {1 | 4 | 16} */ ([4, 16].find((samples) => said.get('soft') === String(samples)) ?? 1),
     view: parseView(said.get('cam')),
   };
 }
@@ -39,6 +41,7 @@ export function parse(hash) {
 export function format(place) {
   const said = new URLSearchParams({ scene: place.scene });
   if (place.tenant) said.set('tenant', place.tenant);
+  if (place.samples > 1) said.set('soft', String(place.samples));
   if (place.view) {
     const { position, yaw, pitch, verticalFov } = place.view;
     said.set('cam', [...position, yaw, pitch, verticalFov].map((part) => +part.toFixed(DIGITS)).join(','));

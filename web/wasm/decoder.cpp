@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/stream/frame_assembler.h"
+#include "common/light_planes.h"
 #include "protocol/codec.h"
 #include "protocol/datagram.h"
 
@@ -40,27 +41,35 @@ constexpr uint64_t kMostWords = uint64_t{1} << 23;
 uint8_t body[kMostBytes];
 
 struct Stream {
-  explicit Stream(TileGrid grid, uint32_t granted_width, uint32_t granted_height)
-      : assembler(grid), width(granted_width), height(granted_height) {
+  // Of slices that say nothing of it.
+  struct Granted {
+    uint32_t width, height, samples;
+  };
+
+  Stream(TileGrid grid, uint32_t samples_in_force, Granted as_granted)
+      : assembler(grid), samples(samples_in_force), granted(as_granted) {
     assembler.keep_references();
   }
 
   client::FrameAssembler assembler;
-  uint32_t width, height;  // of slices that say none
+  uint32_t samples;  // of area lights
+  Granted granted;
   std::optional<client::AssembledFrame> frame;
   Taken taken{};
   std::vector<uint64_t> decoded;  // of the next slice, by another worker
 
-  bool is_of_this_size(const protocol::SliceHeader& header) const {
-    const bool says = header.flags & protocol::kSliceHasSize;
-    return (says ? header.width : width) == assembler.grid().width &&
-           (says ? header.height : height) == assembler.grid().height;
+  bool is_of_this_shape(const protocol::SliceHeader& header) const {
+    const bool says_size = header.flags & protocol::kSliceHasSize;
+    const bool says_samples = header.flags & protocol::kSliceHasSamples;
+    return (says_size ? header.width : granted.width) == assembler.grid().width &&
+           (says_size ? header.height : granted.height) == assembler.grid().height &&
+           (says_samples ? header.samples : granted.samples) == samples;
   }
 
   // Whether it is worth to have another worker decode it.
   bool is_long_work(std::span<const uint8_t> bytes) const {
     const auto slice = protocol::decode_frame_slice(bytes);
-    return slice && slice->header.codec == protocol::CodecId::tiles_context && is_of_this_size(slice->header) &&
+    return slice && slice->header.codec == protocol::CodecId::tiles_context && is_of_this_shape(slice->header) &&
            assembler.fits(slice->header);
   }
 
@@ -68,7 +77,7 @@ struct Stream {
   Answer add(std::span<const uint8_t> bytes, std::optional<std::span<const uint64_t>> decoded) {
     const auto slice = protocol::decode_frame_slice(bytes);
     if (!slice) return kMalformed;
-    if (!is_of_this_size(slice->header)) return kNothingYet;
+    if (!is_of_this_shape(slice->header)) return kNothingYet;
     const auto outcome = decoded ? assembler.add_decoded(*slice, *decoded) : assembler.add(*slice);
     if (frame) assembler.recycle(*std::exchange(frame, std::nullopt));
     while (auto finished = assembler.take_finished()) {
@@ -117,10 +126,11 @@ struct Lane {
   }
 };
 
-bool is_mask(uint32_t width, uint32_t height, uint32_t lights) {
+bool is_mask(uint32_t width, uint32_t height, uint32_t planes) {
+  constexpr uint32_t kMostPlanes = protocol::kMaxLights * planes_of(kMostSamples);
   const auto is_side = [](uint32_t side) { return side > 0 && side <= protocol::kMaxSide; };
-  return is_side(width) && is_side(height) && lights > 0 && lights <= protocol::kMaxLights &&
-         TileGrid{width, height, lights}.word_count() <= kMostWords;
+  return is_side(width) && is_side(height) && planes > 0 && planes <= kMostPlanes &&
+         TileGrid{width, height, planes}.word_count() <= kMostWords;
 }
 
 }  // namespace
@@ -129,12 +139,13 @@ bool is_mask(uint32_t width, uint32_t height, uint32_t lights) {
 GNOMON_EXPORT(body) uint8_t* body_place() { return body; }
 GNOMON_EXPORT(most_bytes) uint32_t most_bytes() { return kMostBytes; }
 
-// nullptr if a mask of that size and number of lights is none, or needs more memory than there may be.
+// nullptr if a mask of that size and number of planes is none, or needs more memory than there may be. `samples`: of area
+// lights, in force.
 GNOMON_EXPORT(open)
-Stream* open_stream(uint32_t width, uint32_t height, uint32_t lights, uint32_t granted_width,
-                    uint32_t granted_height) {
-  if (!is_mask(width, height, lights)) return nullptr;
-  return new Stream({width, height, lights}, granted_width, granted_height);
+Stream* open_stream(uint32_t width, uint32_t height, uint32_t planes, uint32_t samples, uint32_t granted_width,
+                    uint32_t granted_height, uint32_t granted_samples) {
+  if (!is_mask(width, height, planes)) return nullptr;
+  return new Stream({width, height, planes}, samples, {granted_width, granted_height, granted_samples});
 }
 
 GNOMON_EXPORT(close) void close_stream(Stream* stream) { delete stream; }
@@ -160,8 +171,8 @@ GNOMON_EXPORT(decoded_slice) int32_t decoded_slice(Stream* stream, uint32_t byte
   return bytes > kMostBytes ? kMalformed : stream->add(std::span<const uint8_t>(body, bytes), stream->decoded);
 }
 
-GNOMON_EXPORT(open_lane) Lane* open_lane(uint32_t width, uint32_t height, uint32_t lights) {
-  return is_mask(width, height, lights) ? new Lane({width, height, lights}) : nullptr;
+GNOMON_EXPORT(open_lane) Lane* open_lane(uint32_t width, uint32_t height, uint32_t planes) {
+  return is_mask(width, height, planes) ? new Lane({width, height, planes}) : nullptr;
 }
 GNOMON_EXPORT(close_lane) void close_lane(Lane* lane) { delete lane; }
 GNOMON_EXPORT(lane_slice) uint32_t lane_slice(Lane* lane, uint32_t bytes) {

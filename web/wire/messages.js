@@ -15,6 +15,7 @@ export const Feature = {
   waiting: 128n,
   webTransport: 256n,
   fleet: 512n,
+  soft: 1024n,
 };
 
 // The server demands `paths` of every client by default. A browser has no datagrams, hence no address to prove.
@@ -68,14 +69,17 @@ function message(type, body) {
  * @property {number} rateHz 0: as many as it gets
  * @property {number[]} codecs in order of preference
  * @property {boolean} [webTransport] whether this browser has it
+ * @property {number} [samples] points of an area light that are wanted: 1, 4 or 16
  */
 
 /** @param {Hello} hello */
 export function encodeHello(hello) {
+  const samples = hello.samples ?? 1;
+  const soft = samples > 1 ? Feature.soft : 0n;
   return message(Type.hello, (out) => {
     out.u16(VERSION);
     out.u16(VERSION);
-    out.u64(hello.webTransport ? FEATURES | Feature.webTransport : FEATURES);
+    out.u64(FEATURES | soft | (hello.webTransport ? Feature.webTransport : 0n));
     out.text(hello.client, 256);
     out.text(hello.tenant, 256);
     out.text(hello.token, 512);
@@ -87,6 +91,7 @@ export function encodeHello(hello) {
     out.u16(hello.codecs.length);
     hello.codecs.forEach((codec) => out.u8(codec));
     out.u16(0); // passes: the server's own
+    if (soft) out.u8(samples);
   });
 }
 
@@ -154,6 +159,24 @@ function readLight(from) {
 }
 
 /** @param {Reader} from */
+function readSamples(from) {
+  const samples = from.u8();
+  if (![1, 4, 16].includes(samples)) throw new Malformed('a number of samples is none');
+  return samples;
+}
+
+/** Which lights have an extent. What it is like is the server's affair. @param {Reader} from */
+function readAreas(from) {
+  return from.list(256, () => {
+    const shape = from.u8();
+    from.floats(3);
+    from.floats(3);
+    if (shape > 3) throw new Malformed('an extent is none');
+    return shape !== 0;
+  });
+}
+
+/** @param {Reader} from */
 function readManifest(from) {
   const name = from.text(1024);
   const contentHash = Array.from(from.raw(16), (byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -205,6 +228,9 @@ function readWelcome(from) {
     from.text(256); // and where the session is resumed:
     from.u16(); // a page does neither
   }
+  const soft = (features & Feature.soft) !== 0n;
+  const samples = soft ? readSamples(from) : 1;
+  const areas = soft ? readAreas(from) : scene.lights.map(() => false);
   return {
     version,
     session,
@@ -217,6 +243,19 @@ function readWelcome(from) {
     scene,
     lightsVersion,
     motions,
+    samples,
+    areas,
+  };
+}
+
+/** What a session without the feature soft is not told of is left out. @param {Reader} from */
+function readSceneChanged(from) {
+  const scene = readManifest(from);
+  const soft = from.left > 0;
+  return {
+    scene,
+    samples: soft ? readSamples(from) : 1,
+    areas: soft ? readAreas(from) : scene.lights.map(() => false),
   };
 }
 
@@ -233,7 +272,7 @@ const READERS = {
       fitRateHz: from.rate(),
     }),
   ],
-  [Type.sceneChanged]: ['sceneChanged', (from) => ({ scene: readManifest(from) })],
+  [Type.sceneChanged]: ['sceneChanged', readSceneChanged],
   [Type.lightsChanged]: [
     'lightsChanged',
     (from) => ({
@@ -248,6 +287,7 @@ const READERS = {
       rateHz: from.rate(),
       reason: from.text(1024),
       untraced: from.list(256, () => from.u16()),
+      samples: from.left > 0 ? readSamples(from) : 1,
     }),
   ],
   [Type.draining]: [

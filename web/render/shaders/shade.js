@@ -11,7 +11,7 @@ export const LOOKUPS = { MASKS: 1, SEEN: 2, MAPS: 3 };
 export const VIEWS = { shaded: 0, material: 1, normals: 2, luminance: 3 };
 
 const LIGHTS = `
-uniform sampler2D lights;  // four texels for each, see lights.js
+uniform sampler2D lights;  // five texels for each, see lights.js
 uniform int light_count;
 
 TracedLight light_at(int i) {
@@ -32,7 +32,7 @@ LightColour colour_at(int i) {
 
 const UNIFORMS = `
 uniform usampler2D ids;
-uniform usampler2DArray masks;  // a layer for each light, a texel for each tile
+uniform usampler2DArray masks;  // a layer for each plane, a texel for each tile
 uniform bool masked;            // false: each light reaches what it faces
 uniform ivec2 first_pixel;      // of the shown part of the view
 uniform int flipped_height;     // of the target, if its row 0 is the lowest; else 0
@@ -104,19 +104,25 @@ vec3 base_colour(MaterialRecord m, Triangle t, SurfacePoint surface, vec3 weight
 `;
 
 const LIGHT = `
-bool mask_bit(int light, ivec2 pixel) {
-  uvec2 word = texelFetch(masks, ivec3(pixel >> 3, light), 0).xy;
+bool mask_bit(int plane, ivec2 pixel) {
+  uvec2 word = texelFetch(masks, ivec3(pixel >> 3, plane), 0).xy;
   uint bit = uint((pixel.y & 7) * 8 + (pixel.x & 7));
   return ((bit < 32u ? word.x >> bit : word.y >> (bit - 32u)) & 1u) != 0u;
 }
 
 // \`source\`: the pixel whose bits count; kUnknown where none is known, which is lit.
 const ivec2 kUnknown = ivec2(-1);
-bool visible(int light, ivec2 source) {
+// The share of the light's points that is seen there: 0 or 1 of a light without an extent.
+float visible(int light, ivec2 source) {
 #if LOOKUP == 1 || LOOKUP == 2
-  return source.x < 0 || mask_bit(light, source);
+  if (source.x < 0) return 1.0;
+  vec2 planes = texelFetch(lights, ivec2(4, light), 0).xy;
+  int plane = int(planes.x), number = 0;
+  if (mask_bit(plane, source)) return 1.0;
+  for (int left = int(planes.y); left > 1; left >>= 1) number = 2 * number + (mask_bit(++plane, source) ? 1 : 0);
+  return float(number) / planes.y;
 #else
-  return true;
+  return 1.0;
 #endif
 }
 
@@ -148,15 +154,18 @@ vec3 irradiance(int i, SurfacePoint surface, vec3 normal) {
   return shade.colour * attenuation * max(dot(normal, direction), 0.0);
 }
 
-// Whether the chosen light reaches the point; true if none is chosen.
-bool reached(SurfacePoint surface, ivec2 source) {
-  return only_light < 0 || (shadow_segment(camera, surface, light_at(only_light)).traced && visible(only_light, source));
+// How much of the chosen light reaches the point, 0 to 1; all if none is chosen.
+float reached(SurfacePoint surface, ivec2 source) {
+  if (only_light < 0) return 1.0;
+  return shadow_segment(camera, surface, light_at(only_light)).traced ? visible(only_light, source) : 0.0;
 }
 
 vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, ivec2 source) {
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < light_count; ++i)
-    if ((only_light < 0 || only_light == i) && visible(i, source)) sum += irradiance(i, surface, normal);
+  for (int i = 0; i < light_count; ++i) {
+    float share = only_light < 0 || only_light == i ? visible(i, source) : 0.0;
+    if (share > 0.0) sum += share * irradiance(i, surface, normal);
+  }
   vec3 ambient = mix(ambient_below, ambient_above, 0.5 + 0.5 * normal.y);
   return emissive + base * (sum / kPi + ambient);
 }
@@ -183,7 +192,7 @@ vec3 pixel_colour(uint id, ivec2 pixel) {
 #endif
   MaterialRecord m = material_of(t.corners.w);
   vec3 base = base_colour(m, t, surface, weights, pixel);
-  if (view == kMaterial) return reached(surface, source) ? base : vec3(0.0);
+  if (view == kMaterial) return reached(surface, source) * base;
   return shaded(surface, normal, base, m.emissive, source);
 }
 
