@@ -71,7 +71,8 @@ void use_server_tls(Config& config) {
 bool is_loopback(const std::string& address) { return asio::ip::make_address(address).is_loopback(); }
 bool is_any(const std::string& address) { return asio::ip::make_address(address).is_unspecified(); }
 
-// Keys whose change a running daemon takes over: those of them, and those below sections.
+// Keys whose change a running daemon takes over: those of them, and those below sections. What is listed here has to be
+// applied by Daemon::apply, or the reload claims to have done it.
 constexpr std::string_view kReloaded[] = {"server.max_sessions",
                                           "server.max_sessions_per_address",
                                           "server.max_session_memory_mb",
@@ -217,8 +218,9 @@ std::vector<Error> find_files(Config& config, const std::filesystem::path& confi
     const bool is_beside = std::filesystem::exists(beside, none);
     const bool is_shared = !is_beside && std::filesystem::exists(shared, none);
     if (!is_beside && !is_shared) {
-      missing.push_back(Error{scene.place + ": file " + scene.file.string() + " of scene " + scene.name +
-                              " does not exist; looked at " + beside.string() + " and " + shared.string()});
+      missing.push_back(
+          Error{scene.place + ": file " + scene.file.string() + " of scene " + scene.name + " does not exist" +
+                (beside == shared ? "" : "; looked at " + beside.string() + " and " + shared.string())});
     }
     scene.file = is_shared ? shared : beside;
   }
@@ -277,8 +279,12 @@ Result<void> check_admin(const AdminConfig& admin) {
   return {};
 }
 
+std::vector<std::string> changed_keys(const Config& next, const Config& running) {
+  return schema::changed_keys(config_keys(), running, next);
+}
+
 std::vector<std::string> restart_keys(const Config& next, const Config& running) {
-  std::vector<std::string> keys = schema::changed_keys(config_keys(), running, next);
+  std::vector<std::string> keys = changed_keys(next, running);
   std::erase_if(keys, [](const std::string& key) {
     return std::any_of(std::begin(kReloaded), std::end(kReloaded),
                        [&](std::string_view reloaded) { return is_at_or_below(key, reloaded); });

@@ -19,6 +19,10 @@ Result<std::vector<TokenHash>> read_hashes(const std::filesystem::path& file) {
     ++number;
     if (line.empty()) continue;
     const auto hash = parse_token_hash(line);
+    if (line.starts_with(kTokenMark)) {
+      return Error{file.string() + ":" + std::to_string(number) +
+                   ": is a token; here belongs its SHA-256, which gnomonctl make-token prints below it"};
+    }
     if (!hash || hashes.size() == kMostHashes) {
       return Error{file.string() + ":" + std::to_string(number) +
                    ": allowed: at most 1024 hashes of tokens, 64 hexadecimal digits on a line each; gnomonctl "

@@ -24,6 +24,13 @@ constexpr std::array<const char*, 2> kBuiltIn = {"living_room", "temple"};
 // The packaged unit does not let the daemon see them (ProtectHome, PrivateTmp).
 constexpr std::array<const char*, 5> kHidden = {"/home/", "/root/", "/run/user/", "/tmp/", "/var/tmp/"};
 
+// The letters of names, IPv4 and IPv6 addresses.
+bool is_host(const std::string& text) {
+  return !text.empty() &&
+         text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_:*") ==
+             std::string::npos;
+}
+
 bool is_plain_name(const std::string& name) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; };
   return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), plain);
@@ -55,6 +62,9 @@ class Installation {
       return Error{"--public-address is missing: where clients of a node of a fleet send their datagrams"};
     if (!request_.fleet.empty() && request_.proxies.empty())
       return Error{"--proxies is missing: the addresses of the fleet's doors"};
+    for (const std::string& host : request_.hosts) {
+      if (!is_host(host)) return Error{"--host " + host + ": a name or an address is needed"};
+    }
     for (const std::string& tenant : request_.tenants) {
       if (!is_plain_name(tenant))
         return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};

@@ -132,7 +132,9 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   light
       ->add_option_function<double>(
           "--intensity", [&change](double to) { change["intensity"] = to; }, "Candela, or lux of a directional one")
-      ->check(CLI::NonNegativeNumber)
+      ->check([](const std::string& text) {
+        return CLI::NonNegativeNumber(text).empty() ? "" : "a number from 0 on, not " + text;
+      })
       ->type_name("N");
   light
       ->add_option_function<std::vector<double>>(
@@ -345,7 +347,12 @@ int run(int argc, char** argv) {
     return exit_after(app, ended);
   }
   if (is_said(app, admin) && !is_said(app, fleet)) arguments.fleet.clear();  // the environment's
-  const auto done = chosen(arguments);
+  Result<void> done;
+  try {
+    done = chosen(arguments);
+  } catch (const std::filesystem::filesystem_error& error) {  // a folder that may not be looked into
+    done = Error{error.path1().string() + ": " + error.code().message()};
+  }
   if (done) return EXIT_SUCCESS;
   std::fprintf(stderr, "gnomonctl: %s\n", done.error().message.c_str());
   return EXIT_FAILURE;

@@ -21,6 +21,7 @@ Result<void> DaemonCertificates::open(const ServerConfig& config, bool browsers)
 std::vector<Error> DaemonCertificates::reopen(const ServerConfig& config) {
   ReopenedTls reopened = reopen_tls(config, **tls_.get());
   publish(std::move(reopened.tls));
+  remind(wall_now());
   return std::move(reopened.kept);
 }
 

@@ -13,12 +13,14 @@ class ExpiryReminder {
   // Returns the whole days that are left if it is time for a reminder, negative once the certificate has expired;
   // nullopt otherwise.
   std::optional<std::chrono::days> due(std::chrono::sys_seconds expires, std::chrono::sys_seconds now) {
-    if (expires - now > kAhead || now < next_) return std::nullopt;
+    if (expires - now > kAhead || (expires == told_ && now < next_)) return std::nullopt;
+    told_ = expires;
     next_ = now + std::chrono::days(1);
     return std::chrono::floor<std::chrono::days>(expires - now);
   }
 
  private:
+  std::chrono::sys_seconds told_ = std::chrono::sys_seconds::min();  // another one is told of at once
   std::chrono::sys_seconds next_ = std::chrono::sys_seconds::min();
 };
 

@@ -12,7 +12,7 @@ namespace gnomon::daemon {
 std::string make_token() {
   TokenHash bytes;
   if (RAND_priv_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) std::abort();
-  return to_hex(bytes);
+  return std::string(kTokenMark) + to_hex(bytes);
 }
 
 TokenHash hash_of(std::string_view token) {

@@ -15,7 +15,10 @@ namespace gnomon::daemon {
 
 using TokenHash = std::array<uint8_t, 32>;
 
-std::string make_token();  // 64 hexadecimal digits, from the kernel's generator
+// Begins with kTokenMark, so that one in the place of its hash is noticed; then 64 hexadecimal digits from the kernel's
+// generator.
+std::string make_token();
+inline constexpr std::string_view kTokenMark = "gnomon_";
 
 TokenHash hash_of(std::string_view token);
 

@@ -259,7 +259,7 @@ class Credentials(unittest.TestCase):
         self.tokens = {}
         for tenant in ("studio", "arcade"):
             made = subprocess.run([node.bin / "gnomonctl", "make-token"], text=True, stdout=subprocess.PIPE).stdout
-            self.tokens[tenant], token_hash = re.findall(r"\b[0-9a-f]{64}\b", made)
+            self.tokens[tenant], token_hash = re.findall(r"\b(?:gnomon_)?[0-9a-f]{64}\b", made)
             for entry in node.config["tenants"]:
                 if entry["name"] == tenant:
                     entry["token_sha256"] = [token_hash]

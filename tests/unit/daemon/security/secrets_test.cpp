@@ -21,7 +21,11 @@ TEST(Tokens, AreAllDifferentAndLong) {
   std::set<std::string> seen;
   for (int i = 0; i < 100; ++i) seen.insert(make_token());
   EXPECT_EQ(seen.size(), 100u);
-  for (const std::string& token : seen) EXPECT_EQ(token.size(), 64u);
+  for (const std::string& token : seen) {
+    EXPECT_TRUE(token.starts_with(kTokenMark)) << token;
+    EXPECT_EQ(token.size(), kTokenMark.size() + 64);
+    EXPECT_FALSE(parse_token_hash(token)) << "one in the place of its hash is noticed";
+  }
 }
 
 TEST(Tokens, HashIsSha256AndSurvivesItsText) {
