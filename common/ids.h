@@ -23,6 +23,9 @@ using FrameId = StrongId<struct FrameTag, uint32_t>;      // chosen by the clien
 using JobId = StrongId<struct JobTag, uint64_t>;          // unique within a daemon process
 using SceneId = StrongId<struct SceneTag, uint32_t>;      // index in the scene registry
 
+// Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
+constexpr bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
+
 }  // namespace gnomon
 
 template <class Tag, class Rep>

@@ -58,9 +58,8 @@ Result<std::unique_ptr<SessionStore>> open_store(const ServerConfig& server) {
   return store;
 }
 
-// The tenants of a new configuration. Where there is no room for new ones, those that are known still change: what is
-// revoked is revoked.
-// The tenants; without those that would let everybody in from elsewhere, unless the configuration says that it may be.
+// The tenants of a new configuration; those that would let everybody in from elsewhere are closed, unless the
+// configuration allows it.
 std::vector<TenantConfig> closed_to_strangers(const ServerConfig& server, std::vector<TenantConfig> tenants,
                                               std::vector<Error>& kept) {
   const auto safe = check_access(server, tenants);
@@ -107,6 +106,8 @@ void change_scenes(const Config& next, Published<SceneCatalog>& catalog, SceneHo
   }
 }
 
+// The tenants by id after the reload. Where there is no room for new ones, those that are known still change, so that
+// what is revoked is revoked.
 TenantDirectory next_tenants(const TenantDirectory& now, std::vector<TenantConfig> tenants,
                              std::vector<Error>& kept) {
   TenantDirectory next = now.with(tenants);

@@ -32,8 +32,8 @@ class Daemon final : private FrameSink {
     // Reads the configuration again and calls reload() on the main thread, then its argument. Any thread may call it.
     std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
     scenes::SceneReader read_scene = scenes::read_here;
-    // Told of a configuration that is applied, for what belongs to the two above: the log of workers, the limit of the
-    // renderers' cache. On the thread of reload().
+    // Told of a configuration that is applied, so that its caller changes what it made for read_scene and
+    // make_renderers: the log of workers, the limit of the cache. On the thread of reload().
     std::function<void(const Config&)> on_reload = {};
   };
 
@@ -61,9 +61,6 @@ class Daemon final : private FrameSink {
 
   // Reminds operators in the log of a certificate that expires. Called now and then, on the main thread.
   void remind(std::chrono::sys_seconds now) { certificates_.remind(now); }
-
-  // The session's frames use the codec from the next one on. Precondition: its client decodes it. Any thread.
-  void choose_codec(SessionId session, protocol::CodecId codec) { devices_.choose_codec({session, codec}); }
 
   uint16_t control_port() const { return server_->control_port(); }
   const Server& server() const { return *server_; }  // its further ports

@@ -29,7 +29,6 @@ constexpr size_t kTypeBytes = 2;
 bool is_rate(float hz) { return std::isfinite(hz) && hz >= 0; }
 bool is_side(uint16_t pixels) { return pixels > 0 && pixels <= kMaxSide; }
 bool is_known(CipherId cipher) { return cipher == CipherId::aes_128_gcm || cipher == CipherId::chacha20_poly1305; }
-bool is_known(CodecId codec) { return std::find(kCodecs.begin(), kCodecs.end(), codec) != kCodecs.end(); }
 
 template <class A>
 void fields(A& a, Of<A, LightInfo>& m) {

@@ -28,6 +28,8 @@ bool is_cosine(float v) { return v >= -1.0f && v <= 1.0f; }
 
 }  // namespace
 
+bool is_known(CodecId codec) { return std::find(kCodecs.begin(), kCodecs.end(), codec) != kCodecs.end(); }
+
 const char* to_string(CodecId codec) {
   switch (codec) {
     case CodecId::raw32_lz4: return "raw32_lz4";

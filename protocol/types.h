@@ -41,9 +41,11 @@ using Bytes32 = std::array<uint8_t, 32>;
 // Ciphers of the data channel's seal.
 enum class CipherId : uint8_t { aes_128_gcm = 1, chacha20_poly1305 = 2 };
 
+// A larger number means a denser codec, by which daemon/session/handshake.cpp chooses.
 enum class CodecId : uint8_t { raw32_lz4 = 0, tiles_lz4 = 1, tiles_context = 3 };  // 2: an earlier tiles_context
 inline constexpr size_t kCodecNumbers = 4;                                         // every codec's number is less
 inline constexpr std::array<CodecId, 3> kCodecs{CodecId::raw32_lz4, CodecId::tiles_lz4, CodecId::tiles_context};
+bool is_known(CodecId codec);          // one of kCodecs
 const char* to_string(CodecId codec);  // its name in WIRE.md
 Result<CodecId> parse_codec(std::string_view name);
 

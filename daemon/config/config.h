@@ -1,5 +1,5 @@
-// What an operator may set, as plain data. The defaults are defined here and nowhere else; config/gnomond.yaml explains
-// every key.
+// What an operator may set, as plain data. The operator's defaults are defined here; values of the same name elsewhere
+// are for tests. config/gnomond.yaml explains every key.
 #pragma once
 
 #include <chrono>
@@ -257,6 +257,8 @@ Result<void> check_admin(const AdminConfig& admin);
 
 bool is_loopback(const AdminConfig& admin);  // whether it listens on loopback alone
 
+// Keys whose values differ, in full (server.tls.key).
+std::vector<std::string> changed_keys(const Config& next, const Config& running);
 // The dotted keys in which the two differ and that a running daemon cannot change.
 std::vector<std::string> restart_keys(const Config& next, const Config& running);
 

@@ -31,7 +31,7 @@ class RequestGate {
   // The frame is ready, as `bytes` to send. Views that were asked for before it will not be answered any more.
   void on_answer(FrameId frame, size_t bytes, TimePoint now) {
     frame_bytes_ += (static_cast<double>(bytes) - frame_bytes_) / (frame_bytes_ == 0 ? 1 : 8);
-    while (!asked_.empty() && static_cast<int32_t>(frame.value - asked_.front().frame.value) >= 0) {
+    while (!asked_.empty() && !is_newer(asked_.front().frame, frame)) {
       if (asked_.front().frame == frame) ready_in_ += (now - asked_.front().at - ready_in_) / 8;
       asked_.pop_front();
     }

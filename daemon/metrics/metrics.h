@@ -1,7 +1,8 @@
 // What the daemon counts, for Prometheus. Labels are bounded: tenants, scenes, stages and reasons, never sessions.
 //
-// Any thread. Every series is made at the start, and counting touches one atomic or one short lock of one histogram, so
-// that a scrape never delays a frame.
+// Any thread. The series of every frame's way are made at the start, and counting in them touches one atomic or one
+// short lock of one histogram, so that a scrape does not delay them. Rare faults, refusals and a tenant's dropped frames
+// are series made when they first happen, under the lock of their family.
 #pragma once
 
 #include <memory>

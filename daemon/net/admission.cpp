@@ -23,7 +23,6 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::milliseconds kFirstNews = 500ms;  // a client hears within a second what it waits for
 constexpr std::chrono::milliseconds kBetweenNews = 1s;
-constexpr auto kBetweenLooks = 20ms;  // whether the devices are open
 
 constexpr const char* kGoingAway = "the server is going away";
 constexpr const char* kNoSession = "no such session, or it is over";
@@ -174,7 +173,7 @@ asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, con
 Admission::Verdict Admission::take_permit(Applicant& applicant) {
   auto permit = shared_.limits.take(applicant.grant.tenant, network_of(applicant.stream->peer()));
   if (const auto* message = std::get_if<protocol::Refused>(&permit)) {
-    return Refusal{*message, fault_of(message->code), scheduler::Limit::sessions};
+    return without_permit(*message);
   }
   applicant.permit.emplace(std::get<SessionPermit>(std::move(permit)));
   return std::nullopt;
@@ -213,11 +212,7 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
   if (!answer || has_departed(applicant)) co_return departed();
   Result<SceneForUse>& fetched = *answer;
   if (!fetched) {
-    const std::string& why = fetched.error().message;
-    Refusal refusal =
-        refused(RefusalCode::scene_unavailable, without_folder(why, grant.scene_name, *shared_.catalog.get()));
-    refusal.for_operators = why;
-    co_return refusal;
+    co_return without_scene(fetched.error().message, grant.scene_name, *shared_.catalog.get());
   }
   applicant.scene = std::move(*fetched);
   const scenes::LoadedScene& scene = applicant.scene;
@@ -365,8 +360,7 @@ void Admission::hold(const Applicant& applicant) {
 
 void Admission::refuse(const StreamPtr& stream, const Refusal& refusal, const Claim& claim, TenantId tenant) {
   if (refusal.departed) return;
-  if (refusal.limit) shared_.metrics.refused(tenant, to_string(*refusal.limit));
-  report(shared_.metrics, refusal, claim, stream->peer());
+  report(shared_.metrics, refusal, claim, tenant, stream->peer());
   pending_.remove(stream.get());
   stream->send(refusal.message);
   pending_.close_gracefully(stream, Clock::now());

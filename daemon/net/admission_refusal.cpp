@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "daemon/net/words_for_clients.h"
 #include "daemon/session/handshake.h"
 
 namespace gnomon::daemon {
@@ -33,10 +34,21 @@ AdmissionRefusal refused(const scheduler::AdmissionRejection& rejection) {
   return {message, fault_of(message.code), rejection.limit};
 }
 
+AdmissionRefusal without_permit(const protocol::Refused& message) {
+  return {message, fault_of(message.code), scheduler::Limit::sessions};
+}
+
+AdmissionRefusal without_scene(const std::string& why, const std::string& scene, const SceneCatalog& catalog) {
+  AdmissionRefusal refusal = refused(RefusalCode::scene_unavailable, without_folder(why, scene, catalog));
+  refusal.for_operators = why;
+  return refusal;
+}
+
 AdmissionRefusal departed() { return {.message = {}, .fault = Fault::handshake_abandoned, .departed = true}; }
 
-void report(Metrics& metrics, const AdmissionRefusal& refusal, const AdmissionClaim& claim,
+void report(Metrics& metrics, const AdmissionRefusal& refusal, const AdmissionClaim& claim, TenantId tenant_id,
             const asio::ip::address& peer) {
+  if (refusal.limit) metrics.refused(tenant_id, to_string(*refusal.limit));
   const log::Field reason("reason", row_of(refusal.fault).label);
   const log::Field text("text", refusal.for_operators.empty() ? refusal.message.text : refusal.for_operators);
   const log::Field tenant("tenant", claim.tenant.substr(0, kMostOfName));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/metrics/metrics.h"
+#include "daemon/scenes/scene_catalog.h"
 #include "protocol/messages.h"
 #include "scheduler/admission_control.h"
 
@@ -29,10 +30,12 @@ struct AdmissionRefusal {
 AdmissionRefusal refused(const protocol::Refused& message);
 AdmissionRefusal refused(protocol::RefusalCode code, std::string text);
 AdmissionRefusal refused(const scheduler::AdmissionRejection& rejection);
+AdmissionRefusal without_permit(const protocol::Refused& message);  // of SessionLimits::take
+AdmissionRefusal without_scene(const std::string& why, const std::string& scene, const SceneCatalog& catalog);
 AdmissionRefusal departed();
 
-// Counts the refusal and logs it with all that is known of who was refused.
-void report(Metrics& metrics, const AdmissionRefusal& refusal, const AdmissionClaim& claim,
+// Counts the refusal and logs it with all that is known of who was refused. `tenant`: of a refusal with a limit.
+void report(Metrics& metrics, const AdmissionRefusal& refusal, const AdmissionClaim& claim, TenantId tenant,
             const asio::ip::address& peer);
 
 }  // namespace gnomon::daemon

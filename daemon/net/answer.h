@@ -19,6 +19,9 @@
 
 namespace gnomon::daemon {
 
+// How often a client that came before the devices are open looks whether they are.
+inline constexpr std::chrono::milliseconds kBetweenLooks{20};
+
 // Receives the answer. May be called once, on any thread, while the event loop exists.
 template <typename Answer>
 using OnAnswer = std::function<void(Answer)>;

@@ -17,8 +17,9 @@ class FrameSender {
   // Adds the frame to the session's link. Returns the bytes of its datagrams.
   size_t add(EncodedFrame& frame, Session& session, TimePoint now);
 
-  // Sends what the link releases now. Precondition: the session's path has a current address. Returns a fault if the kernel did not
-  // take everything; the rest of the batch is lost, as on the network.
+  // Sends what the link releases now. Precondition: the session's path has a current address. Returns a fault if the
+  // kernel did not take everything: the rest of the batch is lost, as on the network. After a datagram that is too long for
+  // the local interface the rest of its batch is lost too, and sending goes on.
   std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
   // Sends the challenges that are due to the address that the session's client is to prove.

@@ -12,24 +12,30 @@ namespace gnomon::daemon {
 namespace {
 
 using protocol::RefusalCode;
-using namespace std::chrono_literals;
-
-constexpr auto kBetweenLooks = 20ms;  // whether the devices are open
-
 int status_of(RefusalCode code) {
   switch (code) {
     case RefusalCode::bad_token:
     case RefusalCode::unknown_tenant: return 401;
     case RefusalCode::kept_out: return 403;
     case RefusalCode::unknown_scene: return 404;
-    default: return 503;
+    case RefusalCode::version:
+    case RefusalCode::bad_size:
+    case RefusalCode::unknown_pass:
+    case RefusalCode::malformed:
+    case RefusalCode::too_many_sessions:
+    case RefusalCode::draining:
+    case RefusalCode::over_capacity:
+    case RefusalCode::scene_unavailable:
+    case RefusalCode::unknown_session:
+    case RefusalCode::internal: break;
   }
+  return 503;
 }
 
 // Counted and logged as the refusal of a Hello is. Who may not be here guesses once a connection, as with a Hello.
 web::Response refuse(const NetShared& shared, const AdmissionRefusal& refusal, const AdmissionClaim& claim,
-                     const ControlStream& stream) {
-  report(shared.metrics, refusal, claim, stream.peer());
+                     const ControlStream& stream, TenantId tenant = {}) {
+  report(shared.metrics, refusal, claim, tenant, stream.peer());
   web::Response response = web::text_response(status_of(refusal.message.code), refusal.message.text);
   response.close = response.status == 401 || response.status == 403;
   if (response.status == 401) response.fields.emplace_back("WWW-Authenticate", "Bearer");
@@ -81,7 +87,7 @@ asio::awaitable<std::optional<web::Response>> answer_about_scene(const NetShared
     co_return refuse(shared, refused(RefusalCode::unknown_scene, "there is no such scene"), claim, *stream);
   const auto permit = shared.limits.take(tenant, network_of(stream->peer()));
   if (const auto* message = std::get_if<protocol::Refused>(&permit)) {
-    co_return refuse(shared, refused(*message), claim, *stream);
+    co_return refuse(shared, without_permit(*message), claim, *stream, tenant);
   }
   asio::steady_timer timer(io);
   while (!shared.health.serving) {
@@ -97,10 +103,7 @@ asio::awaitable<std::optional<web::Response>> answer_about_scene(const NetShared
   if (!scene) shared.scenes.give_up(fetch_id);
   if (!scene) co_return std::nullopt;
   if (!*scene) {
-    co_return refuse(shared,
-                     refused(RefusalCode::scene_unavailable,
-                             without_folder(scene->error().message, name, *shared.catalog.get())),
-                     claim, *stream);
+    co_return refuse(shared, without_scene(scene->error().message, name, *shared.catalog.get()), claim, *stream);
   }
   const Ask<Result<ScenePackPtr>> make = [&](auto on_answer) {
     shared.packs->get(name, std::move(**scene), std::move(on_answer));

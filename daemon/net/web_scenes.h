@@ -1,5 +1,6 @@
 // Answers what browsers ask about scenes: who asks is identified as by a Hello, the scene is read and made resident as
-// for a session, and its pack is made once.
+// for a session, and its pack is made once. A rule of admission that holds for scenes too has to be added here as well as
+// in Admission::take_steps.
 #pragma once
 
 #include <asio/awaitable.hpp>

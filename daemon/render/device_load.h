@@ -37,7 +37,8 @@ class DeviceLoad {
   // take. Work on the device is limited to what keeps it busy: the next job is submitted shortly before the device is
   // predicted to run dry. Submitted earlier, it would only delay the job of a newcomer; and if predictions fail, there
   // are at most two jobs of full length on the device. `quantum` 0: jobs are never cut, and only frames are counted.
-  bool has_room(uint32_t free_slots, uint32_t frames_in_flight, Nanoseconds quantum, TimePoint now) {
+  // Also sets room_at(), until which the caller then sleeps.
+  bool look_for_room(uint32_t free_slots, uint32_t frames_in_flight, Nanoseconds quantum, TimePoint now) {
     room_at_ = TimePoint::max();
     if (free_slots == 0 || frames_ - partial_ >= frames_in_flight) return false;
     if (jobs_ == 0 || quantum <= Nanoseconds{}) return true;

@@ -23,8 +23,7 @@ bool any_up(const std::vector<std::unique_ptr<DeviceThread>>& devices) {
 }  // namespace
 
 DevicePool::DevicePool(size_t count, double assumed_rate_hz, Metrics& metrics, Health& health)
-    : assumed_rate_hz_(assumed_rate_hz),
-      metrics_(metrics),
+    : metrics_(metrics),
       health_(health),
       devices_([&] {
         std::vector<std::unique_ptr<DeviceThread>> devices;
@@ -32,7 +31,7 @@ DevicePool::DevicePool(size_t count, double assumed_rate_hz, Metrics& metrics, H
           devices.push_back(std::make_unique<DeviceThread>(i, metrics, static_cast<Owner&>(*this)));
         return devices;
       }()),
-      places_(devices_) {}
+      places_(devices_, assumed_rate_hz) {}
 
 Result<void> DevicePool::start(const std::vector<RendererFactory>& factories, const SharingPolicy& sharing,
                                const SceneMotion::Settings& motion, FrameSink& sink,
@@ -54,7 +53,7 @@ void DevicePool::stop() {
 std::vector<PooledDevice> DevicePool::report() const {
   const CostModels known = costs();
   std::lock_guard lock(mutex_);
-  const std::vector<double> loads = places_.loads(known, assumed_rate_hz_);
+  const std::vector<double> loads = places_.loads(known);
   std::vector<PooledDevice> all;
   for (uint32_t i = 0; i < devices_.size(); ++i)
     all.push_back({devices_[i]->info(), devices_[i]->up(), places_.drained(i), places_.sessions(i), loads[i]});
@@ -132,11 +131,6 @@ void DevicePool::open(const SessionOpened& session) {
 void DevicePool::close(SessionId session) {
   std::lock_guard lock(mutex_);
   places_.close(session);
-}
-
-void DevicePool::choose_codec(const CodecChosen& chosen) {
-  std::lock_guard lock(mutex_);
-  places_.choose_codec(chosen);
 }
 
 void DevicePool::review(const LinkReviewed& reviewed) {

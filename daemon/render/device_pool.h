@@ -23,7 +23,7 @@ struct PooledDevice : gpu::DeviceInfo {
 // Any thread.
 class DevicePool final : private DeviceThread::Owner {
  public:
-  // `assumed_rate_hz`: of sessions that named no rate, where the load is counted.
+  // `assumed_rate_hz`: of sessions that named no rate, where sessions are placed and the load is counted.
   DevicePool(size_t count, double assumed_rate_hz, Metrics& metrics, Health& health);
 
   // Called on the main thread, before any other call. `factories`: one for each device. `sink` outlives the pool's
@@ -50,7 +50,6 @@ class DevicePool final : private DeviceThread::Owner {
   void ask_room(const CapacityRequested& asked);
   void open(const SessionOpened& session);
   void close(SessionId session);
-  void choose_codec(const CodecChosen& chosen);
   void review(const LinkReviewed& reviewed);
   void sent(uint32_t device, const BytesSent& sent);
 
@@ -71,7 +70,6 @@ class DevicePool final : private DeviceThread::Owner {
   void device_failed(uint32_t device, const Error& why) override;
   void device_reported() override;
 
-  const double assumed_rate_hz_;
   Metrics& metrics_;
   Health& health_;
   std::function<void(const Error&)> failed_;

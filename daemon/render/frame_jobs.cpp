@@ -16,7 +16,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
                     .net_thread = session.opened.net_thread,
                     .device = device,
                     .frame = view.frame},
-          .spec = {.codec = quality.wants_dense_codec() ? session.grant().dense_codec : session.codec,
+          .spec = {.codec = quality.wants_dense_codec() ? session.grant().dense_codec : session.grant().codec,
                    .slice_body_bytes = view.slice_body_bytes,
                    .references = session.opened.references,
                    .camera = view.camera,
@@ -31,9 +31,9 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
 
 }  // namespace
 
-bool FrameJobs::has_room(TimePoint now) {
+bool FrameJobs::look_for_room(TimePoint now) {
   const uint32_t free_slots = device_.renderer().free_slots();
-  return load_.has_room(free_slots, queue_.sharing().frames_in_flight, queue_.quantum(), now);
+  return load_.look_for_room(free_slots, queue_.sharing().frames_in_flight, queue_.quantum(), now);
 }
 
 void FrameJobs::submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {

@@ -20,7 +20,7 @@ class FrameJobs {
       : device_(device), inbox_(inbox), metrics_(metrics), sink_(sink), motion_(motion), queue_(queue) {}
 
   // Whether another job of full length may be submitted.
-  bool has_room(TimePoint now);
+  bool look_for_room(TimePoint now);
 
   // Submits the next job of a picked session: its newest view, or the next band of its partial frame. A job that cannot
   // be submitted is not charged.

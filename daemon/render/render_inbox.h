@@ -39,12 +39,6 @@ struct CapacityRequested {
   std::function<void(Result<void>)> answer;  // called on the render thread
 };
 
-// The session's frames use this codec from the next one on.
-struct CodecChosen {
-  SessionId session;
-  protocol::CodecId codec = protocol::CodecId::tiles_lz4;
-};
-
 struct SessionClosed {
   SessionId session;
 };
@@ -127,9 +121,9 @@ struct SharingPolicyChanged {
 struct StopRendering {};  // no further views are taken; the loop ends when the last lease is dropped
 
 using RenderEvent =
-    std::variant<ViewRequest, CapacityRequested, SessionOpened, CodecChosen, SessionClosed, SessionMoved,
-                 SceneLoaded, SceneUnloaded, JobFinished, LeaseDropped, BytesSent, LightChanged, BackgroundDone,
-                 LinkReviewed, SharingPolicyChanged, TenantDeviceShare, StopRendering>;
+    std::variant<ViewRequest, CapacityRequested, SessionOpened, SessionClosed, SessionMoved, SceneLoaded,
+                 SceneUnloaded, JobFinished, LeaseDropped, BytesSent, LightChanged, BackgroundDone, LinkReviewed,
+                 SharingPolicyChanged, TenantDeviceShare, StopRendering>;
 
 // Any thread pushes, the render thread takes. The number of views is bounded, as clients decide how fast they come;
 // other events are not limited.

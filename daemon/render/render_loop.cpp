@@ -30,10 +30,10 @@ void RenderLoop::start(TimePoint now) {
   if (!recovery_.up()) return;
   for (const SceneId scene : motion_.step(now)) queue_.forget_costs(scene, now);
   queue_.release_held(now);
-  if (!jobs_.has_room(now)) return;
+  if (!jobs_.look_for_room(now)) return;
   queue_.account().sample_backlog();
   device_.renderer().begin_batch();
-  while (!recovery_.lost() && jobs_.has_room(now)) {
+  while (!recovery_.lost() && jobs_.look_for_room(now)) {
     queue_.drop_expired(now);
     const auto next = queue_.pick(now);
     if (!next) break;
@@ -49,9 +49,6 @@ void RenderLoop::handle(RenderEvent event, TimePoint now) {
       [&](const SessionOpened& opened) { queue_.open(opened); },
       [&](const SessionClosed& closed) { close(closed.session); },
       [&](const SessionMoved& leaves) { move_away(leaves); },
-      [&](const CodecChosen& chosen) {
-        if (RenderSession* session = queue_.find(chosen.session)) session->codec = chosen.codec;
-      },
       [&](const LinkReviewed& reviewed) {
         if (RenderSession* session = queue_.find(reviewed.session)) session->quality.review_link(reviewed.window);
       },
@@ -89,7 +86,7 @@ void RenderLoop::take_view(const ViewRequest& view, TimePoint now) {
     metrics_.coalesced(session->grant().tenant);
   }
   // After a move the previous device may pass on a view that is older than the newest one here.
-  if (!session->newest || session->newest->frame.value <= view.frame.value) session->newest = view;
+  if (!session->newest || !is_newer(session->newest->frame, view.frame)) session->newest = view;
   if (!session->partial && !session->held) queue_.enqueue_when_allowed(*session, now);
 }
 

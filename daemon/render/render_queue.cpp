@@ -41,7 +41,8 @@ RenderSession* RenderQueue::find(SessionId id) {
 void RenderQueue::open(const SessionOpened& opened) {
   const TenantId tenant = opened.grant.tenant;
   const auto [session, is_new] = sessions_.try_emplace(opened.session, opened, sink_, metrics_);
-  if (is_new) session->second.quality.set_limits(sharing_.tenants[tenant.value].degradation);
+  assert(is_new);
+  session->second.quality.set_limits(sharing_.tenants[tenant.value].degradation);
   scheduler_->add_session(opened.session, tenant);
 }
 

@@ -17,7 +17,7 @@ namespace gnomon::daemon {
 // passes the time.
 class RenderQueue {
  public:
-  // `usual_quantum`: of this kind of device, used if the sharing specify none. All references outlive the queue.
+  // `usual_quantum`: of this kind of device, used if the sharing policy names none. All references outlive the queue.
   RenderQueue(const SharingPolicy& sharing, Nanoseconds usual_quantum, SceneCosts& costs, FrameSink& sink,
               Metrics& metrics);
 

@@ -26,13 +26,12 @@ struct NextJob {
 
 struct RenderSession {
   RenderSession(SessionOpened as_opened, FrameSink& sink, Metrics& metrics)
-      : opened(std::move(as_opened)), quality(opened, sink, metrics), codec(opened.grant.codec) {}
+      : opened(std::move(as_opened)), quality(opened, sink, metrics) {}
   RenderSession(const RenderSession&) = delete;
   RenderSession& operator=(const RenderSession&) = delete;
 
   const SessionOpened opened;
   SessionQuality quality;
-  protocol::CodecId codec;  // in force unless the link is too slow for it
   std::optional<ViewRequest> newest;
   uint32_t coalesced = 0;  // views replaced since its last frame
   std::optional<PartialFrame> partial;

@@ -5,31 +5,23 @@
 namespace gnomon::daemon {
 namespace {
 
-// The rate assumed for sessions that ask for none, and take all they get.
-constexpr double kRateOfTheGreedy = 60;
-
 uint64_t bits_of(const SessionGrant& grant, uint64_t pixels, uint32_t lights) {
   return scheduler::weighted_bits(pixels, lights, grant.area_count(), grant.samples);
 }
 
-double load_of(const SessionGrant& grant) {
-  const double rate = grant.rate_hz > 0 ? grant.rate_hz : kRateOfTheGreedy;
-  const uint64_t pixels = uint64_t{grant.width} * grant.height;
-  return rate * static_cast<double>(bits_of(grant, pixels, std::max(grant.lights, 1u)));
-}
-
 }  // namespace
 
-SessionPlaces::SessionPlaces(const Devices& devices)
+SessionPlaces::SessionPlaces(const Devices& devices, double assumed_rate_hz)
     : devices_(devices),
+      assumed_rate_hz_(assumed_rate_hz),
       placement_(static_cast<uint32_t>(devices.size())),
       drained_(devices.size()),
       down_(devices.size()) {}
 
 void SessionPlaces::open(const SessionOpened& session) {
   const TenantId tenant = session.grant.tenant;
-  if (!placement_.add(session.session, tenant, load_of(session.grant))) return;
-  sessions_.emplace(session.session, PlacedSession{session, session.grant.codec});
+  if (!placement_.add(session.session, tenant, demand_of(session.grant))) return;
+  sessions_.emplace(session.session, session);
   inbox_of(session.session).push(session);
   tell_parts(tenant);
 }
@@ -39,30 +31,30 @@ void SessionPlaces::close(SessionId session) {
   placement_.remove(session);
   const auto found = sessions_.find(session);
   if (found == sessions_.end()) return;
-  const TenantId tenant = found->second.opened.grant.tenant;
+  const TenantId tenant = found->second.grant.tenant;
   sessions_.erase(found);
   tell_parts(tenant);
 }
 
-void SessionPlaces::choose_codec(const CodecChosen& chosen) {
-  if (const auto found = sessions_.find(chosen.session); found != sessions_.end())
-    found->second.codec = chosen.codec;
-  inbox_of(chosen.session).push(chosen);
+double SessionPlaces::demand_of(const SessionGrant& grant) const {
+  const double rate = grant.rate_hz > 0 ? grant.rate_hz : assumed_rate_hz_;
+  const uint64_t pixels = uint64_t{grant.width} * grant.height;
+  return rate * static_cast<double>(bits_of(grant, pixels, std::max(grant.lights, 1u)));
 }
 
 RenderInbox& SessionPlaces::inbox_of(SessionId session) const {
   return devices_[placement_.device_of(session).value_or(0)]->inbox();
 }
 
-std::vector<double> SessionPlaces::loads(const CostModels& known, double assumed_rate_hz) const {
+std::vector<double> SessionPlaces::loads(const CostModels& known) const {
   std::vector<double> all(devices_.size());
   for (const auto& [id, placed] : sessions_) {
-    const SessionGrant& grant = placed.opened.grant;
+    const SessionGrant& grant = placed.grant;
     const auto model = known.find(grant.scene);
     const auto device = placement_.device_of(id);
     if (!device || model == known.end() || !model->second.model(grant.samples).knows()) continue;
     const uint64_t pixels = uint64_t{grant.width} * grant.height;
-    const double rate_hz = grant.rate_hz > 0 ? double{grant.rate_hz} : assumed_rate_hz;
+    const double rate_hz = grant.rate_hz > 0 ? double{grant.rate_hz} : assumed_rate_hz_;
     const scheduler::Work frame{pixels, bits_of(grant, pixels, grant.lights), true};
     all[*device] += rate_hz * to_seconds(model->second.model(grant.samples).predict(frame).total());
   }
@@ -105,10 +97,9 @@ void SessionPlaces::settle(uint32_t device) {
 void SessionPlaces::carry_out(const std::vector<Placement::Move>& moves) {
   std::vector<TenantId> tenants;
   for (const Placement::Move& move : moves) {
-    const auto& [opened, codec] = sessions_.at(move.session);
+    const SessionOpened& opened = sessions_.at(move.session);
     RenderInbox& to = devices_[move.to]->inbox();
     to.push(opened);
-    if (codec != opened.grant.codec) to.push(CodecChosen{move.session, codec});
     devices_[move.from]->inbox().push(SessionMoved{move.session, &to});
     tenants.push_back(opened.grant.tenant);
   }

@@ -14,13 +14,13 @@ namespace gnomon::daemon {
 // old one. One thread at a time: DevicePool guards it with its mutex.
 class SessionPlaces {
  public:
-  // `devices` outlive this object; their number does not change.
+  // `devices` outlive this object; their number does not change. `assumed_rate_hz`: of sessions that named no rate, in
+  // demands and loads.
   using Devices = std::vector<std::unique_ptr<DeviceThread>>;
-  explicit SessionPlaces(const Devices& devices);
+  SessionPlaces(const Devices& devices, double assumed_rate_hz);
 
   void open(const SessionOpened& session);
   void close(SessionId session);
-  void choose_codec(const CodecChosen& chosen);
   // The inbox of the session's device; of the first device if the session is not known.
   RenderInbox& inbox_of(SessionId session) const;
 
@@ -33,23 +33,21 @@ class SessionPlaces {
   bool any_other_open(uint32_t device) const;  // whether another device takes sessions
   uint32_t sessions(uint32_t device) const { return placement_.sessions(device); }
   // For each device: the seconds a second that its sessions' frames are predicted to need, by what they were granted. A
-  // scene of which nothing is known yet counts nothing, a session without a rate `assumed_rate_hz`.
-  std::vector<double> loads(const CostModels& known, double assumed_rate_hz) const;
+  // scene of which nothing is known yet counts nothing.
+  std::vector<double> loads(const CostModels& known) const;
   std::vector<RenderInbox*> open_inboxes() const;  // of the devices that take sessions
 
  private:
-  struct PlacedSession {
-    SessionOpened opened;
-    protocol::CodecId codec;  // in force
-  };
-
   void settle(uint32_t device);
   void carry_out(const std::vector<Placement::Move>& moves);
   void tell_parts(TenantId tenant);
 
+  double demand_of(const SessionGrant& grant) const;  // visibility bits a second
+
   const Devices& devices_;
+  const double assumed_rate_hz_;
   Placement placement_;
-  std::unordered_map<SessionId, PlacedSession> sessions_;
+  std::unordered_map<SessionId, SessionOpened> sessions_;
   std::vector<bool> drained_, down_;
 };
 

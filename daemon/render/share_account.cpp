@@ -4,38 +4,31 @@
 #include <cmath>
 
 namespace gnomon::daemon {
-namespace {
-
-using namespace std::chrono_literals;
-using scheduler::RateLimit;
-
-constexpr Nanoseconds kBurst = 100ms;  // of a tenant's rates, as its clients are not synchronised
-
-}  // namespace
-
 void ShareAccount::set_sharing(const SharingPolicy& sharing) {
   tenants_.resize(std::max(tenants_.size(), sharing.tenants.size()));
   for (size_t i = 0; i < sharing.tenants.size(); ++i) {
     Tenant& tenant = tenants_[i];
     tenant.rates = sharing.tenants[i].rates;
     tenant.weight = sharing.tenants[i].scheduling.weight;
-    tenant.buffers = RateLimit(tenant.part * tenant.rates.buffers_per_second, kBurst);
-    tenant.bits = RateLimit(tenant.part * tenant.rates.bits_per_second, kBurst);
-    tenant.bytes = RateLimit(tenant.part * tenant.rates.bytes_per_second, kBurst);
-    tenant.gpu = RateLimit(tenant.part * tenant.rates.gpu_share, kBurst);
+    set_rates(tenant);
   }
 }
 
-// What was spent before stays spent. A part of 0 is ignored: it would mean no limit, and no session needs one.
+// What was spent before stays spent.
+void ShareAccount::set_rates(Tenant& tenant) {
+  tenant.buffers.set(tenant.part * tenant.rates.buffers_per_second);
+  tenant.bits.set(tenant.part * tenant.rates.bits_per_second);
+  tenant.bytes.set(tenant.part * tenant.rates.bytes_per_second);
+  tenant.gpu.set(tenant.part * tenant.rates.gpu_share);
+}
+
+// A part of 0 is ignored: it would mean no limit, and no session needs one.
 void ShareAccount::set_part(TenantId id, double part) {
   if (part <= 0) return;
   tenants_.resize(std::max<size_t>(tenants_.size(), id.value + 1));
   Tenant& tenant = tenants_[id.value];
   tenant.part = part;
-  tenant.buffers.set(part * tenant.rates.buffers_per_second);
-  tenant.bits.set(part * tenant.rates.bits_per_second);
-  tenant.bytes.set(part * tenant.rates.bytes_per_second);
-  tenant.gpu.set(part * tenant.rates.gpu_share);
+  set_rates(tenant);
 }
 
 void ShareAccount::sample_backlog() {

@@ -33,17 +33,20 @@ class ShareAccount {
   ShareReport report(const scheduler::Scheduler& policy);
 
  private:
+  static constexpr Nanoseconds kBurst = std::chrono::milliseconds(100);  // of rates: clients are not synchronised
+
   struct Tenant {
     double weight = 1;
     TenantRates rates;
     double part = 1;
-    scheduler::RateLimit buffers, bits, bytes, gpu;
+    scheduler::RateLimit buffers{0, kBurst}, bits{0, kBurst}, bytes{0, kBurst}, gpu{0, kBurst};
     uint32_t waiting = 0;  // sessions in the scheduler's queue
     bool always_busy = true;
     Nanoseconds service{}, recent{};
     double errors = 0;  // sum, relative
     uint64_t jobs = 0;
   };
+  static void set_rates(Tenant& tenant);
 
   std::vector<Tenant> tenants_;
 };

@@ -158,7 +158,7 @@ class SceneHost {
   std::map<std::string, Resident> resident_;  // guarded by mutex_
   std::multiset<std::string> on_the_way_;     // scenes that are being brought to the devices; guarded by mutex_
   std::map<std::string, LightsUpdate> early_lights_;  // of scenes in on_the_way_; guarded by mutex_
-  std::condition_variable changed_;                   // of the two below
+  std::condition_variable changed_;                   // notified when requests_ or ending_ has changed
   SceneAccount account_;                              // guarded by mutex_
   LoadQueue<Request> requests_;                       // guarded by mutex_
   std::map<std::string, Reading> reading_;            // guarded by mutex_

@@ -1,6 +1,5 @@
 #include "daemon/session/resumption.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace gnomon::daemon {
@@ -9,10 +8,6 @@ namespace {
 template <size_t Size>
 void put(std::array<char, Size>& field, const std::string& text) {
   text.copy(field.data(), Size - 1);
-}
-
-bool is_known(protocol::CodecId codec) {
-  return std::find(protocol::kCodecs.begin(), protocol::kCodecs.end(), codec) != protocol::kCodecs.end();
 }
 
 bool makes_sense(const SessionRecord& record) {

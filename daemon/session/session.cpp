@@ -5,9 +5,6 @@
 namespace gnomon::daemon {
 namespace {
 
-// Frame ids count up and may wrap: of two, the newer is less than half the circle ahead.
-bool is_newer(FrameId a, FrameId b) { return static_cast<int32_t>(a.value - b.value) > 0; }
-
 // Whether the datagram shows where the client is; one with an old view does so as well as one with a new view.
 bool is_sound(const DatagramOutcome& received) {
   return received.fault != Fault::datagram_body && received.fault != Fault::datagram_kind;

@@ -129,13 +129,11 @@ Result<MemoryPiece> MemoryAllocator::allocate(const VkMemoryRequirements& need, 
     if (!block) return block.error();
     piece = (*block)->cut(need.size, need.alignment);
   }
-  bytes_in_use_ += piece->bytes;
   return *piece;
 }
 
 void MemoryAllocator::free(const MemoryPiece& piece) {
   std::lock_guard lock(mutex_);
-  bytes_in_use_ -= piece.bytes;
   piece.block->give_back(piece.offset, piece.bytes);
   if (!piece.block->unused()) return;
   vkFreeMemory(device_, piece.memory, nullptr);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -44,8 +43,6 @@ class MemoryAllocator {
   Result<MemoryPiece> allocate(const VkMemoryRequirements& need, MemoryUse use, bool linear);
   void free(const MemoryPiece& piece);
 
-  uint64_t bytes_in_use() const { return bytes_in_use_; }
-
  private:
   Result<uint32_t> memory_type(uint32_t allowed, MemoryUse use) const;
   Result<MemoryBlock*> add_block(uint32_t type, bool linear, uint64_t bytes);
@@ -55,7 +52,6 @@ class MemoryAllocator {
   bool unified_ = false;
   std::mutex mutex_;
   std::vector<std::unique_ptr<MemoryBlock>> blocks_;
-  std::atomic<uint64_t> bytes_in_use_ = 0;
 };
 
 }  // namespace gnomon::gpu

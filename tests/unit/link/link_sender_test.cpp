@@ -186,30 +186,6 @@ TEST(LinkSender, PacesAFrame) {
   }
 }
 
-// Which costs every frame milliseconds, and the client too where it waits for one before it asks for the next.
-TEST(LinkSender, OnAPathWithoutAQueueAFrameSoonGoesAtOnce) {
-  LinkSender link(protocol::kFeatureFeedback);
-  uint64_t sent = 0;
-  const auto time_to_send = [&](uint32_t frame, TimePoint added) {
-    const uint64_t before = sent;
-    TimePoint last = added;
-    link.add(frame_of(frame, 50, 1000), TimePoint::max(), added);
-    for (TimePoint now = added; now < added + 1s && sent < before + 50; now = link.wake_at(now)) {
-      const uint64_t first = sent + 1;
-      while (const auto out = link.next(now)) {
-        link.sent(++sent, out->body.size() + protocol::kHeaderBytes + protocol::kTagBytes, now);
-      }
-      if (sent < first) continue;
-      last = now;
-      const auto now_us = static_cast<uint64_t>(to_microseconds(now.time_since_epoch()));
-      EXPECT_EQ(link.on_feedback(all_arrived(first, sent, now_us), now + 1ms), FeedbackVerdict::taken);
-    }
-    return last - added;
-  };
-  for (uint32_t frame = 1; frame < 60; ++frame) time_to_send(frame, kStart + frame * 33ms);
-  EXPECT_LE(time_to_send(60, kStart + 60 * 33ms), Pacer::kBatch);
-}
-
 // The path no longer carries long datagrams, and the client asks for nothing new before it has its answer.
 TEST(LinkSender, AnAnswerThatAllCameToNothingMayBeMadeAnewShorter) {
   LinkSender link(protocol::kFeatureFeedback);

@@ -155,22 +155,6 @@ TEST(Pacer, KeepsTheRateInSmallBatches) {
   EXPECT_NEAR(static_cast<double>(sent), 2.4e6, 0.01e6);
 }
 
-TEST(FrameSpread, NarrowsWhileNothingQueuesAndWidensAtTheFirstSign) {
-  FrameSpread spread;
-  EXPECT_EQ(spread.now(), FrameSpread::kWidest) << "nothing is known of the path";
-  for (int i = 0; i < 5; ++i) spread.observe(0, 200us);
-  EXPECT_LT(spread.now(), 3ms);
-  EXPECT_GT(spread.now(), FrameSpread::kNarrowest);
-  for (int i = 0; i < 20; ++i) spread.observe(0, 200us);
-  EXPECT_EQ(spread.now(), FrameSpread::kNarrowest);
-  spread.observe(0, FrameSpread::kLongQueue);
-  EXPECT_EQ(spread.now(), FrameSpread::kNarrowest) << "between the two thresholds nothing changes";
-  spread.observe(1, 0us);
-  EXPECT_EQ(spread.now(), 2 * FrameSpread::kNarrowest);
-  for (int i = 0; i < 3; ++i) spread.observe(0, FrameSpread::kLongQueue + 1us);
-  EXPECT_EQ(spread.now(), FrameSpread::kWidest);
-}
-
 TEST(ParityPlan, MoreLossTakesMoreParityAndFewerSlicesRelativelyMore) {
   EXPECT_LT(parity_count(32, 0.01), parity_count(32, 0.05));
   EXPECT_LT(parity_count(32, 0.05), parity_count(32, 0.2));

@@ -6,10 +6,10 @@
 #include <thread>
 
 #include "protocol/codec.h"
-#include "protocol/split_frame.h"
 #include "protocol/context/binary_coder.h"
 #include "protocol/context/camera_motion.h"
 #include "protocol/context/logistic.h"
+#include "protocol/split_frame.h"
 #include "tests/unit/protocol/masks.h"
 
 namespace gnomon::protocol {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "protocol/split_frame.h"
 #include "tests/unit/client/stream/sliced.h"
 #include "tests/unit/protocol/masks.h"
 

@@ -73,6 +73,26 @@ TEST_F(RenderLoopTest, FramesCarryWhatLaterStagesNeed) {
   EXPECT_EQ(unpacked(rendered_[0].mask.mask())[0], fake_word(camera, 0));
 }
 
+TEST_F(RenderLoopTest, ANumberThatWrapsIsNewerThanTheLast) {
+  for (uint32_t frame = 1; frame <= kSlots; ++frame) {
+    view(kB, frame);
+    settle();
+  }
+  view(kA, std::numeric_limits<uint32_t>::max());
+  view(kA, 3);
+  view(kA, std::numeric_limits<uint32_t>::max() - 1);  // overtaken on the way
+  std::vector<FrameId> answered;
+  while (fake_->waiting() > 0) {
+    fake_->complete();
+    for (const RenderedFrame& frame : rendered_) {
+      if (frame.meta.route.session == kA) answered.push_back(frame.meta.route.frame);
+    }
+    rendered_.clear();
+    settle();
+  }
+  EXPECT_EQ(answered, std::vector{FrameId{3}});
+}
+
 TEST_F(RenderLoopTest, AClosedSessionsViewIsDropped) {
   for (uint32_t frame = 1; frame <= kSlots; ++frame) {
     view(kB, frame);

@@ -57,6 +57,17 @@ TEST_F(ShareAccountTest, OnlyWhoAlwaysHadWorkIsCompared) {
   EXPECT_DOUBLE_EQ(report.jain, 0.5) << "one of two got everything";
 }
 
+TEST_F(ShareAccountTest, WhatWasSpentStaysSpentWhenTheConfigurationIsReadAgain) {
+  SharingPolicy sharing;
+  sharing.tenants.push_back({{.weight = 1}, {.buffers_per_second = 10}, {}});
+  account_.set_sharing(sharing);
+  for (int frame = 0; frame < 20; ++frame) account_.started(kOne, true, 1, kNow);
+  const TimePoint closed_until = account_.open_at(kOne);
+  EXPECT_GT(closed_until, kNow + 1s);
+  account_.set_sharing(sharing);
+  EXPECT_EQ(account_.open_at(kOne), closed_until);
+}
+
 TEST_F(ShareAccountTest, NobodyIsUnfairlyTreatedAlone) {
   account_.sample_backlog();
   EXPECT_DOUBLE_EQ(account_.report(*policy_).jain, 1);
