@@ -281,6 +281,7 @@ export class Viewer {
     Object.assign(this.picture, changes);
     this.changed = true;
     const sameMasks = before.codec === this.picture.codec && before.samples === this.picture.samples;
+    if (before.samples !== this.picture.samples) this.eye.setSize(this.eye.size); // the view at rest is asked for again
     if (!sameMasks && this.wanted) this.eye.connect(this.wanted, this.picture);
     else if (before.isLocal && !this.isLocal) this.eye.lookAgain();
   }

@@ -94,6 +94,35 @@ class Viewer(unittest.TestCase):
         for before, now in zip([*there["position"], there["yaw"]], [*page.gaze()["position"], page.gaze()["yaw"]]):
             self.assertAlmostEqual(before, now, delta=1e-3)
 
+    def test_a_link_asks_for_soft_shadows_and_the_settings_change_that(self):
+        node = web_node(BUILD, tenants=[{"name": "studio", "least_samples": 4}])  # however slow the device is
+        self.addCleanup(node.__exit__)
+        node.start()
+        page = Page(node)
+        self.addCleanup(page.close)
+        page.wait_fresh()
+        lights = page.viewer("viewer.welcome.scene.lights.length")
+        self.assertEqual(page.viewer("viewer.masks.planes.total"), lights)
+        hard = self.brightness(page)
+        page.evaluate("document.getElementById('more-button').click()")
+        page.evaluate("""(() => {
+          const choice = document.getElementById('samples')
+          choice.value = '4'
+          choice.dispatchEvent(new Event('change'))
+        })()""")
+        page.wait("viewer.welcome?.samples === 4 && viewer.masks?.planes.samples.includes(4)", "counts of four points")
+        areas = page.viewer("viewer.welcome.areas").count(True)
+        self.assertGreater(areas, 0, "a scene with area lights")
+        self.assertEqual(page.viewer("viewer.masks.planes.total"), lights + 2 * areas)
+        page.wait_fresh()
+        self.assertAlmostEqual(self.brightness(page), hard, delta=0.2 * hard)
+        page.click("#link")
+        fragment = eventually(lambda: page.evaluate("location.hash.includes('soft=4') && location.hash.slice(1)"), "a link")
+        page.open(fragment)
+        page.wait_fresh()
+        self.assertEqual(page.viewer("viewer.masks.planes.total"), lights + 2 * areas)
+        self.assertEqual(page.browser.errors, [])
+
     def test_the_daemon_comes_back_and_so_does_the_picture(self):
         page = self.page()
         page.wait_fresh()
