@@ -1,6 +1,7 @@
 #include "protocol/split_frame.h"
 
 #include <cassert>
+#include <utility>
 
 namespace gnomon::protocol {
 

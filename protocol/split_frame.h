@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "protocol/codec.h"
 #include "protocol/context/context_slices.h"

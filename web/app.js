@@ -167,9 +167,12 @@ window.addEventListener('hashchange', () => {
   if (said.view) Object.assign(gaze, said.view);
   if (said.scene && said.scene !== place.scene) {
     viewIsSet = Boolean(said.view);
-    viewer.set({ samples: said.samples });
+    viewer.picture.samples = said.samples;
     open(said);
+  } else {
+    viewer.set({ samples: said.samples });
   }
+  /** @type {HTMLSelectElement} */ (element('samples')).value = String(said.samples);
 });
 window.addEventListener('pagehide', () => viewer.close());
 

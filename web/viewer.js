@@ -143,7 +143,7 @@ export class Viewer {
       else this.makeRenderer();
     }
     if (event.is === 'sceneChanged') {
-      this.welcome = { ...this.welcome, scene: event.scene };
+      this.welcome = { ...this.welcome, scene: event.scene, samples: event.samples, areas: event.areas };
       this.loadScene('no-store');
     }
     if (event.is === 'fits') return this.shrinkTo(event);
@@ -282,7 +282,7 @@ export class Viewer {
     this.changed = true;
     const sameMasks = before.codec === this.picture.codec && before.samples === this.picture.samples;
     if (before.samples !== this.picture.samples) this.eye.setSize(this.eye.size); // the view at rest is asked for again
-    if (!sameMasks && this.wanted) this.eye.connect(this.wanted, this.picture);
+    if (!sameMasks && this.wanted && !this.paused) this.eye.connect(this.wanted, this.picture);
     else if (before.isLocal && !this.isLocal) this.eye.lookAgain();
   }
 

@@ -150,6 +150,7 @@ bool Flight::finished(TimePoint now) const {
 FlightStats Flight::figures() const {
   FlightStats figures = figures_;
   figures.counters = client_.counters();
+  figures.pending = client_.in_flight();
   figures.seconds = to_seconds(ended_ - started_);
   figures.bytes = client_.received_bytes();
   figures.draw_seconds = to_seconds(drawing_);

@@ -28,8 +28,9 @@ struct FlightOptions {
 
 struct FlightStats {
   StreamCounters counters;
-  Latencies latencies;  // response times of complete frames, drawing not included
-  Latencies ages;       // of what was shown, as its drawing began: the dissertation's response time
+  uint64_t pending = 0;  // cameras that were still without an answer when it ended
+  Latencies latencies;   // response times of complete frames, drawing not included
+  Latencies ages;        // of what was shown, as its drawing began: the dissertation's response time
   double seconds = 0;
   uint64_t bytes = 0;  // of received datagrams
   double draw_seconds = 0;

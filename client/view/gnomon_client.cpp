@@ -161,11 +161,12 @@ void print_figures(const FlightStats& f) {
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
   const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   // A newer camera was answered in their place: the server, or the link, did not manage the rate.
-  const uint64_t coalesced = f.counters.asked - f.counters.complete - f.counters.incomplete - f.counters.unanswered;
+  const uint64_t unanswered = f.counters.unanswered + f.pending;
+  const uint64_t coalesced = f.counters.asked - f.counters.complete - f.counters.incomplete - unanswered;
   std::printf("frames      %llu complete, %llu with tiles missing, %llu cameras coalesced, %llu unanswered\n",
               static_cast<unsigned long long>(f.counters.complete),
               static_cast<unsigned long long>(f.counters.incomplete), static_cast<unsigned long long>(coalesced),
-              static_cast<unsigned long long>(f.counters.unanswered));
+              static_cast<unsigned long long>(unanswered));
   std::printf("response    min %.1f  p50 %.1f  p99 %.1f  max %.1f ms\n", ms(0), ms(0.5), ms(0.99), ms(1));
   std::printf("shown       %llu pictures, %.2f a second, p50 %.1f  p99 %.1f ms after their cameras, x %.1f\n",
               static_cast<unsigned long long>(f.shown), f.fps(), age_ms(0.5), age_ms(0.99), f.mean_ahead());

@@ -19,6 +19,7 @@ struct TenantRates {
   double bits_per_second = 0;     // visibility bits
   double bytes_per_second = 0;    // of datagrams
   double gpu_share = 0;           // device seconds a second, of all devices together; 1: one device's time
+  friend bool operator==(const TenantRates&, const TenantRates&) = default;
 };
 
 struct TenantShare {

@@ -178,7 +178,7 @@ FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoin
   }
   report.newest_sent = newest_arrived_sent_;
   report.limited = std::exchange(limited_, false);
-  spread_.observe(report.lost, report.queue);
+  if (report.lost > 0 || (report.arrived > 0 && queue_delay_.known())) spread_.observe(report.lost, report.queue);
   rate_.observe(report, now);
   return FeedbackVerdict::taken;
 }

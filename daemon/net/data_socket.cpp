@@ -95,13 +95,6 @@ void DataSocket::close() {
   socket_.close(ignored);
 }
 
-// What Linux answers where the network device of the route, or the kernel, cannot cut a buffer into datagrams. Other
-// errors, as of a firewall or one client's network, say nothing of it.
-static bool cannot_segment(const asio::error_code& error) {
-  return error == asio::error_code(EIO, asio::system_category()) || error == asio::error::invalid_argument ||
-         error == asio::error::operation_not_supported;
-}
-
 void DataSocket::wait() {
   until_memory_suffices([this] {
     socket_.async_wait(asio::ip::udp::socket::wait_read, [this](const asio::error_code& error) {
@@ -128,6 +121,7 @@ size_t DataSocket::receive_batch() {
   if (got <= 0) return 0;  // no datagram waits, or the call has cleared a pending error of the socket
   for (size_t i = 0; i < static_cast<size_t>(got); ++i) {
     from[i].resize(messages[i].msg_hdr.msg_namelen);
+    if (from[i].port() == 0) continue;  // nobody can be answered there
     done_or_dropped("a datagram",
                     [&] { on_datagram_(std::span(buffers_[i]).first(messages[i].msg_len), from[i]); });
   }
@@ -140,11 +134,14 @@ size_t DataSocket::send(std::span<const std::vector<uint8_t>> datagrams, const a
   size_t sent = 0;
   while (sent < datagrams.size() && !error) {
     const auto batch = datagrams.subspan(sent, std::min(kBatch, datagrams.size() - sent));
-    const size_t took = send_batch(batch, to, error);
-    if (segments_ && cannot_segment(error)) {  // from now on each datagram is sent by itself
+    size_t took = send_batch(batch, to, error);
+    if (error && error != asio::error::message_size && segments_ && run_of_segments(batch) > 1) {
+      // Perhaps the route's network device cannot cut a buffer into datagrams (EIO, EINVAL). If it takes them one by one,
+      // they go so from now on; else the error says nothing of it, as that of a firewall or of one client's address.
       segments_ = false;
       error.clear();
-      continue;
+      took = send_batch(batch, to, error);
+      segments_ = took == 0;
     }
     if (took == 0) break;
     sent += took;

@@ -12,6 +12,7 @@ namespace gnomon::daemon {
 namespace {
 
 using protocol::RefusalCode;
+
 int status_of(RefusalCode code) {
   switch (code) {
     case RefusalCode::bad_token:

@@ -1,6 +1,7 @@
 #include "daemon/render/render_queue.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 namespace gnomon::daemon {
@@ -26,6 +27,9 @@ void RenderQueue::set_sharing(const SharingPolicy& sharing, TimePoint now) {
   for (auto& [id, session] : sessions_) {
     session.quality.set_limits(sharing.tenants[session.grant().tenant.value].degradation);
   }
+  std::multimap<TimePoint, SessionId> looked_at_again;  // under the new rates
+  for (const auto& [from, id] : held_) looked_at_again.emplace(now, id);
+  held_.swap(looked_at_again);
   if (!other_policy) return;
   for (auto& [id, session] : sessions_) {
     scheduler_->add_session(id, session.grant().tenant);

@@ -4,12 +4,16 @@
 #include <cmath>
 
 namespace gnomon::daemon {
+
 void ShareAccount::set_sharing(const SharingPolicy& sharing) {
   tenants_.resize(std::max(tenants_.size(), sharing.tenants.size()));
   for (size_t i = 0; i < sharing.tenants.size(); ++i) {
     Tenant& tenant = tenants_[i];
-    tenant.rates = sharing.tenants[i].rates;
     tenant.weight = sharing.tenants[i].scheduling.weight;
+    if (tenant.rates == sharing.tenants[i].rates) continue;  // what was spent stays spent
+    // What was spent at a rate that was perhaps a mistake must not outlive it.
+    tenant.rates = sharing.tenants[i].rates;
+    tenant.buffers = tenant.bits = tenant.bytes = tenant.gpu = scheduler::RateLimit(0, kBurst);
     set_rates(tenant);
   }
 }

@@ -93,8 +93,10 @@ function welcome(lights = 1) {
 /** Frames of one slice: the body is the frame's number alone. */
 const decoder = {
   opened: [],
+  most: Infinity, // planes
   stream(size) {
     this.opened.push(size);
+    if (size.lights > this.most) throw new RangeError('too large');
     return {
       have: 0,
       close() {},
@@ -323,6 +325,58 @@ test('another size or scene opens the decoder anew, and older frames are dropped
   assert.equal(decoder.opened.at(-1).lights, 2);
   say(slice(1));
   assert.equal(of('frame').length, 0);
+});
+
+/** As welcome(), with the feature soft: 16 points, and a sphere. */
+function softWelcome() {
+  const plain = new Uint8Array(welcome());
+  const soft = new Uint8Array(plain.length + 3 + 25);
+  soft.set(plain);
+  const view = new DataView(soft.buffer);
+  view.setUint32(0, soft.length - 4, true);
+  view.setBigUint64(8, view.getBigUint64(8, true) | 1024n, true);
+  view.setUint8(plain.length, 16);
+  view.setUint16(plain.length + 1, 1, true);
+  view.setUint8(plain.length + 3, 1);
+  return soft.buffer;
+}
+
+test('masks of area lights have as many planes as the samples in force ask for', (t) => {
+  const { client, say, of } = world(t);
+  say(softWelcome());
+  const granted = { width: 64, height: 32, samples: 16 };
+  assert.deepEqual(decoder.opened.at(-1), { width: 64, height: 32, lights: 5, samples: 16, granted });
+  const degraded = (samples) =>
+    message(Type.degraded, (out) => {
+      out.u16(64);
+      out.u16(32);
+      out.f32(5);
+      out.text('too much', 1024);
+      out.u16(0);
+      out.u8(samples);
+    });
+  say(degraded(4));
+  assert.deepEqual(decoder.opened.at(-1), { width: 64, height: 32, lights: 3, samples: 4, granted });
+  client.look(0, camera(0));
+  say(slice(1));
+  assert.deepEqual(of('frame').at(-1).planes, { first: [0], samples: [4], total: 3 });
+  say(degraded(16));
+  assert.equal(decoder.opened.at(-1).lights, 5);
+});
+
+test('masks that are too large for the browser are asked for with one point', (t) => {
+  const { client, sockets, say, of } = world(t);
+  decoder.most = 4;
+  t.after(() => (decoder.most = Infinity));
+  client.hello = { ...client.hello, samples: 16 };
+  say(softWelcome());
+  assert.equal(of('open').length, 0);
+  assert.equal(of('closed').length, 0);
+  assert.equal(sockets.length, 2);
+  assert.equal(client.hello.samples, 1);
+  sockets[1].onmessage({ data: welcome() });
+  assert.equal(of('open').length, 1);
+  assert.equal(decoder.opened.at(-1).lights, 1);
 });
 
 const draining = (deadlineMs, flags) =>

@@ -154,6 +154,10 @@ export class Client {
       this.hello = { ...this.hello, rateHz: slower };
       return this.begin();
     }
+    if (event.tooLarge && (this.hello?.samples ?? 1) > 1) {
+      this.hello = { .../** @type {import('../wire/messages.js').Hello} */ (this.hello), samples: 1 };
+      return this.begin();
+    }
     const fits = event.refusal && event.refusal.fitWidth > 0 && event.refusal.fitWidth < (this.hello?.width ?? 0);
     if (fits) {
       const { fitWidth, fitHeight } = event.refusal;

@@ -44,6 +44,7 @@ export class Session {
     /** @type {any} */
     this.refusal = null;
     this.stayOutMs = 0;
+    this.tooLarge = false;
     this.why = '';
     /** @type {import('../decoder.js').MaskStream | null} null before Welcome */
     this.stream = null;
@@ -98,7 +99,8 @@ export class Session {
     this.stream?.close();
     this.stream = null;
     this.lanes?.close();
-    this.emit({ is: 'closed', why, refusal: this.refusal, stayOutMs: this.stayOutMs, opened: this.welcome !== null });
+    const { refusal, stayOutMs, tooLarge } = this;
+    this.emit({ is: 'closed', why, refusal, stayOutMs, tooLarge, opened: this.welcome !== null });
   }
 
   /** @param {ArrayBuffer | string} data */
@@ -135,7 +137,7 @@ export class Session {
         break;
       case 'degraded':
         this.credit.rateHz = message.rateHz;
-        this.reopen(message.width, message.height, message.samples);
+        this.reopen(message.width, message.height, Math.min(message.samples, this.welcome.samples));
         break;
       case 'sceneChanged':
         Object.assign(this.welcome, { scene: message.scene, samples: message.samples, areas: message.areas });
@@ -156,6 +158,7 @@ export class Session {
     this.keepLights(welcome.lightsVersion, welcome.scene.lights);
     if (welcome.codec === Codec.tiles_context) this.lanes = this.makeLanes();
     this.reopen(welcome.width, welcome.height, welcome.samples);
+    if (this.ended) return;
     this.emit({ ...welcome, is: 'open' });
     this.tick();
   }
@@ -163,12 +166,19 @@ export class Session {
   /** @param {number} width @param {number} height @param {number} samples in force, of each area light */
   reopen(width, height, samples) {
     this.stream?.close();
+    this.stream = null;
     this.shape = { width, height };
     this.planes = planesOf(this.welcome.areas, samples);
     const { welcome } = this;
     const granted = { width: welcome.width, height: welcome.height, samples: welcome.samples };
     const shape = { width, height, lights: this.planes.total };
-    this.stream = this.decoder.stream({ ...shape, samples, granted });
+    try {
+      this.stream = this.decoder.stream({ ...shape, samples, granted });
+    } catch (error) {
+      if (!(error instanceof RangeError)) throw error;
+      this.tooLarge = true;
+      return this.end('these masks are too large for the browser');
+    }
     this.lanes?.open(shape);
   }
 

@@ -52,6 +52,7 @@ export class Renderer {
     this.pack = pack;
     this.antialias = antialias;
     this.gl = contextOf(canvas);
+    this.mostPlanes = this.gl.getParameter(this.gl.MAX_ARRAY_TEXTURE_LAYERS);
     /** @type {Stage | null} null while the context is lost */
     this.stage = null;
     /** @type {Picture | null} */
@@ -191,7 +192,7 @@ export class Renderer {
     if (!masks || this.lights.length === 0) return null;
     const planes = masks.planes ?? hardPlanes(this.lights.length);
     const words = 2 * Math.ceil(masks.width / 8) * Math.ceil(masks.height / 8) * planes.total;
-    return planes.first.length === this.lights.length && masks.words.length === words ? masks : null;
+    return planes.total <= this.mostPlanes && planes.first.length === this.lights.length && masks.words.length === words ? masks : null;
   }
 
   /**

@@ -165,15 +165,17 @@ function readSamples(from) {
   return samples;
 }
 
-/** Which lights have an extent. What it is like is the server's affair. @param {Reader} from */
-function readAreas(from) {
-  return from.list(256, () => {
+/** Which lights have an extent. What it is like is the server's affair. @param {Reader} from @param {number} lights */
+function readAreas(from, lights) {
+  const areas = from.list(256, () => {
     const shape = from.u8();
     from.floats(3);
     from.floats(3);
     if (shape > 3) throw new Malformed('an extent is none');
     return shape !== 0;
   });
+  if (areas.length !== lights) throw new Malformed('there are not as many extents as lights');
+  return areas;
 }
 
 /** @param {Reader} from */
@@ -230,7 +232,7 @@ function readWelcome(from) {
   }
   const soft = (features & Feature.soft) !== 0n;
   const samples = soft ? readSamples(from) : 1;
-  const areas = soft ? readAreas(from) : scene.lights.map(() => false);
+  const areas = soft ? readAreas(from, scene.lights.length) : scene.lights.map(() => false);
   return {
     version,
     session,
@@ -255,7 +257,7 @@ function readSceneChanged(from) {
   return {
     scene,
     samples: soft ? readSamples(from) : 1,
-    areas: soft ? readAreas(from) : scene.lights.map(() => false),
+    areas: soft ? readAreas(from, scene.lights.length) : scene.lights.map(() => false),
   };
 }
 

@@ -183,8 +183,9 @@ Result<void> save(const std::filesystem::path& folder, const CacheKey& key, cons
   write_array(out, buffer.grid);
   write_array(out, buffer.leaves);
   write_array(out, buffer.entries);
+  const bool written = out.flush().good();
+  const std::error_code refused(written ? 0 : errno, std::generic_category());
   out.close();
-  const std::error_code refused(out ? 0 : errno, std::generic_category());
   if (out) std::filesystem::rename(part, file, failed);
   if (out && !failed) return {};
   std::error_code ignored;

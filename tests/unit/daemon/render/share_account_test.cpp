@@ -66,6 +66,9 @@ TEST_F(ShareAccountTest, WhatWasSpentStaysSpentWhenTheConfigurationIsReadAgain) 
   EXPECT_GT(closed_until, kNow + 1s);
   account_.set_sharing(sharing);
   EXPECT_EQ(account_.open_at(kOne), closed_until);
+  sharing.tenants[0].rates.buffers_per_second = 1000;
+  account_.set_sharing(sharing);
+  EXPECT_LE(account_.open_at(kOne), kNow) << "a mistaken limit does not outlive its correction";
 }
 
 TEST_F(ShareAccountTest, NobodyIsUnfairlyTreatedAlone) {
