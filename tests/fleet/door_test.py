@@ -180,7 +180,7 @@ class Doors(unittest.TestCase):
 
     def test_a_full_node_is_passed_over(self):
         scene = self.new_scene()
-        greedy = self.session(scene, rate_hz=1_000_000)
+        greedy = self.session(scene, rate_hz=1000, width=640, height=360)  # of these a second, more than a node renders
         node = self.node_of(greedy)
         self.answered(greedy)
         self.while_alive(greedy, lambda: self.own_node(scene) is not node, "newcomers go elsewhere")

@@ -86,9 +86,10 @@ class Link(unittest.TestCase):
         return silent
 
     def where(self):
-        """Where the sessions are, as the status says, which lists a new one within about a second."""
+        """Where the sessions are, as the status says, which lists a new one and its address within about a second."""
         for _ in range(100):
-            if sessions := self.node.status()["sessions"]:
+            sessions = self.node.status()["sessions"]
+            if sessions and all(s["address"] for s in sessions):
                 return {s["address"].rsplit(":", 1)[0] for s in sessions}
             time.sleep(0.05)
         return set()
