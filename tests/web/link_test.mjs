@@ -301,19 +301,23 @@ test('who is kept out stays out, who does not fit is told what fits', (t) => {
   assert.deepEqual(large.of('fits'), [{ is: 'fits', width: 32, height: 16, text: 'full' }]);
 });
 
+/** Without `samples` as a session is told that has not the feature soft. */
+function degraded(width, height, samples) {
+  return message(Type.degraded, (out) => {
+    out.u16(width);
+    out.u16(height);
+    out.f32(5);
+    out.text('too much', 1024);
+    out.u16(0);
+    if (samples) out.u8(samples);
+  });
+}
+
 test('another size or scene opens the decoder anew, and older frames are dropped', (t) => {
   const { client, say, of } = world(t);
   say(welcome());
   client.look(0, camera(0));
-  say(
-    message(Type.degraded, (out) => {
-      out.u16(32);
-      out.u16(16);
-      out.f32(5);
-      out.text('too much', 1024);
-      out.u16(0);
-    }),
-  );
+  say(degraded(32, 16));
   const granted = { width: 64, height: 32, samples: 1 };
   assert.deepEqual(decoder.opened.at(-1), { width: 32, height: 16, lights: 1, samples: 1, granted });
   say(
@@ -346,21 +350,12 @@ test('masks of area lights have as many planes as the samples in force ask for',
   say(softWelcome());
   const granted = { width: 64, height: 32, samples: 16 };
   assert.deepEqual(decoder.opened.at(-1), { width: 64, height: 32, lights: 5, samples: 16, granted });
-  const degraded = (samples) =>
-    message(Type.degraded, (out) => {
-      out.u16(64);
-      out.u16(32);
-      out.f32(5);
-      out.text('too much', 1024);
-      out.u16(0);
-      out.u8(samples);
-    });
-  say(degraded(4));
+  say(degraded(64, 32, 4));
   assert.deepEqual(decoder.opened.at(-1), { width: 64, height: 32, lights: 3, samples: 4, granted });
   client.look(0, camera(0));
   say(slice(1));
   assert.deepEqual(of('frame').at(-1).planes, { first: [0], samples: [4], total: 3 });
-  say(degraded(16));
+  say(degraded(64, 32, 16));
   assert.equal(decoder.opened.at(-1).lights, 5);
 });
 
