@@ -354,8 +354,7 @@ Keys<Config> all_keys() {
       integer("max_session_memory_mb", &TenantConfig::max_session_memory_mb, 0, 1 << 24),
       scalars("token_sha256", &TenantConfig::token_sha256,
               "a list of SHA-256 hashes of tokens, 64 hexadecimal digits each, not the tokens, which begin with "
-              "gnomon_; "
-              "gnomonctl make-token makes some",
+              "gnomon_; gnomonctl make-token makes some",
               parse_hash),
       scalar("token_sha256_file", &TenantConfig::token_sha256_file, "a file of such hashes, or '' for none",
              parse_path_or_none),
