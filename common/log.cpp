@@ -1,7 +1,7 @@
 #include "common/log.h"
 
 #include <fcntl.h>
-#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -11,6 +11,7 @@
 #include <cstring>
 #include <mutex>
 
+#include "common/audit_file.h"
 #include "common/log_rate_limiter.h"
 #include "common/printable.h"
 #include "common/published.h"
@@ -145,18 +146,40 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
   if (const auto left_out = limiter.admit(event)) write(*output().get(), level, event, fields, *left_out);
 }
 
-// `file`: '' for standard error. Throws spdlog_ex if it cannot be written.
+// What the file does not take, as on a full disk, goes where it would go without a file, so that it is not lost.
+class AuditFileSink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  explicit AuditFileSink(const std::string& file) : name_(file), file_(file) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t formatted;
+    formatter_->format(message, formatted);
+    const std::string line(formatted.data(), formatted.size());
+    const int error = file_.append(line);
+    count_audit_line(error);
+    if (error == 0) return;
+    std::fwrite(line.data(), 1, line.size(), stderr);
+    log::error("audit log not written", {{"file", name_}, {"why", std::strerror(error)}});
+  }
+  void flush_() override {}
+
+  const std::string name_;
+  AuditFile file_;
+};
+
+// `file`: '' for standard error.
 Output audit_output(const std::string& file, Format format) {
   spdlog::sink_ptr sink;
+  forget_audit_error();
   if (file.empty()) {
     sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
   } else {
-    sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file);
+    sink = std::make_shared<AuditFileSink>(file);
   }
   auto made = std::make_shared<spdlog::logger>("audit", std::move(sink));
   made->set_pattern(format == Format::json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","logger":"%n",%v)"
                                            : "%Y-%m-%dT%H:%M:%S.%e%z %n %v");
-  made->flush_on(spdlog::level::info);
   return {std::move(made), format};
 }
 
@@ -182,11 +205,7 @@ void configure(Level level, Format format) {
   Audit& audit = the_audit();
   std::lock_guard lock(audit.changing);
   if (audit.output.get()->format == format) return;
-  try {
-    audit.output.publish(audit_output(audit.file, format));
-  } catch (const spdlog::spdlog_ex& failed) {  // it goes on as it is
-    error("the audit log keeps its format", {{"why", failed.what()}});
-  }
+  audit.output.publish(audit_output(audit.file, format));
 }
 
 void set_level(Level level) { least_level = to_spdlog(level); }
@@ -221,11 +240,7 @@ Result<void> set_audit_file(const std::string& file) {
   }
   Audit& audit = the_audit();
   std::lock_guard lock(audit.changing);
-  try {
-    audit.output.publish(audit_output(file, output().get()->format));
-  } catch (const spdlog::spdlog_ex& failed) {
-    return Error{file + ": " + failed.what()};
-  }
+  audit.output.publish(audit_output(file, output().get()->format));
   audit.file = file;
   return {};
 }

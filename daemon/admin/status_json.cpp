@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/audit_file.h"
 #include "common/wall_clock.h"
 
 namespace gnomon::daemon {
@@ -93,6 +94,8 @@ json to_json(const FirstExpiry& first, std::chrono::sys_seconds now) {
           {"days_left", std::chrono::floor<std::chrono::days>(first.at - now).count()}};
 }
 
+json to_json(const log::UnwrittenAudit& audit) { return {{"unwritten", audit.lines}, {"why", audit.why}}; }
+
 }  // namespace
 
 std::string status_json(const OperatedParts& parts) {
@@ -112,6 +115,7 @@ std::string status_json(const OperatedParts& parts) {
               {"scenes", json::array()},
               {"scenes_under_way", json::array()},
               {"certificate", to_json(first_expiry(**parts.tls.get()), wall_now())},
+              {"audit", to_json(log::unwritten_audit())},
               {"policy", sharing->policy},
               {"jain", shares.jain},
               {"worst_lag_ms", to_milliseconds(shares.worst_lag)},

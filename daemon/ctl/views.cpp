@@ -19,13 +19,23 @@ std::string certificate_line(const json& status) {
   return text(*certificate, "key") + " " + left + "\n";
 }
 
+// What the audit log's file did not take; empty if it took everything.
+std::string audit_line(const json& status) {
+  const auto audit = status.find("audit");
+  if (audit == status.end() || !audit->is_object() || number(*audit, "unwritten") == 0) return "";
+  const std::string why = text(*audit, "why");
+  const std::string lines = whole(*audit, "unwritten");
+  return (why.empty() ? "audit log: " : "audit log NOT WRITTEN: " + why + "; ") + lines +
+         (lines == "1" ? " line" : " lines") + " not in the file, but in the daemon's log\n";
+}
+
 }  // namespace
 
 std::string status_text(const json& status) {
   std::string out = "gnomond " + text(status, "version") + ": " + state_of(status) + ", policy " +
                     text(status, "policy") + ", " + std::to_string(list(status, "sessions").size()) +
                     " sessions, Jain index " + fixed(number(status, "jain"), 3) + "\n";
-  out += certificate_line(status);
+  out += certificate_line(status) + audit_line(status);
   int device_number = 0;
   for (const json& device : list(status, "devices")) {
     out += "device " + std::to_string(device_number++) + ": " + text(device, "name") + " (" +

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/audit_file.h"
 #include "daemon/config/tenant_directory.h"
 #include "daemon/metrics/metric_families.h"
 #include "daemon/metrics/process_metrics.h"
@@ -160,6 +161,7 @@ uint64_t Metrics::datagrams() const { return static_cast<uint64_t>(families_->da
 std::string Metrics::text() const {
   auto families = families_->registry.Collect();
   std::ranges::move(process_families(process_stats()), std::back_inserter(families));
+  families.push_back(audit_family(log::unwritten_audit().lines));
   return prometheus::TextSerializer().Serialize(families);
 }
 

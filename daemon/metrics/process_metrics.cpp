@@ -44,4 +44,10 @@ std::vector<MetricFamily> process_families(const ProcessStats& figures) {
   };
 }
 
+MetricFamily audit_family(uint64_t unwritten) {
+  return family("gnomon_audit_lines_unwritten_total",
+                "Lines of the audit log that its file did not take; the daemon's log has them.",
+                MetricType::Counter, static_cast<double>(unwritten));
+}
+
 }  // namespace gnomon::daemon

@@ -3,6 +3,7 @@
 
 #include <prometheus/metric_family.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "daemon/metrics/process_stats.h"
@@ -11,5 +12,8 @@ namespace gnomon::daemon {
 
 // Also under the names gnomon_process_* of earlier versions.
 std::vector<prometheus::MetricFamily> process_families(const ProcessStats& figures);
+
+// Of the audit log, which is written beside everything else; `unwritten`: lines since the start.
+prometheus::MetricFamily audit_family(uint64_t unwritten);
 
 }  // namespace gnomon::daemon

@@ -115,6 +115,28 @@ class Admin(unittest.TestCase):
         self.assertEqual(self.over_tcp("reload", "--token-file", file)[0], 0)
 
 
+class AuditOnAFullDisk(unittest.TestCase):
+    def test_what_its_file_does_not_take_is_told_and_stands_in_the_log(self):
+        node = Node(BUILD, log={"audit_file": "/dev/full"}, render={"tracer": "bvh"})
+        self.addCleanup(node.__exit__)
+        node.start()
+        lines = "gnomon_audit_lines_unwritten_total"
+        self.assertTrue(f"\n{lines} 0\n" in node.page("/metrics"), "a series from the start, so that the first line counts")
+        self.assertNotIn("audit log", node.ctl("status")[1])
+        self.assertEqual(node.ctl("undrain")[0], 0)
+        self.assertEqual(node.metric(lines), 1)
+        self.assertRegex(node.log_text(), r" audit action operator=\S+ address=socket action=undrain ")
+        self.assertRegex(node.log_text(), r' error audit log not written file=/dev/full why="No space left on device"')
+        told = "1 line not in the file, but in the daemon's log"
+        self.assertEqual(node.status()["audit"], {"unwritten": 1, "why": "No space left on device"})
+        self.assertIn(f"audit log NOT WRITTEN: No space left on device; {told}\n", node.ctl("status")[1])
+        node.config["log"]["audit_file"] = "audit.log"
+        node.write_config()
+        self.assertEqual(node.ctl("reload")[0], 0)
+        self.assertEqual(node.status()["audit"], {"unwritten": 1, "why": ""})
+        self.assertIn(f"audit log: {told}\n", node.ctl("status")[1])
+
+
 class Reload(unittest.TestCase):
     """Of what is made beside the daemon: what workers log, and what may be kept of light buffers."""
 

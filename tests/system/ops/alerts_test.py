@@ -247,6 +247,11 @@ class Alerts(Happens):
             self.assertEqual(node.ctl("reload")[0], 1)
         self.raises("GnomonReloadFailed", reload, window_s=0, once=True, for_s=60)
 
+    def test_an_audit_log_on_a_full_disk(self):
+        node = self.start(log={"audit_file": "/dev/full"})
+        self.raises("GnomonAuditLogNotWritten", lambda: self.assertEqual(node.ctl("undrain")[0], 0), window_s=0, once=True,
+                    for_s=60)
+
     def test_memory_that_grows(self):
         node = self.start()
 

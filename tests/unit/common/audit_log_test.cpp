@@ -1,13 +1,16 @@
 // The audit log in a file of its own, as the daemon writes it.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <regex>
 #include <sstream>
 
+#include "common/audit_file.h"
 #include "common/log.h"
 
 namespace gnomon::log {
@@ -112,6 +115,52 @@ TEST_F(AuditLog, AFileThatCannotBeWrittenIsAnErrorAndTheLogStaysWhereItWas) {
   EXPECT_NE(failed.error().message.find("nowhere"), std::string::npos);
   audit("action");
   EXPECT_EQ(lines_of(file_), 1u);
+}
+
+// It goes where it would go without a file, at every level, and is counted.
+TEST_F(AuditLog, WhatAFullDiskDoesNotTakeStandsInTheLog) {
+  configure(Level::warning, Format::key_value);
+  ASSERT_TRUE(set_audit_file("/dev/full"));
+  const uint64_t before = unwritten_audit().lines;
+  testing::internal::CaptureStderr();
+  audit("action", {{"number", 1}});
+  audit("action", {{"number", 2}});
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(std::regex_search(log, std::regex(" audit action number=1\n.* error audit log not written "
+                                                "file=/dev/full why=\"No space left on device\"\n.* audit action "
+                                                "number=2\n")))
+      << log;
+  EXPECT_EQ(unwritten_audit().lines, before + 2);
+  EXPECT_EQ(unwritten_audit().why, "No space left on device");
+  open();
+  EXPECT_EQ(unwritten_audit().why, "") << "that was of the other file";
+  audit("action", {{"number", 3}});
+  EXPECT_EQ(unwritten_audit().lines, before + 2);
+  EXPECT_EQ(lines_of(file_), 1u);
+}
+
+// The system takes a part of the line that fills the disk; a limit of files' sizes does the same.
+TEST_F(AuditLog, WithRoomAgainALineBeginsAfterThePartOfTheOneThatFilledTheDisk) {
+  open();
+  audit("first");
+  const auto size = fs::file_size(file_);
+  const auto told_before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit as_it_was{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &as_it_was), 0);
+  const rlimit full{size + 5, as_it_was.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  testing::internal::CaptureStderr();
+  audit("second");
+  setrlimit(RLIMIT_FSIZE, &as_it_was);
+  const std::string log = testing::internal::GetCapturedStderr();
+  std::signal(SIGXFSZ, told_before);
+  EXPECT_NE(log.find(" audit second\n"), std::string::npos) << log;
+  EXPECT_NE(unwritten_audit().why, "");
+  audit("third");
+  EXPECT_EQ(unwritten_audit().why, "");
+  EXPECT_EQ(lines_of(file_), 3u);
+  EXPECT_TRUE(std::regex_search(text_of(file_), std::regex(" audit first\n.{5}\n.* audit third\n$")))
+      << text_of(file_);
 }
 
 // Strangers cause refusals as fast as they like; what operators do is few and never left out.
