@@ -86,7 +86,8 @@ CheckedConfig check_config(const Arguments& arguments, Purpose purpose) {
   ConfigReading reading = examine_config(arguments.config, arguments.overrides);
   StartCheckOptions options{.config_folder = std::filesystem::absolute(arguments.config).parent_path(),
                             .share_folder = installed("share/gnomon/scenes"),
-                            .for_reload = purpose == Purpose::reload};
+                            .for_reload = purpose == Purpose::reload,
+                            .for_start = purpose == Purpose::start};
   const SceneWorkerOptions worker = worker_options(reading.config, installed("libexec/gnomon/gnomon-scene-worker"));
   if (purpose == Purpose::check) options.read_scene = reader_in_worker(worker);  // a start reads them anyway
   options.check_renderers = check_vulkan_renderers;

@@ -61,7 +61,17 @@ void check_demo_certificate(Findings& findings, const ServerConfig& server) {
   findings.add("server.state_folder", check_writable_folder(folder));
 }
 
-void check_server_tls(Findings& findings, const ServerConfig& server) {
+// An expired certificate keeps no daemon from starting, nor does one that is not valid yet, as the clock of a machine that
+// was just turned on may be wrong; the start logs both.
+void check_dates(Findings& findings, const ServerConfig& server, const Tls& tls, bool for_start) {
+  const FirstExpiry first = first_expiry(tls);
+  if (first.at <= wall_now())
+    return findings.warn(std::string(first.key) + ": a certificate has expired: it is of no use to clients");
+  const std::string why = out_of_date(server.tls.certificate, tls, wall_now());
+  if (!why.empty() && !for_start) findings.add(Error{why});
+}
+
+void check_server_tls(Findings& findings, const ServerConfig& server, bool for_start) {
   if (!findings.is_known("server.tls") || !findings.is_known("server.mode")) return;
   const TlsConfig& tls = server.tls;
   bool readable = true;
@@ -77,9 +87,7 @@ void check_server_tls(Findings& findings, const ServerConfig& server) {
   if (!readable) return;
   const auto opened = open_tls(server);
   if (!opened) return findings.add(opened.error());
-  const FirstExpiry first = first_expiry(**opened);
-  if (first.at <= wall_now())
-    findings.warn(std::string(first.key) + ": a certificate has expired: it is of no use to clients");
+  check_dates(findings, server, **opened, for_start);
 }
 
 void check_tenants_alone(Findings& findings, const Config& config) {
@@ -179,7 +187,7 @@ StartFindings check_start(ConfigReading& reading, const StartCheckOptions& optio
     reading.errors.push_back(error);
     reading.mistaken.insert("tenants");
   }
-  check_server_tls(findings, config.server);
+  check_server_tls(findings, config.server, options.for_start);
   check_tenants_alone(findings, config);
   check_admin_server(findings, config);
   check_scenes(findings, config.scenes, options);

@@ -8,11 +8,8 @@ namespace gnomon::daemon {
 Result<void> DaemonCertificates::open(const ServerConfig& config, bool browsers) {
   auto tls = open_tls(config, browsers);
   if (!tls) return tls.error();
-  if ((*tls)->expires <= wall_now()) {
-    log::error("no client will connect",
-               {{"why", "server.tls.certificate: " + config.tls.certificate.string() +
-                            " has expired: clients refuse it; make another with gnomonctl "
-                            "make-certs"}});
+  if (const auto why = out_of_date(config.tls.certificate, **tls, wall_now()); !why.empty()) {
+    log::error("no client will connect", {{"why", why}});
   }
   publish(std::move(*tls));
   return {};

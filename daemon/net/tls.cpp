@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <asio/ip/address.hpp>
+#include <ctime>
 
 #include "common/log.h"
+#include "common/wall_clock.h"
 #include "daemon/net/demo_certificate.h"
 #include "daemon/security/private_file.h"
 #include "protocol/messages.h"
@@ -107,13 +109,13 @@ void use_identity_of(SSL_CTX* context, SSL_CTX* before) {
   SSL_CTX_use_cert_and_key(context, SSL_CTX_get0_certificate(before), SSL_CTX_get0_privatekey(before), chain, 1);
 }
 
-bool has_expired(SSL_CTX* context) {
-  return X509_cmp_current_time(X509_get0_notAfter(SSL_CTX_get0_certificate(context))) < 0;
-}
-
-std::string expiry(const fs::path& certificate) {
-  return "server.tls.certificate: " + certificate.string() +
-         " has expired: clients refuse it; make another with gnomonctl make-certs";
+std::string in_utc(std::chrono::sys_seconds time) {
+  const std::time_t seconds = time.time_since_epoch().count();
+  std::tm calendar{};
+  gmtime_r(&seconds, &calendar);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &calendar);
+  return text;
 }
 
 std::shared_ptr<Tls> hardened(bool browsers) {
@@ -205,8 +207,8 @@ ReopenedTls reopen_tls(const ServerConfig& config, const Tls& before) {
     keep_identity(files.error());
   } else if (auto used = use_identity(reopened.tls->context.native_handle(), *files); !used) {
     keep_identity(used.error());
-  } else if (has_expired(reopened.tls->context.native_handle())) {
-    keep_identity(Error{expiry(files->certificate)});
+  } else if (const auto why = out_of_date(files->certificate, *reopened.tls, wall_now()); !why.empty()) {
+    keep_identity(Error{why});
   }
   SSL_CTX* const context = reopened.tls->context.native_handle();
   if (auto asked = ask_clients(context, config.tls); !asked) {
@@ -215,6 +217,16 @@ ReopenedTls reopen_tls(const ServerConfig& config, const Tls& before) {
   }
   describe(*reopened.tls);
   return reopened;
+}
+
+std::string out_of_date(const fs::path& file, const Tls& tls, std::chrono::sys_seconds now) {
+  SSL_CTX* const context = const_cast<Tls&>(tls).context.native_handle();  // it is only read
+  const X509* const certificate = SSL_CTX_get0_certificate(context);
+  const std::string named = "server.tls.certificate: " + file.string();
+  if (end_of(certificate) <= now)
+    return named + " has expired: clients refuse it; make another with gnomonctl make-certs";
+  const auto begin = begin_of(certificate);
+  return begin <= now ? "" : named + " is not valid before " + in_utc(begin) + ": clients refuse it until then";
 }
 
 FirstExpiry first_expiry(const Tls& tls) {

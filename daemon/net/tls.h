@@ -4,6 +4,7 @@
 
 #include <asio/ssl/context.hpp>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,16 +28,20 @@ struct Tls {
 
 // Reads the certificate and key that the configuration names; in demo mode without them, the demo certificate. The
 // error names the configuration key, the file and the remedy, for example if others may read the private key. A
-// certificate that has expired is used, as a daemon that runs can be given another one; its clients refuse it.
+// certificate that is out of date is used, as a daemon that runs can be given another one; its clients refuse it.
 Result<std::shared_ptr<Tls>> open_tls(const ServerConfig& config, bool browsers = false);
 
 // For a reload: as open_tls(), but the certificate and what is accepted of clients each stay as they are in `before` if
-// they cannot be read or, for the certificate, if it has expired; `kept` says which and why.
+// they cannot be read or, for the certificate, if it is out of date; `kept` says which and why.
 struct ReopenedTls {
   std::shared_ptr<Tls> tls;
   std::vector<Error> kept;
 };
 ReopenedTls reopen_tls(const ServerConfig& config, const Tls& before);
+
+// Why clients refuse the server's certificate, which stands in `file`, at that time: it has expired, or is not valid yet.
+// Empty: they do not.
+std::string out_of_date(const std::filesystem::path& file, const Tls& tls, std::chrono::sys_seconds now);
 
 // Which of the certificates of a daemon expires first.
 struct FirstExpiry {

@@ -77,12 +77,20 @@ void add_revoked(X509_CRL* list, std::set<CertificateHash>& revoked) {
   }
 }
 
+std::chrono::sys_seconds at(const ASN1_TIME* time, std::chrono::sys_seconds otherwise) {
+  std::tm calendar{};
+  if (ASN1_TIME_to_tm(time, &calendar) != 1) return otherwise;
+  return std::chrono::sys_seconds(std::chrono::seconds(timegm(&calendar)));
+}
+
 }  // namespace
 
+std::chrono::sys_seconds begin_of(const X509* certificate) {
+  return at(X509_get0_notBefore(certificate), std::chrono::sys_seconds::min());
+}
+
 std::chrono::sys_seconds end_of(const X509* certificate) {
-  std::tm calendar{};
-  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &calendar) != 1) return std::chrono::sys_seconds::max();
-  return std::chrono::sys_seconds(std::chrono::seconds(timegm(&calendar)));
+  return at(X509_get0_notAfter(certificate), std::chrono::sys_seconds::max());
 }
 
 ClientCertificate certificate_of(SSL* tls) {

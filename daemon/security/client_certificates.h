@@ -35,6 +35,7 @@ struct ClientAuthorities {
 };
 ClientAuthorities authorities_in(x509_store_st* store);
 
-std::chrono::sys_seconds end_of(const x509_st* certificate);  // its notAfter
+std::chrono::sys_seconds begin_of(const x509_st* certificate);  // its notBefore
+std::chrono::sys_seconds end_of(const x509_st* certificate);    // its notAfter
 
 }  // namespace gnomon::daemon

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <system_error>
 
 namespace gnomon::daemon {
@@ -47,6 +48,20 @@ Result<std::string> read_up_to(const fs::path& file, size_t most) {
   return text;
 }
 
+// 0, or why no file can be made in the folder: the rights alone do not tell, as of /proc, whose files are all the
+// system's. What is made is gone again at once. A full disk is left to who writes.
+int try_to_make_file(const fs::path& folder) {
+  int made = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+  if (made < 0) {  // not every file system has files without a name
+    std::string name = (folder / ".gnomon_XXXXXX").string();
+    made = mkostemp(name.data(), O_CLOEXEC);
+    if (made >= 0) unlink(name.c_str());
+  }
+  const int error = errno;
+  if (made >= 0) close(made);
+  return made >= 0 || error == ENOSPC || error == EDQUOT ? 0 : error;
+}
+
 }  // namespace
 
 Result<std::string> read_file(const fs::path& file) { return read_up_to(file, std::string::npos); }
@@ -65,6 +80,9 @@ Result<void> check_writable_folder(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::is_directory(nearest, ignored)) return error_of(nearest, ENOTDIR);
   if (access(nearest.c_str(), W_OK | X_OK) != 0) return error_of(nearest, errno);
+  const int error = try_to_make_file(nearest);
+  if (error == ENOENT) return Error{nearest.string() + ": no file can be made there"};  // but the folder is there
+  if (error != 0) return error_of(nearest, error);
   return {};
 }
 

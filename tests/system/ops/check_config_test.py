@@ -4,6 +4,7 @@ once, each with file, line, column and the system's reason; and what is accepted
 
     check_config_test.py BUILD
 """
+import datetime
 import os
 import pathlib
 import random
@@ -14,6 +15,11 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
 
 from node import eventually
 
@@ -96,6 +102,8 @@ BROKEN = {
                                 r":4:\d+: scenes\.allow_files: .*gone: No such file or directory"),
     "file for a cache": (GOOD.replace("device: cpu", "device: cpu, cache_folder: text"),
                          r":3:\d+: render\.cache_folder: .*text: Not a directory"),
+    "cache where nothing can be made": (GOOD.replace("device: cpu", "device: cpu, cache_folder: /proc/x"),
+                                        r":3:\d+: render\.cache_folder: /proc: no file can be made there"),
     "audit log in no folder": (GOOD + "log: {audit_file: gone/audit.log}\n",
                                r":5:\d+: log\.audit_file: .*gone: No such file or directory"),
     "folder for an audit log": (GOOD + "log: {audit_file: folder}\n", r":5:\d+: log\.audit_file: .*Is a directory"),
@@ -207,6 +215,28 @@ log: {level: loud}
         code, output = self.gnomond(shipped, "--check-config")
         self.assertEqual(code, 1)
         self.assertIn("server.tls.certificate: none is set, and without one", output)
+
+    def test_a_certificate_that_is_not_valid_yet(self):
+        """An error of the check. The start says it and serves: the clock of a machine that was just turned on may be wrong."""
+        key, tomorrow = ec.generate_private_key(ec.SECP256R1()), datetime.datetime.utcnow() + datetime.timedelta(days=1)
+        name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "edge")])
+        made = x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number(), tomorrow,
+                                       tomorrow + datetime.timedelta(days=1)).sign(key, hashes.SHA256())
+        (self.folder / "early.pem").write_bytes(made.public_bytes(serialization.Encoding.PEM))
+        (self.folder / "early-key.pem").touch(0o600)
+        (self.folder / "early-key.pem").write_bytes(key.private_bytes(
+            serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()))
+        why = (rf"server\.tls\.certificate: {self.folder}/early\.pem is not valid before {tomorrow:%Y-%m-%dT%H:%M:%S}Z: "
+               "clients refuse it until then")
+        code, said = self.check(PRODUCTION % ("early.pem", "early-key.pem"))
+        self.assertEqual(code, 1, said)
+        self.assertRegex(said, rf"gnomond: {self.folder}/gnomond\.yaml:1:\d+: {why}\n")
+        code, said = self.check(PRODUCTION % ("early.pem", "early-key.pem"), "--for-reload")
+        self.assertEqual(code, 0, "a reload applies the rest")
+        self.assertRegex(said, why)
+        serves, log = self.starts(self.folder / "gnomond.yaml")
+        self.assertTrue(serves, log)
+        self.assertRegex(log, f'error no client will connect why="{why}"')
 
     def test_passes_by_the_names_of_before_are_deprecated(self):
         code, said = self.check(GOOD.replace("tracer: bvh", "passes: [gbuffer, trace, pack, readback]"))

@@ -220,6 +220,17 @@ TEST_F(CredentialLife, ADaemonStartsWithAnExpiredCertificateAndSaysSo) {
   EXPECT_NE(daemon_->pin(), pin);
 }
 
+TEST_F(CredentialLife, AReloadTakesNoCertificateThatIsNotValidYet) {
+  start();
+  const protocol::Pin pin = daemon_->pin();
+  CertificateOptions tomorrow{.name = "server", .hosts = {}, .use = Use::server};
+  tomorrow.starts_in = 24h;
+  tomorrow.lasts = 48h;
+  write_identity("server", make_certificate(tomorrow, &authority_).value());
+  EXPECT_NE(reload(config_).find("server.pem is not valid before 20"), std::string::npos);
+  EXPECT_EQ(daemon_->pin(), pin);
+}
+
 TEST_F(CredentialLife, OperatorsSeeWhenTheFirstCertificateExpires) {
   write_identity("server", make("server", Use::server, &authority_, 20 * 24h + 1h));
   start();
