@@ -66,6 +66,7 @@ class Installation {
       if (!is_host(host)) return Error{"--host " + host + ": a name or an address is needed"};
     }
     for (const std::string& tenant : request_.tenants) {
+    for_restart_ = keys_for_restart(request_.out, config_);
       if (!is_plain_name(tenant))
         return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};
     }
@@ -103,6 +104,7 @@ class Installation {
 
  private:
   fs::path credentials() const { return request_.out / "credentials"; }
+  std::string words_about_the_start() const;
   fs::path private_folder() const { return request_.out / "private"; }
   fs::path config() const { return request_.out / "gnomond.yaml"; }
   fs::path client_folder(const std::string& tenant) const { return private_folder() / "clients" / tenant; }
@@ -131,7 +133,9 @@ class Installation {
 
   const InitRequest& request_;
   std::vector<SceneEntry> scenes_;
-  std::string config_;  // what is to be written
+  std::string config_;                                   // what is to be written
+  std::optional<std::vector<std::string>> for_restart_;  // keys_for_restart()
+  bool new_drop_in_ = false;
 };
 
 Result<void> Installation::write_certificates() {
@@ -182,11 +186,35 @@ Result<void> Installation::write_drop_in() {
   const bool v6 = request_.listen.find(':') != std::string::npos;
   const std::string address =
       (v6 ? "[" + request_.listen + "]" : request_.listen) + ":" + std::to_string(request_.port);
-  return write_file(drop_in(),
-                    "# Written by `gnomonctl init`: as server.listen and the ports in gnomond.yaml.\n[Socket]\n"
-                    "ListenStream=\nListenDatagram=\nListenStream=" +
-                        address + "\nListenDatagram=" + address + "\n",
-                    0644);
+  const std::string text =
+      "# Written by `gnomonctl init`: as server.listen and the ports in gnomond.yaml.\n[Socket]\n"
+      "ListenStream=\nListenDatagram=\nListenStream=" +
+      address + "\nListenDatagram=" + address + "\n";
+  new_drop_in_ = read_file(drop_in()) != text;
+  return write_file(drop_in(), text, 0644);
+}
+
+// What a daemon needs that may run with what was written before.
+std::string Installation::words_about_the_start() const {
+  const std::string by_hand = "     gnomond --config " + config().string() + "\n";
+  if (!for_restart_ || new_drop_in_) {
+    // Not `restart`: systemd starts no socket whose service is still active.
+    return "1. Start it with what was written:\n" +
+           (packaged()
+                ? "     systemctl daemon-reload && systemctl stop gnomond.service gnomond.socket && systemctl "
+                  "start gnomond.socket gnomond.service\n"
+                : by_hand);
+  }
+  if (for_restart_->empty()) {
+    return "1. A daemon that runs takes what was written by a reload, which drops no session:\n     gnomonctl "
+           "reload\n"
+           "   One that does not run is started:\n" +
+           (packaged() ? "     systemctl start gnomond.socket gnomond.service\n" : by_hand);
+  }
+  std::string keys;
+  for (const std::string& key : *for_restart_) keys += (keys.empty() ? "" : ", ") + key;
+  return "1. Restart it, as a reload does not change " + keys + ":\n" +
+         (packaged() ? "     systemctl restart gnomond.service\n" : by_hand);
 }
 
 std::string Installation::words_about_browsers() const {
@@ -212,14 +240,8 @@ std::string Installation::next_steps() const {
   const std::string checks = "gnomond --config " + config().string() + " --check-config";
   std::ostringstream text;
   text << "Written: " << config().string() << ", " << credentials().string() << ", " << private_folder().string()
-       << ", " << drop_in().string() << "\n\nNext:\n\n1. Start it with what was written:\n";
-  if (packaged()) {
-    // Not `restart`: systemd starts no socket whose service is still active.
-    text << "     systemctl daemon-reload && systemctl stop gnomond.service gnomond.socket && systemctl start "
-            "gnomond.socket gnomond.service\n";
-  } else {
-    text << "     gnomond --config " << config().string() << "\n";
-  }
+       << ", " << drop_in().string() << "\n\nNext:\n\n"
+       << words_about_the_start();
   text << "   `" << checks << "` says what is wrong, if something is.\n"
        << "2. Let TCP and UDP port " << port << " through the firewall.\n"
        << "3. Hand each tenant its folder, over a way that nobody else reads, and the files of the scenes:\n";

@@ -97,4 +97,12 @@ Result<std::string> config_text(const InitRequest& request, const std::vector<Sc
   return text;
 }
 
+std::optional<std::vector<std::string>> keys_for_restart(const fs::path& folder, const std::string& text) {
+  const std::string name = config_file(folder).string(), text_before = read_file(config_file(folder));
+  if (!text_before.starts_with(kBegins)) return std::nullopt;
+  const auto running = daemon::parse_config(text_before, name), next = daemon::parse_config(text, name);
+  if (!running || !next) return std::nullopt;  // no daemon runs with a configuration that cannot be read
+  return daemon::restart_keys(*next, *running);
+}
+
 }  // namespace gnomon::ctl

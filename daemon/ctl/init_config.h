@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,10 @@ struct SceneEntry {
 // before cannot be read, or gnomond would not take what was asked for.
 Result<std::string> config_text(const InitRequest& request, const std::vector<SceneEntry>& scenes,
                                 const std::filesystem::path& cache_folder);
+
+// The keys of the configuration `text` that a daemon which runs with the one before can take by a restart alone; nullopt
+// if init has not written the one before.
+std::optional<std::vector<std::string>> keys_for_restart(const std::filesystem::path& folder,
+                                                         const std::string& text);
 
 }  // namespace gnomon::ctl

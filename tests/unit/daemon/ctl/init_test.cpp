@@ -100,6 +100,23 @@ TEST_F(Init, ASecondTimeKeepsTheAuthorityTheTokensAndTheConfigurationBefore) {
   EXPECT_EQ(made("gnomond.yaml.before"), config);
 }
 
+TEST_F(Init, ASecondTimeSaysWhatARunningDaemonNeeds) {
+  const std::string start = "1. Start it with what was written:", reload = "     gnomonctl reload\n";
+  EXPECT_NE(init(request_)->find(start), std::string::npos);
+  request_.tenants.push_back("museum");
+  const auto tenant = init(request_);
+  EXPECT_NE(tenant->find(reload), std::string::npos) << *tenant;
+  EXPECT_EQ(tenant->find(start), std::string::npos) << *tenant;
+  request_.browsers = true;
+  const auto browsers = init(request_);
+  EXPECT_NE(browsers->find("1. Restart it, as a reload does not change web.listen:\n"), std::string::npos)
+      << *browsers;
+  EXPECT_EQ(browsers->find(reload), std::string::npos) << *browsers;
+  request_.port = 7700;
+  const auto port = init(request_);
+  EXPECT_NE(port->find(start), std::string::npos) << "systemd opens another port: " << *port;
+}
+
 TEST_F(Init, ASecondTimeKeepsWhatItIsNotAskedFor) {
   request_.tenants = {"lab", "null", "1.50"};
   ASSERT_TRUE(init(request_));
