@@ -157,10 +157,15 @@ Result<void> write_files(const Arguments& a, const Report& report) {
 Result<void> run(const Arguments& a, Exit& after_error) {
   allow_many_files();
   for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupted = 1; });
+  after_error = Exit::wrong_usage;
   const auto options = load_options(a);
   if (!options) return options.error();
-  const auto runs = plan_runs(a);
+  auto runs = plan_runs(a);
   if (!runs) return runs.error();
+  after_error = Exit::failed;
+  for (auto& plan : *runs) {
+    if (auto read = read_tokens(plan); !read) return read;
+  }
   const bool sweep = runs->size() > 1;
   Report report{.suite = "load", .device = to_string(options->server), .driver = ""};
   Result<void> verdict;

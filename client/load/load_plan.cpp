@@ -24,11 +24,7 @@ Result<LoadGroup> parse_group(std::string_view text) {
   if (group.tenant.empty() || error != std::errc{} || end != count.data() + count.size() || group.clients == 0) {
     return malformed;
   }
-  const std::string token_file(text.substr(first + 1, last - first - 1));
-  if (token_file.empty()) return group;
-  auto token = read_token(token_file);
-  if (!token) return token.error();
-  group.token = std::move(*token);
+  group.token_file = text.substr(first + 1, last - first - 1);
   return group;
 }
 
@@ -54,7 +50,7 @@ Result<std::vector<size_t>> parse_clients(std::string_view text) {
 Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients) {
   if (groups.empty()) {
     if (clients == 0) return Error{"--clients is missing: how many clients?"};
-    return std::vector{LoadGroup{.tenant = {}, .token = {}, .clients = clients}};
+    return std::vector{LoadGroup{.clients = clients}};
   }
   std::vector<LoadGroup> plan;
   size_t sum = 0;
@@ -68,6 +64,16 @@ Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups,
     return Error{"--clients " + std::to_string(clients) + " but the tenants have " + std::to_string(sum)};
   }
   return plan;
+}
+
+Result<void> read_tokens(std::vector<LoadGroup>& plan) {
+  for (LoadGroup& group : plan) {
+    if (group.token_file.empty()) continue;
+    auto token = read_token(group.token_file);
+    if (!token) return token.error();
+    group.token = std::move(*token);
+  }
+  return {};
 }
 
 }  // namespace gnomon::client

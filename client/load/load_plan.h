@@ -11,8 +11,9 @@ namespace gnomon::client {
 
 // Clients of one tenant.
 struct LoadGroup {
-  std::string tenant;  // empty: the server's default
-  std::string token;   // empty: none
+  std::string tenant = {};      // empty: the server's default
+  std::string token_file = {};  // empty: none
+  std::string token = {};       // as read_tokens() has read it
   size_t clients = 0;
 };
 
@@ -25,5 +26,7 @@ Result<std::vector<size_t>> parse_clients(std::string_view text);
 // Without groups: `clients` clients of the default tenant. With groups: these, whose sum must be `clients` (0: any sum
 // is accepted).
 Result<std::vector<LoadGroup>> plan_load(const std::vector<std::string>& groups, size_t clients);
+
+Result<void> read_tokens(std::vector<LoadGroup>& plan);
 
 }  // namespace gnomon::client

@@ -142,11 +142,6 @@ Result<FlightOptions> flight_options(const Arguments& a) {
     if (!codec) return codec.error();
     hello.codecs = {*codec};
   }
-  if (!a.token_file.empty()) {
-    auto token = read_token(a.token_file);
-    if (!token) return token.error();
-    hello.token = std::move(*token);
-  }
   return flight;
 }
 
@@ -155,6 +150,17 @@ Result<ClientRenderer::Options> drawing_options(const Arguments& a) {
   const std::string& wanted = a.antialias.empty() ? kept : a.antialias;
   if (wanted != "4x" && wanted != "none") return Error{"--antialias " + wanted + ": 4x or none is"};
   return ClientRenderer::Options{a.device, wanted == "4x" ? gpu::Samples::four : gpu::Samples::one, a.soft_filter};
+}
+
+// As flight_options(), and of what is only used later.
+Result<FlightOptions> understood(const Arguments& a) {
+  if (const auto drawn = drawing_options(a); !drawn) return drawn.error();
+  if (const auto view = parse_record_view(a.record_view); !view) return view.error();
+  if (!a.view.empty()) {
+    if (const auto kind = parse_debug_kind(a.view); !kind) return kind.error();
+    if (a.out.empty()) return Error{"--view needs --out: a folder for its pictures"};
+  }
+  return flight_options(a);
 }
 
 void print_figures(const FlightStats& f) {
@@ -222,7 +228,6 @@ Result<std::optional<DebugView>> debug_view(const Arguments& a, const scenes::Sc
   if (a.view.empty()) return std::optional<DebugView>();
   const auto kind = parse_debug_kind(a.view);
   if (!kind) return kind.error();
-  if (a.out.empty()) return Error{"--view needs --out: a folder for its pictures"};
   auto view = DebugView::create(scene, size, *kind, a.device);
   if (!view) return view.error();
   return std::optional<DebugView>(std::move(*view));
@@ -321,9 +326,16 @@ Result<void> ended(const Flight& flight, const Error& why, Exit& after_error) {
 }
 
 Result<void> run(const Arguments& a, Exit& after_error) {
-  auto options = flight_options(a);
+  after_error = Exit::wrong_usage;
+  auto options = understood(a);
   if (!options) return options.error();
   Progress progress;
+  after_error = Exit::failed;
+  if (!a.token_file.empty()) {
+    auto token = read_token(a.token_file);
+    if (!token) return token.error();
+    options->stream.connect.hello.token = std::move(*token);
+  }
   WaitingLine waiting(progress, a.server);
   options->message = [&waiting](const protocol::Message& message) { waiting.heard(message); };
   auto scene = load_own_scene(a.scene, a.scene_folder);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -34,9 +35,18 @@ struct Arguments {
   uint32_t light = 0;
   nlohmann::json light_change = nlohmann::json::object();
   std::string lights_file;
+  int exit_after_error = EXIT_FAILURE;  // of the program, if the command fails
 };
 
-using Command = std::function<Result<void>(const Arguments&)>;
+constexpr int kExitUsage = 2;  // of the program, after a command line that it does not understand
+
+// An error of the command line itself, which a command finds out.
+inline Error wrong_usage(Arguments& arguments, const Error& error) {
+  arguments.exit_after_error = kExitUsage;
+  return error;
+}
+
+using Command = std::function<Result<void>(Arguments&)>;
 
 inline void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
 

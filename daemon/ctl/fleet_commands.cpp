@@ -26,8 +26,9 @@ struct Fleet {
   AdminAccess access;
 };
 
-Result<Fleet> fleet_of(const Arguments& arguments) {
+Result<Fleet> fleet_of(Arguments& arguments) {
   auto nodes = fleet_nodes(arguments.fleet);
+  if (!nodes && nodes_are_named(arguments.fleet)) return wrong_usage(arguments, nodes.error());
   if (!nodes) return nodes.error();
   auto access = access_of(arguments);
   if (!access) return access.error();
@@ -82,7 +83,7 @@ Result<void> tell_lights(const FleetNode& node, const AdminAccess& access, const
 
 }  // namespace
 
-Result<void> show_fleet(const Arguments& arguments) {
+Result<void> show_fleet(Arguments& arguments) {
   const auto fleet = fleet_of(arguments);
   if (!fleet) return fleet.error();
   const auto statuses = status_of(fleet->nodes, fleet->access);
@@ -90,16 +91,16 @@ Result<void> show_fleet(const Arguments& arguments) {
   return all_answered(statuses);
 }
 
-Result<void> post_to_node(const Arguments& arguments, const std::string& path) {
+Result<void> post_to_node(Arguments& arguments, const std::string& path) {
   const auto fleet = fleet_of(arguments);
   if (!fleet) return fleet.error();
   const auto node = node_named(fleet->nodes, arguments.node);
-  if (!node) return node.error();
+  if (!node) return wrong_usage(arguments, node.error());
   return post_to_all(arguments, {{*node}, fleet->access}, path, json::object());
 }
 
 // All nodes get one time, by which the newest change is told from others (share_lights).
-Result<void> change_light_of_fleet(const Arguments& arguments, const std::string& path) {
+Result<void> change_light_of_fleet(Arguments& arguments, const std::string& path) {
   const auto fleet = fleet_of(arguments);
   if (!fleet) return fleet.error();
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -108,7 +109,7 @@ Result<void> change_light_of_fleet(const Arguments& arguments, const std::string
   return post_to_all(arguments, *fleet, path, change);
 }
 
-Result<void> share_lights(const Arguments& arguments) {
+Result<void> share_lights(Arguments& arguments) {
   const auto fleet = fleet_of(arguments);
   if (!fleet) return fleet.error();
   const auto known = lights_of(fleet->nodes, fleet->access);

@@ -82,8 +82,10 @@ double load_of(const json& status) {
 
 }  // namespace
 
+bool nodes_are_named(const std::string& text) { return text.find('=') != std::string::npos; }
+
 Result<std::vector<FleetNode>> fleet_nodes(const std::string& text) {
-  return text.find('=') == std::string::npos ? listed_nodes(text) : named_nodes(text);
+  return nodes_are_named(text) ? named_nodes(text) : listed_nodes(text);
 }
 
 Result<FleetNode> node_named(const std::vector<FleetNode>& nodes, const std::string& name) {

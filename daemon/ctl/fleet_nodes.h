@@ -14,6 +14,9 @@ struct FleetNode {
   std::string address;  // of its admin server, as AdminAccess has it
 };
 
+// Whether `text` names nodes itself, and not the file that does.
+bool nodes_are_named(const std::string& text);
+
 // Of `text`, "NAME=ADDRESS" with a comma between two nodes, or a file with a line "NAME ADDRESS" for each; there, what
 // follows a # is a comment. Error: the line or the word that is none.
 Result<std::vector<FleetNode>> fleet_nodes(const std::string& text);

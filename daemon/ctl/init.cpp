@@ -56,25 +56,8 @@ class Installation {
   explicit Installation(const InitRequest& request) : request_(request) {}
 
   Result<void> check() {
-    if (request_.hosts.empty())
-      return Error{"--host is missing: the names and addresses by which clients reach it"};
-    if (!request_.fleet.empty() && request_.public_address.empty())
-      return Error{"--public-address is missing: where clients of a node of a fleet send their datagrams"};
-    if (!request_.fleet.empty() && request_.proxies.empty())
-      return Error{"--proxies is missing: the addresses of the fleet's doors"};
-    for (const std::string& host : request_.hosts) {
-      if (!is_host(host)) return Error{"--host " + host + ": a name or an address is needed"};
-    }
-    for (const std::string& tenant : request_.tenants) {
-    for_restart_ = keys_for_restart(request_.out, config_);
-      if (!is_plain_name(tenant))
-        return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};
-    }
-    for (const std::string& text : request_.scenes) {
-      const auto entry = scene_entry(text);
-      if (!entry) return entry.error();
-      scenes_.push_back(*entry);
-    }
+    if (auto understood = check_init(request_); !understood) return understood;
+    for (const std::string& text : request_.scenes) scenes_.push_back(*scene_entry(text));
     if (fs::exists(private_folder() / "ca.pem") && !fs::exists(private_folder() / "ca-key.pem")) {
       return Error{(private_folder() / "ca.pem").string() +
                    " is there and ca-key.pem beside it is not: put it back, or "
@@ -83,6 +66,7 @@ class Installation {
     auto text = config_text(request_, scenes_, packaged() ? "/var/cache/gnomon" : "cache");
     if (!text) return text.error();
     config_ = std::move(*text);
+    for_restart_ = keys_for_restart(request_.out, config_);
     return {};
   }
 
@@ -104,7 +88,6 @@ class Installation {
 
  private:
   fs::path credentials() const { return request_.out / "credentials"; }
-  std::string words_about_the_start() const;
   fs::path private_folder() const { return request_.out / "private"; }
   fs::path config() const { return request_.out / "gnomond.yaml"; }
   fs::path client_folder(const std::string& tenant) const { return private_folder() / "clients" / tenant; }
@@ -121,6 +104,7 @@ class Installation {
     return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(request_.port);
   }
   bool serves_browsers() const { return request_.browsers.value_or(false); }
+  std::string words_about_the_start() const;
   std::string words_about_the_fleet() const;
   std::string words_about_browsers() const;
   // What the daemon reads is root's, and where the folder has a group of its own, that group's too.
@@ -312,6 +296,25 @@ void ask_for_missing(InitRequest& request, std::istream& in, std::ostream& out) 
           "/ (yes, no)",
       "no", in, out);
   request.browsers = answer.front() == "yes" || answer.front() == "y";
+}
+
+Result<void> check_init(const InitRequest& request) {
+  if (request.hosts.empty() && request.fleet.empty())
+    return Error{"--host is missing: the names and addresses by which clients reach it"};
+  if (!request.fleet.empty() && request.public_address.empty())
+    return Error{"--public-address is missing: where clients of a node of a fleet send their datagrams"};
+  if (!request.fleet.empty() && request.proxies.empty())
+    return Error{"--proxies is missing: the addresses of the fleet's doors"};
+  for (const std::string& host : request.hosts) {
+    if (!is_host(host)) return Error{"--host " + host + ": a name or an address is needed"};
+  }
+  for (const std::string& tenant : request.tenants) {
+    if (!is_plain_name(tenant)) return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};
+  }
+  for (const std::string& text : request.scenes) {
+    if (const auto entry = scene_entry(text); !entry) return entry.error();
+  }
+  return {};
 }
 
 Result<std::string> init(const InitRequest& asked) {

@@ -40,6 +40,9 @@ Result<void> take_from_before(InitRequest& request);
 // Asks on `out` for what the request lacks and reads the answers from `in`; an empty answer takes what is proposed.
 void ask_for_missing(InitRequest& request, std::istream& in, std::ostream& out);
 
+// Error: something is missing, or is none of what is allowed there.
+Result<void> check_init(const InitRequest& request);
+
 // Writes
 //
 //   gnomond.yaml                               the configuration; one that is there becomes gnomond.yaml.before, and if

@@ -17,9 +17,13 @@ namespace {
 
 using View = std::string (*)(const nlohmann::json&);
 
-Result<AdminClient> client(const Arguments& arguments) {
+Result<AdminClient> client(Arguments& arguments) {
   if (!arguments.fleet.empty())
-    return Error{"--fleet: allowed with status, drain, undrain, scene light and scene lights"};
+    return wrong_usage(arguments,
+                       Error{"--fleet: allowed with status, drain, undrain, scene light and scene lights"});
+  if (const std::string& said = arguments.admin.address; !said.empty()) {
+    if (const auto address = parse_admin_address(said); !address) return wrong_usage(arguments, address.error());
+  }
   auto access = access_of(arguments);
   if (!access) return access.error();
   return AdminClient(std::move(*access));
@@ -27,7 +31,7 @@ Result<AdminClient> client(const Arguments& arguments) {
 
 // `key`: the member of /status that --json prints; empty: all of it.
 Command show(View view, std::string key) {
-  return [view, key = std::move(key)](const Arguments& arguments) -> Result<void> {
+  return [view, key = std::move(key)](Arguments& arguments) -> Result<void> {
     auto admin = client(arguments);
     if (!admin) return admin.error();
     const auto status = admin->status();
@@ -38,7 +42,7 @@ Command show(View view, std::string key) {
   };
 }
 
-Result<void> post(const Arguments& arguments, const std::string& path,
+Result<void> post(Arguments& arguments, const std::string& path,
                   const nlohmann::json& body = nlohmann::json::object()) {
   auto admin = client(arguments);
   if (!admin) return admin.error();
@@ -49,21 +53,23 @@ Result<void> post(const Arguments& arguments, const std::string& path,
 }
 
 Command drains(const char* path) {
-  return [path](const Arguments& arguments) {
+  return [path](Arguments& arguments) {
     return arguments.fleet.empty() ? post(arguments, path) : post_to_node(arguments, path);
   };
 }
 
-Result<void> change_light(const Arguments& arguments) {
+Result<void> change_light(Arguments& arguments) {
   const std::string path = "/scenes/" + arguments.scene + "/lights/" + std::to_string(arguments.light);
-  if (arguments.light_change.empty()) return Error{"nothing is to be changed; --help says what can be"};
+  if (arguments.light_change.empty()) {
+    return wrong_usage(arguments, Error{"nothing is to be changed; --help says what can be"});
+  }
   return arguments.fleet.empty() ? post(arguments, path, arguments.light_change)
                                  : change_light_of_fleet(arguments, path);
 }
 
-Result<void> show_lights(const Arguments& arguments) {
+Result<void> show_lights(Arguments& arguments) {
   if (!arguments.fleet.empty()) return share_lights(arguments);
-  if (!arguments.lights_file.empty()) return Error{"--file: allowed with --fleet"};
+  if (!arguments.lights_file.empty()) return wrong_usage(arguments, Error{"--file: allowed with --fleet"});
   auto admin = client(arguments);
   if (!admin) return admin.error();
   const auto lights = admin->get("/lights");
@@ -72,18 +78,16 @@ Result<void> show_lights(const Arguments& arguments) {
   return {};
 }
 
-Result<void> kick(const Arguments& arguments) {
+Result<void> kick(Arguments& arguments) {
   nlohmann::json body = nlohmann::json::object();
   if (!arguments.why.empty()) body["why"] = arguments.why;
   if (arguments.stay_out_s) body["for_s"] = *arguments.stay_out_s;
   return post(arguments, "/sessions/" + arguments.session + "/kick", body);
 }
 
-Result<void> unload(const Arguments& arguments) {
-  return post(arguments, "/scenes/" + arguments.scene + "/unload");
-}
+Result<void> unload(Arguments& arguments) { return post(arguments, "/scenes/" + arguments.scene + "/unload"); }
 
-Result<void> load(const Arguments& arguments) {
+Result<void> load(Arguments& arguments) {
   auto admin = client(arguments);
   if (!admin) return admin.error();
   const auto answer = load_scene(*admin, arguments.scene);
@@ -92,7 +96,7 @@ Result<void> load(const Arguments& arguments) {
   return {};
 }
 
-Result<void> live(const Arguments& arguments) {
+Result<void> live(Arguments& arguments) {
   auto admin = client(arguments);
   if (!admin) return admin.error();
   const auto interval = std::chrono::milliseconds(static_cast<int64_t>(arguments.interval_s * 1000));
@@ -157,7 +161,7 @@ void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   for (const std::string what : {"drain", "resume"}) {
     const char* help = what == "drain" ? "Its sessions move to the others, and it gets no new ones"
                                        : "It takes sessions again, and some of the others'";
-    CLI::App* sub = add(*device, chosen, what.c_str(), help, [what](const Arguments& a) {
+    CLI::App* sub = add(*device, chosen, what.c_str(), help, [what](Arguments& a) {
       return post(a, "/devices/" + std::to_string(a.device) + "/" + what);
     });
     sub->add_option("NUMBER", arguments.device, "Its place in render.devices, as `status` shows it")->required();
@@ -166,7 +170,7 @@ void add_device_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
 
 void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   add(app, chosen, "status", "Devices, scenes and tenants; with --fleet the nodes",
-      [alone = show(status_text, "")](const Arguments& a) { return a.fleet.empty() ? alone(a) : show_fleet(a); });
+      [alone = show(status_text, "")](Arguments& a) { return a.fleet.empty() ? alone(a) : show_fleet(a); });
   add(app, chosen, "sessions", "Open sessions with their latencies", show(sessions_text, "sessions"));
   CLI::App* top_command = add(app, chosen, "top", "A live table of tenants and sessions", live);
   top_command->add_option("--interval", arguments.interval_s, "Seconds between two tables")
@@ -175,7 +179,7 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is left or interrupted")
       ->type_name("N");
   add(app, chosen, "reload", "Read the configuration again; no session is dropped",
-      [](const Arguments& a) { return post(a, "/reload"); });
+      [](Arguments& a) { return post(a, "/reload"); });
   CLI::App* both[] = {
       add(app, chosen, "drain", "Admit nobody, serve those who are here on, and ask clients of a fleet to move",
           drains("/drain")),
@@ -183,7 +187,7 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   for (CLI::App* each : both)
     each->add_option("--node", arguments.node, "With --fleet: which one")->type_name("NAME");
   add(app, chosen, "stop", "Admit nobody, tell the clients, then end the daemon",
-      [](const Arguments& a) { return post(a, "/stop"); });
+      [](Arguments& a) { return post(a, "/stop"); });
   CLI::App* kick_command = add(app, chosen, "kick", "Close a session and keep its client out for a time", kick);
   kick_command->add_option("SESSION", arguments.session, "Its id, as `sessions` shows it")
       ->required()
@@ -198,10 +202,11 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
 }
 
 // What is not said is asked for, where there is somebody to ask.
-Result<void> make_production(const Arguments& arguments) {
+Result<void> make_production(Arguments& arguments) {
   InitRequest request = arguments.init;
   if (auto taken = take_from_before(request); !taken) return taken.error();
   if (isatty(STDIN_FILENO) == 1) ask_for_missing(request, std::cin, std::cout);
+  if (auto understood = check_init(request); !understood) return wrong_usage(arguments, understood.error());
   const auto made = init(request);
   if (!made) return made.error();
   print(*made);
@@ -263,9 +268,9 @@ void add_fleet_commands(CLI::App& app, Command& chosen, DoorRequest& door) {
   CLI::App* fleet = add(app, chosen, "fleet", "Make what a fleet of many nodes needs", nullptr);
   fleet->require_subcommand(1);
   CLI::App* haproxy = add(*fleet, chosen, "haproxy", "Write the configuration of HAProxy, which is its door",
-                          [](const Arguments& a) -> Result<void> {
+                          [](Arguments& a) -> Result<void> {
                             const auto text = haproxy_text(a.door);
-                            if (!text) return text.error();
+                            if (!text) return wrong_usage(a, text.error());
                             print(*text);
                             return {};
                           });
@@ -355,7 +360,7 @@ int run(int argc, char** argv) {
   }
   if (done) return EXIT_SUCCESS;
   std::fprintf(stderr, "gnomonctl: %s\n", done.error().message.c_str());
-  return EXIT_FAILURE;
+  return arguments.exit_after_error;
 }
 
 }  // namespace

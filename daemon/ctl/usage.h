@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "common/suggestion.h"
+#include "daemon/ctl/arguments.h"
 
 namespace gnomon::ctl {
-
-constexpr int kExitUsage = 2;  // of the program, after a command line that it does not understand
 
 inline const CLI::Validator& is_session_id() {
   static const CLI::Validator validator(

@@ -120,6 +120,31 @@ class ExitStatuses(unittest.TestCase):
             self.assertEqual(run("gnomonctl", *arguments)[0], 2, arguments)
         self.assertEqual(run("gnomon-load", "--server", "h:1", "--scene", "s", "--size", "8x8", "--rate", "-1")[0], 2)
 
+    def test_wrong_usage_that_shows_in_a_value_is_2_too(self):
+        client = ("--server", "h:1", "--scene", "s", "--size", "8x8")
+        wrong = {"gnomon-client": (("--size", "abc"), ("--mode", "nonsense"), ("--server", "h"), ("--border", "1"),
+                                   ("--codec", "zip"), ("--transport", "post"), ("--antialias", "3x"), ("--view", "all"),
+                                   ("--view", "mask"), ("--record-view", "none")),
+                 "gnomon-load": (("--size", "abc"), ("--server", "h"), ("--codec", "zip"), ("--transport", "post"),
+                                 ("--clients", "few"), ("--tenant", "a:b"), ("--tenant", "a::2", "--clients", "3"), ())}
+        for program, cases in wrong.items():
+            for case in cases:
+                said = [word for option, value in zip(client[::2], client[1::2]) if option not in case
+                        for word in (option, value)]
+                more = ("--clients", "1") if program == "gnomon-load" and case and case[0] not in ("--clients", "--tenant") else ()
+                status, text = run(program, *said, *case, *more)
+                self.assertEqual(status, 2, f"{program} {case}: {text}")
+                self.assertTrue(text.startswith(program + ": "), text)
+        for arguments in (("--admin", "nowhere", "status"), ("--fleet", "n1", "sessions"), ("--fleet", "=x", "status"),
+                          ("--fleet", "n1=http://127.0.0.1:1", "drain", "--node", "n2"), ("scene", "light", "a", "0"),
+                          ("scene", "lights", "--file", "x"), ("fleet", "haproxy", "--node", "n1"), ("init",),
+                          ("init", "--host", "edge", "--tenant", "a/b"), ("init", "--host", "edge", "--scene", "nowhere")):
+            status, text = run("gnomonctl", *arguments)
+            self.assertEqual(status, 2, f"{arguments}: {text}")
+        for program in ("gnomon-client", "gnomon-load"):
+            token = ("--token-file", "/none") if program == "gnomon-client" else ("--tenant", "a:/none:1")
+            self.assertEqual(run(program, *client, *token)[0], 1, "a file that cannot be read is no wrong usage")
+
     def test_an_address_that_is_said_is_asked_and_not_the_fleet_of_the_environment(self):
         fleet = {**os.environ, "GNOMON_FLEET": "n1=http://127.0.0.1:2"}
         for arguments in (("--admin", "http://127.0.0.1:1", "status"), ("sessions", "--admin", "http://127.0.0.1:1")):

@@ -22,9 +22,10 @@ namespace fs = std::filesystem;
 TEST(LoadPlan, SplitsClientsAmongTenants) {
   const fs::path token = fs::temp_directory_path() / ("gnomon-token-" + std::to_string(getpid()));
   std::ofstream(token) << "secret\n";
-  const auto plan = plan_load({"studio:" + token.string() + ":2", "arcade::6"}, 8);
-  fs::remove(token);
+  auto plan = plan_load({"studio:" + token.string() + ":2", "arcade::6"}, 8);
   ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_TRUE(read_tokens(*plan));
+  fs::remove(token);
   ASSERT_EQ(plan->size(), 2u);
   EXPECT_EQ((*plan)[0].tenant, "studio");
   EXPECT_EQ((*plan)[0].token, "secret");
@@ -36,7 +37,7 @@ TEST(LoadPlan, SplitsClientsAmongTenants) {
 TEST(LoadPlan, RefusesWhatDoesNotAddUp) {
   EXPECT_FALSE(plan_load({}, 0));
   EXPECT_EQ(plan_load({"a::3"}, 4).error().message, "--clients 4 but the tenants have 3");
-  EXPECT_FALSE(plan_load({"a:/no/such/file:3"}, 0));
+  EXPECT_FALSE(read_tokens(*plan_load({"a:/no/such/file:3"}, 0)));
   for (const char* text : {"", "a", "a:3", "::3", "a::0", "a::x", "a::3x"}) EXPECT_FALSE(parse_group(text)) << text;
 }
 
