@@ -5,6 +5,7 @@
 
 #include "common/wall_clock.h"
 #include "daemon/admin/page_files.h"
+#include "daemon/admin/readiness.h"
 #include "daemon/admin/status_json.h"
 #include "daemon/render/light_change.h"
 
@@ -27,12 +28,6 @@ std::optional<int64_t> whole_number(const json& object, const char* name, int64_
   if (found == object.end()) return usual;
   const bool fits = found->is_number_unsigned() && found->get<uint64_t>() <= static_cast<uint64_t>(most);
   return fits ? std::optional<int64_t>(found->get<int64_t>()) : std::nullopt;
-}
-
-// " (43%)" of a scene that is being read; else empty.
-std::string share_of(const std::optional<SceneUnderWay>& scene) {
-  const auto share = scene ? scene->share : std::nullopt;
-  return share ? " (" + std::to_string(static_cast<int>(100 * *share)) + "%)" : "";
 }
 
 // A change of a light, and when it was made where its body says so (`at_ms`): one that goes to all nodes of a fleet has one
@@ -145,30 +140,13 @@ Page Operations::begin_stop() {
   return {202, kText, "stopping\n"};
 }
 
-// Why no new client is served, or that some are.
 Page Operations::readiness() const {
-  const Health& health = parts_.health;
-  if (health.ready()) return {200, kText, "ready\n"};
-  std::string why;
-  const auto add = [&](const std::string& reason) { why += (why.empty() ? "not ready: " : "; ") + reason; };
-  if (health.stopping) add("stopping");
-  if (health.draining) add("draining: nobody is admitted (gnomonctl undrain takes it back)");
-  if (!health.device_up) add(health.scenes_loaded ? "no device is up" : "devices are being opened");
-  if (!health.scenes_loaded) {
-    const auto resident = parts_.scenes.resident();
-    const auto catalog = parts_.catalog.get();
-    std::string missing;
-    for (const auto& source : catalog->sources()) {
-      if (!resident.contains(source.name))
-        missing += (missing.empty() ? "" : ", ") + source.name + share_of(under_way(parts_.scenes, source.name));
-    }
-    add("scenes are being loaded: " + missing);
-  }
-  return {503, kText, why + "\n"};
+  const std::string why = why_not_ready(parts_);
+  return why.empty() ? Page{200, kText, "ready\n"} : Page{503, kText, "not ready: " + why + "\n"};
 }
 
 // A daemon that is stopping may never fulfil `done`.
-Page Operations::await(std::future<Result<void>> done, const char* what) {
+Page Operations::await(std::future<Result<std::string>> done) {
   while (done.wait_for(50ms) != std::future_status::ready) {
     if (parts_.health.stopping) return {503, kText, "the server is stopping\n"};
   }

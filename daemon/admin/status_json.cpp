@@ -5,6 +5,7 @@
 
 #include "common/audit_file.h"
 #include "common/wall_clock.h"
+#include "daemon/admin/readiness.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -106,6 +107,7 @@ std::string status_json(const OperatedParts& parts) {
   const SessionMemory session_memory = parts.limits.memory();
   json status{{"version", parts.version},
               {"ready", parts.health.ready()},
+              {"why_not_ready", why_not_ready(parts)},
               {"draining", parts.health.draining.load()},
               {"stopping", parts.health.stopping.load()},
               {"devices", json::array()},

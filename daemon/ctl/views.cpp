@@ -35,6 +35,7 @@ std::string status_text(const json& status) {
   std::string out = "gnomond " + text(status, "version") + ": " + state_of(status) + ", policy " +
                     text(status, "policy") + ", " + std::to_string(list(status, "sessions").size()) +
                     " sessions, Jain index " + fixed(number(status, "jain"), 3) + "\n";
+  if (const std::string why = text(status, "why_not_ready"); !why.empty()) out += "not ready: " + why + "\n";
   out += certificate_line(status) + audit_line(status);
   int device_number = 0;
   for (const json& device : list(status, "devices")) {

@@ -6,6 +6,7 @@ with none, and without an address.
 """
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -113,6 +114,25 @@ class Admin(unittest.TestCase):
         self.assertIn("admin.token_file", node.log_text())
         self.write("token", NEXT_TOKEN)
         self.assertEqual(self.over_tcp("reload", "--token-file", file)[0], 0)
+
+
+class NotReady(unittest.TestCase):
+    def test_status_says_why(self):
+        node = Node(BUILD, render={"tracer": "bvh"})
+        self.addCleanup(node.__exit__)
+        node.start()
+        self.assertEqual(node.status()["why_not_ready"], "")
+        self.assertNotIn("not ready", node.ctl("status")[1])
+        self.assertEqual(node.ctl("drain")[0], 0)
+        why = "draining: nobody is admitted (gnomonctl undrain takes it back)"
+        self.assertEqual(node.status()["why_not_ready"], why)
+        self.assertIn(f"\nnot ready: {why}\n", node.ctl("status")[1])
+        self.assertEqual(node.stop(), 0)
+        node.start(wait=False)
+        asked = lambda: node.ctl("status")[1]
+        eventually(lambda: re.search(r"^not ready: (.*; )?scenes are being loaded: living_room", asked(), re.M),
+                   "what it waits for at the start")
+        node.wait_until_ready()
 
 
 class AuditOnAFullDisk(unittest.TestCase):
