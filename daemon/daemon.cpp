@@ -249,7 +249,8 @@ std::string Daemon::summary() const {
          std::to_string(session_limits_.taken()) + " sessions";
 }
 
-Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by, std::vector<Error> missing) {
+Result<std::vector<std::string>> Daemon::reload(const Result<Config>& next, const char* asked_by,
+                                                std::vector<Error> missing) {
   if (!next) {
     metrics_.operation().reloaded(false);
     log::error("configuration not reloaded", {{"why", next.error().message}});
@@ -262,8 +263,8 @@ Result<void> Daemon::reload(const Result<Config>& next, const char* asked_by, st
   metrics_.operation().reloaded(missing.empty());
   std::string why;
   for (const Error& each : missing) why += (why.empty() ? "" : "; ") + each.message;
-  reload_audit_.applied(*next, why, old_pin, pin(), asked_by);
-  if (missing.empty()) return {};
+  auto changes = reload_audit_.applied(*next, why, old_pin, pin(), asked_by);
+  if (missing.empty()) return changes;
   log::error("configuration reloaded in part", {{"why", why}});
   return Error{"reloaded, but for this: " + why};
 }

@@ -30,7 +30,7 @@ class Daemon final : private FrameSink {
     std::function<void()> on_stop = {};            // an operator wants the end, as SIGTERM does; any thread
     std::function<void(const Error&)> on_failure;  // called once, on a render thread, when no device is left
     // Reads the configuration again and calls reload() on the main thread, then its argument. Any thread may call it.
-    std::function<void(std::function<void(Result<void>)>)> ask_for_reload = {};
+    std::function<void(std::function<void(Result<std::vector<std::string>>)>)> ask_for_reload = {};
     scenes::SceneReader read_scene = scenes::read_here;
     // Told of a configuration that is applied, so that its caller changes what it made for read_scene and
     // make_renderers: the log of workers, the limit of the cache. On the thread of reload().
@@ -54,10 +54,10 @@ class Daemon final : private FrameSink {
   // operators' token, whose files are read again. Each of these is applied on its own: one that cannot be stays as it
   // was, and the error says why, while the others hold; so does what `missing` names, which was found out before. Sessions
   // are closed whose tenant is no longer named or whose credential is no longer accepted. Other differences need a
-  // restart, and the error names their keys. An error in place of a configuration changes nothing. Counted and logged; the
+  // restart, and the error names their keys. Returns what differs from before, key by key. An error in place of a configuration changes nothing. Counted and logged; the
   // audit log's file is opened anew either way, and gets a line with the difference and with `asked_by`. The main thread.
-  Result<void> reload(const Result<Config>& next, const char* asked_by = "operator",
-                      std::vector<Error> missing = {});
+  Result<std::vector<std::string>> reload(const Result<Config>& next, const char* asked_by = "operator",
+                                          std::vector<Error> missing = {});
 
   // Reminds operators in the log of a certificate that expires. Called now and then, on the main thread.
   void remind(std::chrono::sys_seconds now) { certificates_.remind(now); }

@@ -143,7 +143,7 @@ Error all_of(const std::vector<Error>& errors) {
 }
 
 // Reads the file and the command line's overrides again.
-Result<void> reload(Daemon& daemon, const Arguments& arguments, const char* asked_by) {
+Result<std::vector<std::string>> reload(Daemon& daemon, const Arguments& arguments, const char* asked_by) {
   supervisor::reloading();
   CheckedConfig checked = check_config(arguments, Purpose::reload);
   const bool usable = checked.mistakes.empty();
@@ -205,7 +205,7 @@ int serve(const Config& config, const Arguments& arguments) {
   };
   const auto stop = [&] { asio::post(events, [&] { events.stop(); }); };
   Daemon* running = nullptr;  // set before the events run
-  const auto ask_for_reload = [&](std::function<void(Result<void>)> answer) {
+  const auto ask_for_reload = [&](std::function<void(Result<std::vector<std::string>>)> answer) {
     asio::post(events,
                [&, answer] { answer(within_memory([&] { return reload(*running, arguments, "operator"); })); });
   };

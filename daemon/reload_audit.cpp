@@ -4,21 +4,32 @@
 
 namespace gnomon::daemon {
 
-void ReloadAudit::applied(const Config& next, const std::string& kept, const protocol::Pin& old_pin,
-                          const protocol::Pin& pin, const char* asked_by) {
-  std::string changes = changes_between(values_, next.values);
+namespace {
+
+std::string listed(const std::vector<std::string>& changes) {
+  std::string all;
+  for (const std::string& change : changes) all += (all.empty() ? "" : ", ") + change;
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> ReloadAudit::applied(const Config& next, const std::string& kept,
+                                              const protocol::Pin& old_pin, const protocol::Pin& pin,
+                                              const char* asked_by) {
+  std::vector<std::string> changes = changes_between(values_, next.values);
   if (pin != old_pin) {
-    changes += (changes.empty() ? "" : ", ") + ("certificate: " + protocol::to_string(old_pin)) + " -> " +
-               protocol::to_string(pin);
+    changes.push_back("certificate: " + protocol::to_string(old_pin) + " -> " + protocol::to_string(pin));
   }
   values_ = next.values;
   file_ = next.log.audit_file;
   if (kept.empty()) {
-    log::audit("configuration", {{"asked_by", asked_by}, {"result", "done"}, {"changes", changes}});
+    log::audit("configuration", {{"asked_by", asked_by}, {"result", "done"}, {"changes", listed(changes)}});
   } else {
     log::audit("configuration",
-               {{"asked_by", asked_by}, {"result", "in part"}, {"changes", changes}, {"reason", kept}});
+               {{"asked_by", asked_by}, {"result", "in part"}, {"changes", listed(changes)}, {"reason", kept}});
   }
+  return changes;
 }
 
 // A file that was rotated is opened anew also if the configuration has a mistake.

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "daemon/config/config.h"
 #include "protocol/pin.h"
@@ -18,8 +19,9 @@ class ReloadAudit {
   // `next` is in force, which had its audit file opened. The pins are those of the certificate before and after.
   // `asked_by`: "SIGHUP", "operator".
   // `kept`: why some of it was not applied; empty if all of it was.
-  void applied(const Config& next, const std::string& kept, const protocol::Pin& old_pin, const protocol::Pin& pin,
-               const char* asked_by);
+  // Returns the changes, one for each key.
+  std::vector<std::string> applied(const Config& next, const std::string& kept, const protocol::Pin& old_pin,
+                                   const protocol::Pin& pin, const char* asked_by);
   void refused(const std::string& why, const char* asked_by) const;
 
  private:

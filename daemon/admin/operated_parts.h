@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/published.h"
 #include "common/result.h"
@@ -33,8 +34,9 @@ struct OperatedParts {
   SceneLights& lights;
   const SessionLimits& limits;
   Server& server;
-  std::function<void()> begin_stop;                                       // empty if nobody can be asked to stop
-  std::function<void(std::function<void(Result<void>)>)> ask_for_reload;  // empty if there is no file to read again
+  std::function<void()> begin_stop;  // empty if nobody can be asked to stop
+  // Answers with what has changed, key by key. Empty if there is no file to read again.
+  std::function<void(std::function<void(Result<std::vector<std::string>>)>)> ask_for_reload;
 };
 
 }  // namespace gnomon::daemon

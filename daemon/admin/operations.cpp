@@ -49,6 +49,13 @@ Result<DatedChange> parse_dated_change(const std::string& body) {
   return DatedChange{*change, *at_ms};
 }
 
+// A line for each change.
+std::string words_about(const std::vector<std::string>& changes) {
+  std::string text = changes.empty() ? "reloaded; no key has changed" : "reloaded";
+  for (const std::string& change : changes) text += "\n" + change;
+  return text;
+}
+
 }  // namespace
 
 Operations::Operations(OperatedParts parts) : parts_(std::move(parts)) {}
@@ -151,7 +158,7 @@ Page Operations::await(std::future<Result<std::string>> done) {
     if (parts_.health.stopping) return {503, kText, "the server is stopping\n"};
   }
   const auto result = done.get();
-  return result ? Page{200, kText, std::string(what) + "\n"} : Page{409, kText, result.error().message + "\n"};
+  return result ? Page{200, kText, *result + "\n"} : Page{409, kText, result.error().message + "\n"};
 }
 
 // One scene at a time, as each request occupies one of the server's few threads until the scene is resident.
@@ -159,11 +166,11 @@ Page Operations::load_scene(const std::string& asked) {
   const std::string name = parts_.catalog.get()->find(asked);
   if (name.empty()) return {404, kText, "the configuration has no such scene\n"};
   if (loading_.exchange(true)) return {409, kText, "another scene is being loaded\n"};
-  auto done = std::make_shared<std::promise<Result<void>>>();
+  auto done = std::make_shared<std::promise<Result<std::string>>>();
   parts_.scenes.fetch(name, [done](Result<SceneForUse> scene) {
-    done->set_value(scene ? Result<void>() : Result<void>(scene.error()));
+    done->set_value(scene ? Result<std::string>("loaded") : scene.error());
   });
-  const Page answer = await(done->get_future(), "loaded");
+  const Page answer = await(done->get_future());
   loading_ = false;
   return answer;
 }
@@ -177,9 +184,11 @@ Page Operations::unload_scene(const std::string& asked) {
 // The main thread reads and applies the configuration; this thread waits for the result.
 Page Operations::reload_page() {
   if (!parts_.ask_for_reload) return {501, kText, "this daemon has no configuration file\n"};
-  auto done = std::make_shared<std::promise<Result<void>>>();
-  parts_.ask_for_reload([done](Result<void> reloaded) { done->set_value(std::move(reloaded)); });
-  return await(done->get_future(), "reloaded");
+  auto done = std::make_shared<std::promise<Result<std::string>>>();
+  parts_.ask_for_reload([done](const Result<std::vector<std::string>>& changes) {
+    done->set_value(changes ? Result<std::string>(words_about(*changes)) : changes.error());
+  });
+  return await(done->get_future());
 }
 
 Admin::Actions Operations::actions() {

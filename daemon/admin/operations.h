@@ -25,7 +25,7 @@ class Operations {
   Page drain_device(const std::string& number, bool drained);
   Page load_scene(const std::string& name);
   Page unload_scene(const std::string& name);
-  Page await(std::future<Result<void>> done, const char* what);
+  Page await(std::future<Result<std::string>> done);
   Page reload_page();
   Page readiness() const;
   Page change_light(const std::string& scene, const std::string& light, const std::string& body);

@@ -85,17 +85,16 @@ void add_places(ConfigPlaces& places, const YAML::Node& node,
   }
 }
 
-std::string changes_between(const ConfigValues& before, const ConfigValues& after) {
+std::vector<std::string> changes_between(const ConfigValues& before, const ConfigValues& after) {
   std::set<std::string> keys;
   for (const auto& [key, value] : before) keys.insert(key);
   for (const auto& [key, value] : after) keys.insert(key);
-  std::string changes;
+  std::vector<std::string> changes;
   for (const std::string& key : keys) {
     const bool tokens = key.ends_with(kTokenHashes);
     const std::string old = value_in(before, key, tokens), now = value_in(after, key, tokens);
     if (old == now) continue;
-    changes += (changes.empty() ? "" : ", ") + key + ": ";
-    changes += tokens ? change_of_tokens(old, now) : old + " -> " + now;
+    changes.push_back(key + ": " + (tokens ? change_of_tokens(old, now) : old + " -> " + now));
   }
   return changes;
 }

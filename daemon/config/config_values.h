@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace YAML {
 class Node;
@@ -25,8 +26,8 @@ using ConfigPlaces = std::map<std::string, std::string>;
 void add_places(ConfigPlaces& places, const YAML::Node& node,
                 const std::function<std::string(const YAML::Node&)>& place_of, const std::string& path = {});
 
-// "tenants.studio.weight: 1 -> 3, server.max_sessions: (default) -> 100"; empty if there is no difference. Of
-// tokens' hashes it says only how many came and went.
-std::string changes_between(const ConfigValues& before, const ConfigValues& after);
+// "tenants.studio.weight: 1 -> 3", "server.max_sessions: (default) -> 100": one for each key that differs. Of tokens' hashes
+// it says only how many came and went.
+std::vector<std::string> changes_between(const ConfigValues& before, const ConfigValues& after);
 
 }  // namespace gnomon::daemon

@@ -46,6 +46,8 @@ std::vector<Error> read_token_files(Config& config) {
       continue;
     }
     tenant.token_sha256.insert(tenant.token_sha256.end(), hashes->begin(), hashes->end());
+    std::string& told = config.values["tenants." + tenant.name + ".token_sha256"];
+    for (const TokenHash& hash : *hashes) told += to_hex(hash) + "\n";
   }
   return errors;
 }

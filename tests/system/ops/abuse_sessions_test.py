@@ -288,7 +288,9 @@ class Credentials(unittest.TestCase):
         revoked, kept = self.open("studio"), self.open("arcade")
         revoked.picture(revoked.welcome.scene.default_camera)
         self.revoke("studio")
-        self.assertEqual(self.node.ctl("reload"), (0, "reloaded\n"))
+        code, said = self.node.ctl("reload")
+        self.assertEqual(code, 0, said)
+        self.assertRegex(said, r"^reloaded\ntenants\.studio\.token_sha256: \d added, 1 removed\n")
         self.assertIn("its token was revoked", self.farewell(revoked))
         with self.assertRaises(RefusedBy):
             revoked.resume()

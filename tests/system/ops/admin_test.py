@@ -93,7 +93,7 @@ class Admin(unittest.TestCase):
         for environment in ({"RUNTIME_DIRECTORY": str(node.folder)}, {"XDG_RUNTIME_DIR": str(runtime)}):
             node.environment = {**os.environ, **environment}
             node.start()
-            self.assertEqual(self.bare_ctl("reload", **environment), (0, "reloaded\n"))
+            self.assertEqual(self.bare_ctl("reload", **environment), (0, "reloaded; no key has changed\n"))
             self.assertEqual(node.stop(), 0)
         self.assertFalse(any(node.folder.rglob("admin.sock")), "removed at the end")
         code, said = self.bare_ctl("status", **environment)
@@ -175,7 +175,9 @@ class Reload(unittest.TestCase):
 
     def reload(self):
         self.node.write_config()
-        self.assertEqual(self.node.ctl("reload"), (0, "reloaded\n"))
+        code, said = self.node.ctl("reload")
+        self.assertEqual((code, said.splitlines()[0]), (0, "reloaded"))
+        return said.splitlines()[1:]
 
     def events(self, start):
         return [json.loads(line)["event"] for line in self.node.log_text().splitlines()[start:]]
@@ -187,7 +189,9 @@ class Reload(unittest.TestCase):
         node.config["render"]["cache_mb"] = 1  # less than the scene's one light takes
         node.config["scenes"]["list"].append({"name": "doll", "file": "doll.gltf"})
         start = len(node.log_text().splitlines())
-        self.reload()
+        self.assertEqual(self.reload(), ["log.format: (default) -> json", "render.cache_mb: (default) -> 1",
+                                         "scenes.list: [] -> (default)", "scenes.list.doll.file: (default) -> doll.gltf",
+                                         "scenes.list.doll.name: (default) -> doll"])
         eventually(lambda: "light buffers ready" in node.log_text(), "the light buffers")
         for event in ("configuration", "configuration reloaded", "skins are left out: their meshes stay as stored",
                       "light buffer not cached"):

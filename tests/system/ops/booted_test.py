@@ -105,7 +105,7 @@ class Booted(unittest.TestCase):
         for _ in range(2):
             owner = self.system.run("stat", "-c", "%a %F", "/run/gnomon/admin.sock").stdout
             self.assertEqual(owner.strip(), "660 socket")
-            self.assertEqual(self.system.run("gnomonctl", "reload").stdout, "reloaded\n")
+            self.assertEqual(self.system.run("gnomonctl", "reload").stdout, "reloaded; no key has changed\n")
             self.assertIn("audit action operator=root(0) address=socket action=reload", self.system.journal())
             stranger = self.system.run("setpriv", "--reuid", "nobody", "--clear-groups", "gnomonctl", "reload",
                                        check=False)
@@ -125,7 +125,7 @@ class Booted(unittest.TestCase):
         self.system.systemctl("restart", "gnomond.service")
         member = self.system.run("setpriv", "--reuid", "nobody", "--groups", "operators", "gnomonctl", "reload",
                                  check=False)
-        self.assertEqual((member.returncode, member.stdout), (0, "reloaded\n"), self.system.journal())
+        self.assertEqual((member.returncode, member.stdout), (0, "reloaded; no key has changed\n"), self.system.journal())
         self.assertIn("action=reload", self.system.run("cat", "/var/log/gnomon/audit.log").stdout)
         self.system.run("sh", "-c", f"rm {drop_in}")
         self.system.write(CONFIG, CONFIG_TEXT % 1)

@@ -49,7 +49,7 @@ class UnderLoad(unittest.TestCase):
         node = self.node
         load = self.load({"studio": 3, "arcade": 3})
         eventually(lambda: abs(self.share("studio") - 0.5) < 0.1, "equal shares")
-        self.assertEqual(self.reload(4), (0, "reloaded\n"))
+        self.assertEqual(self.reload(4), (0, "reloaded\ntenants.studio.weight: 1 -> 4\n"))
         since = time.monotonic()
         eventually(lambda: abs(self.share("studio") - 0.8) < 0.1, "the shares of the new weights")
         print(f"shares follow new weights within {time.monotonic() - since:.1f} s of the reload")

@@ -10,7 +10,11 @@ std::string changes(const std::string& before, const std::string& after,
                     const std::vector<std::string>& overrides = {}) {
   const auto old = parse_config(before, "old"), now = parse_config(after, "new", overrides);
   EXPECT_TRUE(old && now);
-  return changes_between(old->values, now->values);
+  std::string all;
+  for (const std::string& change : changes_between(old->values, now->values)) {
+    all += (all.empty() ? "" : ", ") + change;
+  }
+  return all;
 }
 
 TEST(ConfigChanges, NameTheKeyItsOldValueAndItsNewOne) {

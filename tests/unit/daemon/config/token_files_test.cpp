@@ -27,6 +27,14 @@ TEST(TokenFiles, AddToTheHashesOfTheConfiguration) {
   EXPECT_NE(wrong.error().message.find("tenants.lab.token_sha256_file: " + file.string() + ":2: "),
             std::string::npos);
   EXPECT_EQ(wrong.error().message.find("secret"), std::string::npos) << "it may be a token";
+  std::ofstream(file) << digits;
+  Config before, after;
+  before.tenants = after.tenants = {{.name = "lab", .token_sha256_file = file}};
+  EXPECT_TRUE(read_token_files(before).empty());
+  std::ofstream(file) << std::string(64, 'b');
+  EXPECT_TRUE(read_token_files(after).empty());
+  EXPECT_EQ(changes_between(before.values, after.values),
+            std::vector<std::string>{"tenants.lab.token_sha256: 1 added, 1 removed"});
   std::filesystem::remove(file);
   Config config;
   config.tenants = {{.name = "lab", .token_sha256_file = file}};
