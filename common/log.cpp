@@ -1,6 +1,7 @@
 #include "common/log.h"
 
 #include <fcntl.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -12,6 +13,7 @@
 #include <mutex>
 
 #include "common/audit_file.h"
+#include "common/log_line.h"
 #include "common/log_rate_limiter.h"
 #include "common/printable.h"
 #include "common/published.h"
@@ -28,10 +30,11 @@ struct Output {
 
 std::atomic<spdlog::level::level_enum> least_level{spdlog::level::warn};
 
+constexpr const char* kJsonPattern = R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)";
+
 Output output_to_stderr(Format format) {
   auto made = std::make_shared<spdlog::logger>("gnomon", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-  made->set_pattern(format == Format::json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)"
-                                           : "%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
+  made->set_pattern(format == Format::json ? kJsonPattern : "%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
   made->set_level(spdlog::level::trace);  // least_level decides
   return {std::move(made), format};
 }
@@ -214,6 +217,13 @@ void debug(std::string_view event, Fields fields) { write(spdlog::level::debug, 
 void info(std::string_view event, Fields fields) { write(spdlog::level::info, event, fields); }
 void warning(std::string_view event, Fields fields) { write(spdlog::level::warn, event, fields); }
 void error(std::string_view event, Fields fields) { write(spdlog::level::err, event, fields); }
+
+std::string json_line(std::string_view event, Fields fields) {
+  const std::string text = line_of(event, fields, 0, Format::json);
+  spdlog::memory_buf_t line;
+  spdlog::pattern_formatter(kJsonPattern).format({"gnomon", spdlog::level::info, text}, line);
+  return {line.data(), line.size()};
+}
 
 void audit(std::string_view event, Fields fields) {
   write(*the_audit().output.get(), spdlog::level::info, event, fields, 0);

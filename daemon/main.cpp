@@ -13,6 +13,7 @@
 #include <memory>
 #include <thread>
 
+#include "common/log_line.h"
 #include "common/wall_clock.h"
 #include "common/within_memory.h"
 #include "daemon/daemon.h"
@@ -119,11 +120,20 @@ void print_ready_line(const Daemon& daemon, const Config& config) {
   std::string data;
   for (const uint16_t port : daemon.server().data_ports()) data += (data.empty() ? "" : ",") + std::to_string(port);
   const Admin& admin = daemon.admin();
-  const std::string socket = admin.socket().empty() ? "" : " socket=" + admin.socket().string();
-  std::printf("gnomond ready control=%s:%u data=%s admin=%s://%s:%u pin=%s%s\n",
-              bracketed(config.server.listen).c_str(), daemon.control_port(), data.c_str(),
-              is_loopback(config.admin) ? "http" : "https", bracketed(config.admin.listen).c_str(), admin.port(),
-              protocol::to_string(daemon.pin()).c_str(), socket.c_str());
+  const std::string control = bracketed(config.server.listen) + ":" + std::to_string(daemon.control_port());
+  const std::string pages = std::string(is_loopback(config.admin) ? "http://" : "https://") +
+                            bracketed(config.admin.listen) + ":" + std::to_string(admin.port());
+  const std::string pin = protocol::to_string(daemon.pin()), socket = admin.socket().string();
+  if (config.log.format == log::Format::json) {
+    std::fputs(
+        log::json_line("gnomond ready",
+                       {{"control", control}, {"data", data}, {"admin", pages}, {"pin", pin}, {"socket", socket}})
+            .c_str(),
+        stdout);
+  } else {
+    std::printf("gnomond ready control=%s data=%s admin=%s pin=%s%s\n", control.c_str(), data.c_str(),
+                pages.c_str(), pin.c_str(), socket.empty() ? "" : (" socket=" + socket).c_str());
+  }
   std::fflush(stdout);
 }
 

@@ -116,6 +116,19 @@ class Admin(unittest.TestCase):
         self.assertEqual(self.over_tcp("reload", "--token-file", file)[0], 0)
 
 
+class JsonLog(unittest.TestCase):
+    def test_every_line_of_a_start_is_json_the_ready_line_too(self):
+        node = Node(BUILD, log={"format": "json"}, render={"tracer": "bvh"})
+        self.addCleanup(node.__exit__)
+        node.start()
+        lines = [json.loads(line) for line in node.log_text().splitlines()]
+        ready, = (line for line in lines if line["event"] == "gnomond ready")
+        self.assertEqual(list(ready), ["time", "level", "event", "control", "data", "admin", "pin", "socket"])
+        self.assertRegex(ready["control"], r"^127\.0\.0\.1:\d+$")
+        self.assertEqual(ready["socket"], node.socket)
+        self.assertEqual(node.code("/readyz"), 200)
+
+
 class NotReady(unittest.TestCase):
     def test_status_says_why(self):
         node = Node(BUILD, render={"tracer": "bvh"})

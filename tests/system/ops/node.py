@@ -87,8 +87,19 @@ class Node:
         def ready():
             if self.process.poll() is not None:
                 raise AssertionError("gnomond did not start:\n" + self.log_text())
-            return re.search(r"gnomond ready control=(\S+) data=\S+ admin=(\S+) pin=(\S+)", self.log_text())
-        self.control, self.admin, self.pin = eventually(ready, "gnomond ready").groups()
+            return self.ready_line()
+        line = eventually(ready, "gnomond ready")
+        self.control, self.admin, self.pin = line["control"], line["admin"], line["pin"]
+
+    def ready_line(self):
+        """What it says of itself when it serves, in either format of the log; None before."""
+        whole = [line for line in self.log_text().splitlines(keepends=True) if line.endswith("\n")]
+        for line in whole:
+            if line.startswith("gnomond ready "):
+                return dict(re.findall(r"(\w+)=(\S+)", line))
+            if line.startswith("{") and json.loads(line)["event"] == "gnomond ready":
+                return json.loads(line)
+        return None
 
     def keep_ports(self):
         """The next start is on the ports of this one."""
