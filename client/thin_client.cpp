@@ -28,6 +28,7 @@ void ThinClient::connect() {
                                [this] {
                                  reconnects_ += opened_once_;
                                  opened_once_ = true;
+                                 ended_.reset();
                                  reconnect_.connected();
                                },
                            .message =
@@ -37,14 +38,16 @@ void ThinClient::connect() {
                            .closed = [this](const Error& error) { on_closed(error); }});
 }
 
-// A first connection that fails is reported to the caller; one that is lost later is replaced.
+// A first connection that fails is reported to the caller; one that is lost later is replaced. Where the server refuses
+// that, why it ended the one before says more, as that a token was revoked: the refusal tells of strangers only.
 void ThinClient::on_closed(const Error& error) {
   const auto wait = stream_ ? reconnect_.wait_after(stream_->connection().refusal()) : std::nullopt;
   if (closed_ || !opened_once_ || !options_.reconnect || !wait) {
-    failure_ = error;
+    failure_ = ended_ ? Error{ended_->message + "; and a new one: " + error.message} : error;
     return;
   }
   const bool was_open = stream_->connection().welcome().session != SessionId{} || stream_->counters().moved > 0;
+  if (was_open) ended_ = error;
   if (was_open && events_.lost) events_.lost(error);
   retry_.arm(Clock::now() + *wait);
 }

@@ -105,6 +105,7 @@ class ThinClient {
   ShowOrder order_;
   Reconnect reconnect_;
   std::optional<Error> failure_;
+  std::optional<Error> ended_;  // why the session that was open last is no longer, until another one is
   bool opened_once_ = false;
   bool closed_ = false;
   uint32_t reconnects_ = 0;

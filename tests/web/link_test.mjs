@@ -301,6 +301,33 @@ test('who is kept out stays out, who does not fit is told what fits', (t) => {
   assert.deepEqual(large.of('fits'), [{ is: 'fits', width: 32, height: 16, text: 'full' }]);
 });
 
+test('a refusal does not hide why the session before was ended', (t) => {
+  const { say, sockets, of, pass } = world(t);
+  say(welcome());
+  say(
+    message(Type.bye, (out) => {
+      out.text('its token was revoked', 1024);
+      out.u32(0);
+    }),
+  );
+  pass(300);
+  sockets[1].onopen();
+  say(
+    message(Type.refused, (out) => {
+      out.u16(4);
+      out.text('the token is not that of this tenant', 1024);
+      out.u16(0);
+      out.u16(0);
+      out.f32(0);
+    }),
+  );
+  assert.deepEqual(
+    of('closed').map((each) => each.why),
+    ['its token was revoked', 'its token was revoked; and a new one: the token is not that of this tenant'],
+  );
+  assert.equal(of('closed')[1].againInMs, null);
+});
+
 /** Without `samples` as a session is told that has not the feature soft. */
 function degraded(width, height, samples) {
   return message(Type.degraded, (out) => {

@@ -41,6 +41,7 @@ export class Client {
     /** @type {Map<string, Event>} what the successor has told, the newest of each kind, the first of them `open` */
     this.told = new Map();
     this.shown = -1; // index of the newest frame
+    this.ended = ''; // why the session that was open last is no longer, until another one is
     this.url = '';
     /** @type {import('../wire/messages.js').Hello | null} */
     this.hello = null;
@@ -55,6 +56,7 @@ export class Client {
     this.hello = hello;
     this.backoff.connected();
     this.shown = -1;
+    this.ended = '';
     this.begin();
   }
 
@@ -141,6 +143,7 @@ export class Client {
   on(event, transfer) {
     if (event.is === 'open') {
       this.backoff.connected();
+      this.ended = '';
       if (this.last) this.session?.look(this.last.index, this.last.camera);
     }
     if (event.is === 'draining') this.onDrain(event);
@@ -166,7 +169,10 @@ export class Client {
     }
     const keptOut = event.stayOutMs > 0 || event.refusal?.code === KEPT_OUT;
     const wait = keptOut ? null : this.backoff.waitAfter(event.refusal);
-    this.emit({ ...event, againInMs: wait });
+    // That a token was revoked says more than the refusal of a stranger, as who comes again with it is.
+    const why = event.refusal && this.ended ? `${this.ended}; and a new one: ${event.why}` : event.why;
+    if (!event.refusal) this.ended ||= event.why;
+    this.emit({ ...event, why, againInMs: wait });
     if (wait !== null) this.retry = setTimeout(() => this.begin(), wait);
   }
 

@@ -120,6 +120,29 @@ TEST(ThinClient, FindsItsServerAgain) {
   client.close("");
 }
 
+// It is told that its token was revoked, and then finds that it is a stranger.
+TEST(ThinClient, ARefusalDoesNotHideWhyTheSessionBeforeWasEnded) {
+  int connections = 0;
+  FakeServer server(
+      [&](Peer& peer) {
+        peer.read();
+        if (connections++ > 0)
+          return peer.write(protocol::Refused{protocol::RefusalCode::bad_token, "the token is not that of it"});
+        peer.welcome(tests::small_welcome(kWidth, kHeight, kLights));
+        peer.write(protocol::Bye{"its token was revoked"});
+        peer.hang_up();
+      },
+      2);
+  Loop loop;
+  ThinClient client(loop, options_for(server.address(), Mode::queued, 0));
+  ASSERT_TRUE(client.wait_open());
+  ASSERT_TRUE(loop.run_until(Clock::now() + 20s, [&] { return client.failure().has_value(); }));
+  EXPECT_EQ(
+      client.failure()->message,
+      "the server ended the session: its token was revoked; and a new one: refused (bad_token): the token is not "
+      "that of it");
+}
+
 TEST(ThinClient, ARefusalIsFinal) {
   FakeServer server([&](Peer& peer) {
     peer.read();
