@@ -76,6 +76,8 @@ Result<void> Flight::fly(const CameraPath& path, const Draw& draw, Progress& pro
     if (progress.due(now)) progress.show(progress_line(now), now);
     if (ask || draws_on_masks()) {
       loop_.poll();
+      // Nothing more is to come: without a GPU the last drawing may take longer than the server bears silence.
+      if (all_asked() && client_.in_flight() == 0) close();
       if (const auto drawn = draw_next(draw); !drawn) return drawn;
       continue;
     }

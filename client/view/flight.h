@@ -62,8 +62,8 @@ class Flight {
   bool kept_out() const;
   const protocol::Welcome& welcome() const { return client_.welcome(); }
 
-  // Runs until every step has been asked for and answered, or given up, or the flight is interrupted. Error: of the
-  // connection or of `draw`.
+  // Runs until every step has been asked for and answered, or given up, or the flight is interrupted. The session is closed
+  // before what was answered last is drawn. Error: of the connection or of `draw`.
   Result<void> fly(const CameraPath& path, const Draw& draw, Progress& progress);
   void close() { client_.close("flight over"); }
 
