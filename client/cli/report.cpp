@@ -46,6 +46,12 @@ std::vector<std::string> keys_of(const nlohmann::ordered_json& rows) {
 
 }  // namespace
 
+std::string device_of(const std::string& tracer) {
+  constexpr std::string_view kOn = " on ";
+  const size_t at = tracer.find(kOn);
+  return at == std::string::npos ? tracer : tracer.substr(at + kOn.size());
+}
+
 Result<void> write_csv(const std::filesystem::path& file, const Report& report) {
   const std::vector<std::string> keys = keys_of(report.rows);
   std::ofstream out(file);
@@ -62,8 +68,12 @@ Result<void> write_csv(const std::filesystem::path& file, const Report& report) 
 }
 
 Result<void> write_report(const std::filesystem::path& file, const Report& report) {
-  const nlohmann::ordered_json whole = {{"suite", report.suite},   {"host", host_name()}, {"device", report.device},
-                                        {"driver", report.driver}, {"date", utc_date()},  {"rows", report.rows}};
+  nlohmann::ordered_json whole = {{"suite", report.suite}, {"host", host_name()}};
+  if (!report.server.empty()) whole["server"] = report.server;
+  whole["device"] = report.device;
+  whole["driver"] = report.driver;
+  whole["date"] = utc_date();
+  whole["rows"] = report.rows;
   std::ofstream out(file);
   out << whole.dump(2) << '\n';
   if (!out.flush()) return Error{"cannot write " + file.string()};

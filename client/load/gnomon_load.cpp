@@ -167,7 +167,7 @@ Result<void> run(const Arguments& a, Exit& after_error) {
     if (auto read = read_tokens(plan); !read) return read;
   }
   const bool sweep = runs->size() > 1;
-  Report report{.suite = "load", .device = to_string(options->server), .driver = ""};
+  Report report{.suite = "load", .server = to_string(options->server)};
   Result<void> verdict;
   for (const auto& plan : *runs) {
     if (interrupted != 0 && !report.rows.empty()) break;

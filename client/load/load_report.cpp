@@ -136,6 +136,7 @@ void add_rows(Report& report, const LoadOptions& options, const LoadRun& run, co
   for (const auto& participant : run.participants()) {
     const auto& tracer = participant.client->stream().connection().welcome().tracer;
     if (report.driver.empty()) report.driver = without_controls(tracer);
+    report.device = device_of(report.driver);
   }
   for (const LoadRow& row : rows) {
     auto json = to_json(row);
@@ -149,7 +150,7 @@ void add_rows(Report& report, const LoadOptions& options, const LoadRun& run, co
 }
 
 Report load_report(const LoadOptions& options, const LoadRun& run, const std::vector<LoadRow>& rows) {
-  Report report{.suite = "load", .device = to_string(options.server), .driver = ""};
+  Report report{.suite = "load", .server = to_string(options.server)};
   add_rows(report, options, run, rows);
   return report;
 }

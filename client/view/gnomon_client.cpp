@@ -186,7 +186,8 @@ void print_figures(const FlightStats& f) {
 Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_words, const std::string& tracer) {
   const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
-  Report report{.suite = "client", .device = a.server, .driver = without_controls(tracer)};
+  const std::string told = without_controls(tracer);
+  Report report{.suite = "client", .device = device_of(told), .driver = told, .server = a.server};
   report.rows.push_back({{"scene", a.scene},
                          {"size", a.size},
                          {"border", a.border},
@@ -329,13 +330,13 @@ Result<void> run(const Arguments& a, Exit& after_error) {
   after_error = Exit::wrong_usage;
   auto options = understood(a);
   if (!options) return options.error();
-  Progress progress;
   after_error = Exit::failed;
   if (!a.token_file.empty()) {
     auto token = read_token(a.token_file);
     if (!token) return token.error();
     options->stream.connect.hello.token = std::move(*token);
   }
+  Progress progress;
   WaitingLine waiting(progress, a.server);
   options->message = [&waiting](const protocol::Message& message) { waiting.heard(message); };
   auto scene = load_own_scene(a.scene, a.scene_folder);

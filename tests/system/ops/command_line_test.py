@@ -206,7 +206,10 @@ class BesideADaemon(unittest.TestCase):
         file = self.node.folder / "load.json"
         overload = ("--rate", 1000, "--json", file)
         status, text = self.load(*overload)
-        row = json.loads(file.read_text())["rows"][-1]
+        report = json.loads(file.read_text())
+        self.assertEqual(report["server"], self.node.control)
+        self.assertEqual(report["device"], self.node.status()["devices"][0]["name"])
+        row = report["rows"][-1]
         self.assertEqual(row["offered"], row["answered"] + row["coalesced"] + row["dropped"])
         self.assertGreater(row["coalesced"], 0)
         self.assertEqual(status, 3, text)

@@ -37,7 +37,8 @@ TEST(LoadPlan, SplitsClientsAmongTenants) {
 TEST(LoadPlan, RefusesWhatDoesNotAddUp) {
   EXPECT_FALSE(plan_load({}, 0));
   EXPECT_EQ(plan_load({"a::3"}, 4).error().message, "--clients 4 but the tenants have 3");
-  EXPECT_FALSE(read_tokens(*plan_load({"a:/no/such/file:3"}, 0)));
+  auto unreadable = plan_load({"a:/no/such/file:3"}, 0);
+  EXPECT_FALSE(read_tokens(*unreadable));
   for (const char* text : {"", "a", "a:3", "::3", "a::0", "a::x", "a::3x"}) EXPECT_FALSE(parse_group(text)) << text;
 }
 
@@ -145,6 +146,9 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
   const Report report = load_report(options, run, rows);
   EXPECT_EQ(report.suite, "load");
   EXPECT_EQ(report.driver, "fake");
+  EXPECT_EQ(report.device, "fake");
+  EXPECT_EQ(report.server, to_string(server.address()));
+  EXPECT_EQ(device_of("light_buffer on llvmpipe (LLVM 15.0.6, 256 bits)"), "llvmpipe (LLVM 15.0.6, 256 bits)");
   ASSERT_EQ(report.rows.size(), 3u);
   EXPECT_EQ(report.rows[0]["scope"], "client");
   EXPECT_EQ(report.rows[1]["scope"], "tenant");
