@@ -3,6 +3,7 @@
 
     lintian_test.py BUILD
 """
+import gzip
 import pathlib
 import re
 import shutil
@@ -55,9 +56,24 @@ class Lintian(unittest.TestCase):
     def test_it_can_be_read_without_the_source(self):
         listed = subprocess.run(["dpkg-deb", "-c", self.packages["gnomon"]], text=True, capture_output=True,
                                 check=True).stdout
-        for name in ("README.md.gz", "WIRE.md.gz", "docs/operations.md.gz", "docs/production.md.gz", "changelog.gz",
+        for name in ("README.md.gz", "protocol/WIRE.md.gz", "operations.md", "docs/production.md.gz", "changelog.gz",
                      "examples/development.yaml"):
             self.assertRegex(listed, rf"/usr/share/doc/gnomon/(\./)?{re.escape(name)}\n")
+
+    def test_links_of_its_pages_lead_to_what_it_has(self):
+        with tempfile.TemporaryDirectory(prefix="gnomon-links-") as folder:
+            subprocess.run(["dpkg-deb", "-x", self.packages["gnomon"], folder], check=True)
+            pages = sorted(pathlib.Path(folder, "usr/share/doc/gnomon").rglob("*.md*"))
+            checked, broken = 0, []
+            for page in pages:
+                text = (gzip.decompress(page.read_bytes()) if page.suffix == ".gz" else page.read_bytes()).decode()
+                text = re.sub(r"^```.*?^```|`[^`\n]+`", "", text, flags=re.S | re.M)
+                for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)\s]*)?\)", text):
+                    checked += 1
+                    if not (page.parent / target).exists():
+                        broken.append(f"{page.relative_to(folder)}: {target}")
+            self.assertEqual(broken, [])
+            self.assertGreater(checked, 100)
 
 
 if __name__ == "__main__":

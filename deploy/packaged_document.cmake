@@ -1,0 +1,51 @@
+# Writes a document as the package has it: links lead to where the package has what they lead to in the tree, and what it
+# has not is named without a link.
+#
+#   cmake -DROOT=TREE -DPAGE=docs/fleet.md -DINSTALLED=FILE -DOUT=FILE -P packaged_document.cmake
+#
+# INSTALLED: lines `PATH=PATH`, in the tree and below share/doc/gnomon.
+cmake_minimum_required(VERSION 3.25)
+
+file(STRINGS ${INSTALLED} pairs)
+foreach(pair ${pairs})
+  string(REGEX MATCH "^([^=]+)=(.+)$" whole ${pair})
+  set(place_of_${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
+endforeach()
+get_filename_component(folder ${ROOT}/${PAGE} DIRECTORY)
+set(documents /usr/share/doc/gnomon)
+get_filename_component(new_folder ${documents}/${place_of_${PAGE}} DIRECTORY)
+
+file(READ ${ROOT}/${PAGE} rest)
+set(text "")
+while(TRUE)
+  string(FIND "${rest}" "](" at)
+  if(at EQUAL -1)
+    break()
+  endif()
+  string(SUBSTRING "${rest}" 0 ${at} before)
+  string(APPEND text "${before}")
+  math(EXPR at "${at} + 2")
+  string(SUBSTRING "${rest}" ${at} -1 rest)
+  string(REGEX MATCH "^([^)#: \n]+)(#[^) \n]*)?\\)" link "${rest}")
+  set(target "${CMAKE_MATCH_1}")
+  set(anchor "${CMAKE_MATCH_2}")
+  if(link STREQUAL "" OR NOT EXISTS "${folder}/${target}")  # of this page, of the web, or no link but code
+    string(APPEND text "](")
+    continue()
+  endif()
+  string(LENGTH "${link}" length)
+  string(SUBSTRING "${rest}" ${length} -1 rest)
+  file(RELATIVE_PATH path ${ROOT} ${folder}/${target})
+  if(DEFINED place_of_${path})
+    get_filename_component(place ${documents}/${place_of_${path}} ABSOLUTE)
+    file(RELATIVE_PATH path ${new_folder} ${place})
+    string(APPEND text "](${path}${anchor})")
+  else()
+    string(FIND "${text}" "[" begin REVERSE)
+    string(SUBSTRING "${text}" 0 ${begin} before)
+    math(EXPR begin "${begin} + 1")
+    string(SUBSTRING "${text}" ${begin} -1 label)
+    set(text "${before}${label}")
+  endif()
+endwhile()
+file(WRITE ${OUT} "${text}${rest}")
