@@ -20,6 +20,7 @@
 #include "common/ids.h"
 #include "common/packed_mask.h"
 #include "common/result.h"
+#include "common/sample_counts.h"
 #include "scenes/motion.h"
 #include "scenes/scene.h"
 
@@ -46,7 +47,7 @@ struct RenderJob {
   uint32_t height = 0;
   scenes::SceneTime time{};                // time of the scene's animations, within its period
   LightSet untraced = {};                  // lights that are lit everywhere in the mask
-  uint32_t samples = 1;                    // of each area light: 1 (hard shadows), 4 or 16 (common/light_planes.h)
+  SampleCounts samples = {};               // which planes the mask has (common/light_planes.h)
   std::optional<uint32_t> tile_rows = {};  // rows that this submit traces, from the top; nullopt: all rows
 };
 
@@ -160,9 +161,8 @@ class Renderer {
   virtual SceneFootprint footprint(SceneId) const { return {}; }
 
   // Replaces the lights of a resident scene by as many others; lights that animations move keep moving with them.
-  // `changed` is called once, now or from finish_background; frames that are submitted later have the new lights. If
-  // the structure that traces moved lights has to be built first, this is done on another thread beside the frames,
-  // which calls `wake` when finish_background has something to do. One change of a scene at a time.
+  // `changed` is called once, now or from finish_background (then `wake` says when to call that); frames that are
+  // submitted later have the new lights. One change of a scene at a time.
   virtual void set_lights(SceneId, std::vector<scenes::Light>, std::function<void(Result<void>)> changed,
                           std::function<void()> /*wake*/) {
     changed(Error{"this renderer's lights cannot be changed"});

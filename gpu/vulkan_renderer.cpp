@@ -52,8 +52,8 @@ class VulkanRenderer : public Renderer {
     scenes_.evict(id);
   }
   void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
-                  std::function<void()> wake) override {
-    scenes_.set_lights(id, std::move(lights), std::move(changed), std::move(wake));
+                  std::function<void()> /*wake*/) override {
+    changed(scenes_.set_lights(id, std::move(lights)));
   }
   void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake) override {
     scenes_.rebuild_lights(id, std::move(settled), std::move(wake));
@@ -81,7 +81,7 @@ class VulkanRenderer : public Renderer {
     const ResidentScene* scene = scenes_.find(job.scene);
     if (!scene) return not_resident(job.scene);
     if (auto fits = check_size(*pool_->device(), job.width, job.height); !fits) return fits;
-    const uint32_t samples = scene->area_lights().samples(job.samples);
+    const SampleCounts samples = scene->area_lights().samples(job.samples);
     const TileGrid grid{job.width, job.height, scene->area_lights().plane_count(samples)};
     const auto variant = pool_->variants().variant_for(*scene->pose(job.time), samples);
     if (!variant) return variant.error();
@@ -100,8 +100,8 @@ class VulkanRenderer : public Renderer {
     if (!scene) return not_resident(job.scene);
     if (auto fits = check_size(*pool_->device(), job.width, job.height); !fits) return fits;
     if (free_slots() == 0) return Error{"all frame slots are taken"};
-    const uint32_t samples = scene->area_lights().samples(job.samples);
-    if (samples > 1) scenes_.build_areas(job.scene);
+    const SampleCounts samples = scene->area_lights().samples(job.samples);
+    if (samples.per_light > 1) scenes_.build_areas(job.scene);
     const TileGrid grid{job.width, job.height, scene->area_lights().plane_count(samples)};
     const uint32_t rows = std::min(job.tile_rows.value_or(grid.tiles_y()), grid.tiles_y());
     const PosedScenePtr posed = scene->pose(job.time);

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstring>
 
-#include "common/light_planes.h"
+#include "common/sample_counts.h"
 #include "protocol/fields.h"
 
 namespace gnomon::protocol {
@@ -43,7 +43,7 @@ void fields(A& a, Of<A, SliceHeader>& m) {
   if (m.flags & kSliceHasSize) a(m.width, m.height);
   if (m.flags & kSliceHasSamples) {
     a(m.samples);
-    a.check(is_sample_count(m.samples), "samples other than 1, 4 or 16");
+    a.check(is_valid(sample_counts_of(m.samples)), "samples other than 1, 4 or 16, or of unknown occlusion");
   }
   a.check(m.slice < m.slice_count, "slice is not below slice_count");
   a.check(m.tile_count > 0 && m.light_count > 0, "an empty slice");

@@ -101,7 +101,7 @@ struct SliceHeader {
   Moment moment;           // on the wire with kSliceHasMoment, which takes kMomentBytes
   // The frame's size if it is not the granted one; on the wire with kSliceHasSize, which takes kSizeBytes.
   uint16_t width = 0, height = 0;
-  // Of an area light, if they are not the granted ones; on the wire with kSliceHasSamples, which takes kSamplesBytes.
+  // As to_byte(SampleCounts), if they are not the granted ones; on the wire with kSliceHasSamples, which takes kSamplesBytes.
   uint8_t samples = 0;
   friend bool operator==(const SliceHeader&, const SliceHeader&) = default;
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/light_planes.h"
+#include "common/sample_counts.h"
 #include "protocol/fields.h"
 
 namespace gnomon::protocol {
@@ -61,7 +61,7 @@ void fields(A& a, Of<A, SceneManifest>& m) {
 template <class A>
 void soft(A& a, Of<A, uint8_t>& samples, Of<A, std::vector<AreaInfo>>& areas, size_t light_count) {
   a(samples);
-  a.check(is_sample_count(samples), "samples other than 1, 4 or 16");
+  a.check(is_valid(sample_counts_of(samples)), "samples other than 1, 4 or 16, or of unknown occlusion");
   a.list(areas, kMaxLights, [&](auto& area) {
     a(area.shape, area.u, area.v);
     a.check(is_valid(area), "an area is of unknown shape or not finite");
@@ -172,7 +172,7 @@ void fields(A& a, Of<A, Degraded>& m) {
     return;
   }
   a(m.samples);
-  a.check(is_sample_count(m.samples), "samples other than 1, 4 or 16");
+  a.check(is_valid(sample_counts_of(m.samples)), "samples other than 1, 4 or 16, or of unknown occlusion");
 }
 
 template <class A>

@@ -37,7 +37,7 @@ struct Hello {
   float rate_hz = 0;                // views a second that the client means to ask for; 0: as many as it gets
   std::vector<CodecId> codecs;      // in order of preference; empty: the server's default
   std::vector<std::string> passes;  // render passes in order; empty: the server's default
-  uint8_t samples = 0;              // of an area light, wanted at most; 0: 1; on the wire with kFeatureSoft
+  uint8_t samples = 0;              // wanted at most, as to_byte(SampleCounts); 0: 1; on the wire with kFeatureSoft
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
@@ -63,7 +63,7 @@ struct Welcome {
   std::string home_host;  // where this server itself takes connections
   uint16_t home_port = 0;
   // On the wire with kFeatureSoft:
-  uint8_t samples = 1;          // of an area light, granted (common/light_planes.h)
+  uint8_t samples = 1;          // granted, as to_byte(SampleCounts)
   std::vector<AreaInfo> areas;  // of the scene's lights, one for each of them
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
@@ -117,7 +117,7 @@ struct Degraded {
   float rate_hz = 0;
   std::string reason;
   std::vector<uint16_t> untraced_lights = {};  // their masks are lit everywhere
-  uint8_t samples = 0;  // of an area light, from now on; on the wire with kFeatureSoft; 0: not on the wire
+  uint8_t samples = 0;  // from now on, as to_byte(SampleCounts); on the wire with kFeatureSoft; 0: not on the wire
   friend bool operator==(const Degraded&, const Degraded&) = default;
 };
 

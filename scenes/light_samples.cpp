@@ -1,5 +1,6 @@
 #include "scenes/light_samples.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -34,6 +35,12 @@ double ball_angle(double share) {
   return 0.5 * (low + high);
 }
 
+// Of the unit sphere: even in z and round it, which makes it even on the sphere (Archimedes).
+glm::dvec3 on_sphere(const glm::dvec3& at) {
+  const double z = 1.0 - 2.0 * at.x, across = std::sqrt(1.0 - z * z), angle = glm::two_pi<double>() * at.y;
+  return {across * std::cos(angle), across * std::sin(angle), z};
+}
+
 glm::dvec3 on_area(const LightArea& area, const glm::dvec3& at) {
   const glm::dvec3 u(area.u), v(area.v);
   const double angle = glm::two_pi<double>() * at.y;
@@ -41,11 +48,7 @@ glm::dvec3 on_area(const LightArea& area, const glm::dvec3& at) {
     case LightShape::point: return glm::dvec3(0.0);
     case LightShape::rectangle: return (2.0 * at.x - 1.0) * u + (2.0 * at.y - 1.0) * v;
     case LightShape::disc: return std::sqrt(at.x) * (std::cos(angle) * u + std::sin(angle) * v);
-    case LightShape::sphere: {
-      const double z = 1.0 - 2.0 * at.x, across = std::sqrt(1.0 - z * z);
-      const glm::dvec3 way(across * std::cos(angle), across * std::sin(angle), z);
-      return static_cast<double>(area.reach()) * std::sin(ball_angle(at.z)) * way;
-    }
+    case LightShape::sphere: return static_cast<double>(area.reach()) * std::sin(ball_angle(at.z)) * on_sphere(at);
   }
   return glm::dvec3(0.0);
 }
@@ -63,6 +66,19 @@ std::vector<glm::vec3> sample_offsets(const LightArea& area, uint32_t samples) {
   std::vector<glm::vec3> offsets(count);
   for (uint32_t i = 0; i < count; ++i) offsets[i] = glm::vec3(on_area(area, sample_fraction(i, count)));
   return offsets;
+}
+
+std::vector<glm::vec3> occlusion_points(uint32_t segments) {
+  const uint32_t count = kSamplePatterns * segments;
+  std::vector<glm::vec3> points(count);
+  for (uint32_t i = 0; i < count; ++i) points[i] = glm::vec3(on_sphere(sample_fraction(i, count)));
+  return points;
+}
+
+float occlusion_radius(const Scene& scene) {
+  const float stated = scene.surroundings.ambient_reach;
+  const float by_size = std::min(glm::distance(scene.bounds.min, scene.bounds.max) / 16.0f, 1.0f);
+  return 0.5f * (stated > 0.0f ? stated : by_size);
 }
 
 }  // namespace gnomon::scenes

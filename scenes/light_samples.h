@@ -40,4 +40,13 @@ glm::dvec3 sample_fraction(uint32_t index, uint32_t count);
 // light without an area. `samples`: a power of two; sessions have 4 or 16, references for comparison up to 64.
 std::vector<glm::vec3> sample_offsets(const LightArea& area, uint32_t samples);
 
+// The points to which the occlusion of the ambient light is traced, on a sphere that touches the surface: unit vectors
+// from its middle, `segments` for each of the kSamplePatterns patterns (sessions have kOcclusionSegments, references for
+// comparison up to 64). Spread evenly over the sphere they lie in
+// directions from the surface that are spread by the cosine, and the flatter a segment is, the shorter.
+std::vector<glm::vec3> occlusion_points(uint32_t segments = kOcclusionSegments);
+
+// The radius of that sphere in a scene: half of its ambient_reach, or of 1/16 of its bounds' diagonal and 1 m at most.
+float occlusion_radius(const Scene& scene);
+
 }  // namespace gnomon::scenes

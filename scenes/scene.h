@@ -176,6 +176,7 @@ struct Bounds {
 struct Surroundings {
   glm::vec3 ambient_above{0.0f};  // what reaches surfaces that face up, and those that face down
   glm::vec3 ambient_below{0.0f};
+  float ambient_reach = 0.0f;  // metres within which geometry occludes ambient light; 0: by the scene's size
   bool has_sky = false;
   glm::vec3 sky_zenith{0.0f};
   glm::vec3 sky_horizon{0.0f};

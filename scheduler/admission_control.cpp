@@ -30,7 +30,9 @@ uint64_t pixels_of(const Demand& d) { return uint64_t{d.width} * d.height; }
 uint64_t bits_of(const Demand& d) { return weighted_bits(pixels_of(d), d.lights, d.areas, d.samples); }
 
 uint64_t mask_bytes_of(const Demand& d) {
-  return pixels_of(d) * (d.lights + d.areas * (planes_of(d.samples) - 1)) / 8;
+  const uint32_t planes =
+      d.lights + d.areas * (planes_of(d.samples.per_light) - 1) + planes_of(d.samples.occlusion);
+  return pixels_of(d) * planes / 8;
 }
 
 uint64_t host_bytes_of(const Demand& d) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/ids.h"
+#include "common/sample_counts.h"
 #include "scheduler/cost_model.h"
 
 namespace gnomon::scheduler {
@@ -42,7 +43,7 @@ struct Demand {
   double rate_hz = 0;       // 0: no rate
   bool references = false;  // earlier frames are kept, so that further ones may refer to them
   uint32_t areas = 0;       // of the lights, those with an extent
-  uint32_t samples = 1;     // of each of these
+  SampleCounts samples = {};
 };
 
 // The resources that one session holds until it is released.

@@ -23,9 +23,17 @@ uint32_t steps(double factor, double least) {
   return least >= 1 ? 0 : static_cast<uint32_t>(std::log(std::max(least, 0.01)) / std::log(factor) + 1e-9);
 }
 
+// One step below `now`; the same if there is none.
+SampleCounts fewer(SampleCounts now, uint32_t least_per_light) {
+  const uint32_t points = now.per_light / kSampleStep;
+  if (points >= std::max(1u, least_per_light)) return {points, now.occlusion};
+  if (now.occlusion == Occlusion::none) return now;
+  return {now.per_light, now.occlusion == Occlusion::full ? Occlusion::half : Occlusion::none};
+}
+
 }  // namespace
 
-void Degradation::set_limits(const DegradationLimits& limits, uint32_t samples) {
+void Degradation::set_limits(const DegradationLimits& limits, SampleCounts samples) {
   limits_ = limits;
   samples_ = samples;
   level_ = std::min(level_, deepest());
@@ -63,10 +71,14 @@ bool Degradation::up() {
 
 uint32_t Degradation::sample_steps() const {
   uint32_t steps = 0;
-  for (uint32_t samples = samples_ / kSampleStep; samples >= std::max(1u, limits_.least_samples);
-       samples /= kSampleStep)
-    ++steps;
+  for (SampleCounts at = samples_, below; (below = fewer(at, limits_.least_samples)) != at; at = below) ++steps;
   return steps;
+}
+
+SampleCounts Degradation::samples() const {
+  SampleCounts at = samples_;
+  for (uint32_t step = point().fewer_samples; step > 0; --step) at = fewer(at, limits_.least_samples);
+  return at;
 }
 
 uint32_t Degradation::deepest() const {

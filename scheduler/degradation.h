@@ -1,14 +1,17 @@
 // Reduces what a session is served while the device cannot keep up with it, and restores it afterwards.
 //
-// The operating points form a ladder: the rate goes down first, then the sample points of area lights (a
-// quarter at a time), then the size, then the number of lights, each as far as the tenant allows. Two bad windows in a row lead one step down, a run of good windows one step up. Each step up
-// that fails doubles the additional good windows that the next attempt needs, so that a steady overload settles instead
-// of oscillating. The class reads no clock: the caller counts views and calls observe() at the end of each window.
+// The operating points form a ladder: the rate goes down first, then the samples (the points of area lights, a quarter at
+// a time, then the occlusion of ambient light, from all pixels to a quarter of them and to none), then the size, then
+// the number of lights, each as far as the tenant allows. Two bad windows in a row lead one step down, a run of good
+// windows one step up. Each step up that fails doubles the additional good windows that the next attempt needs, so that
+// a steady overload settles instead of oscillating. The class reads no clock: the caller counts views and calls
+// observe() at the end of each window.
 #pragma once
 
 #include <cstdint>
 
 #include "common/clock.h"
+#include "common/sample_counts.h"
 
 namespace gnomon::scheduler {
 
@@ -24,7 +27,7 @@ struct OperatingPoint {
   double rate = 1;  // shares of what was granted
   double size = 1;
   double lights = 1;
-  uint32_t fewer_samples = 0;  // steps from 16 to 4 and from 4 to 1
+  uint32_t fewer_samples = 0;  // steps from 16 to 4 and from 4 to 1, then from full to half and to no occlusion
   friend bool operator==(const OperatingPoint&, const OperatingPoint&) = default;
 };
 
@@ -39,12 +42,13 @@ class Degradation {
   explicit Degradation(const DegradationLimits& limits = {}) : limits_(limits) {}
 
   // Replaces the limits. point() follows them at once; observe() does not report that change. `samples`: granted.
-  void set_limits(const DegradationLimits& limits, uint32_t samples = 1);
+  void set_limits(const DegradationLimits& limits, SampleCounts samples = {});
 
   // Returns true if the operating point has changed.
   bool observe(const ServiceWindow& window);
 
   OperatingPoint point() const;
+  SampleCounts samples() const;  // in force at point()
 
  private:
   bool down();
@@ -53,7 +57,7 @@ class Degradation {
   uint32_t deepest() const;
 
   DegradationLimits limits_;
-  uint32_t samples_ = 1;         // granted
+  SampleCounts samples_;         // granted
   uint32_t level_ = 0;           // steps below what was granted
   uint32_t bad_ = 0, good_ = 0;  // windows in a row
   uint32_t patience_ = 0;        // good windows that a step up needs beyond the usual ones

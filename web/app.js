@@ -26,7 +26,7 @@ const viewer = new Viewer(canvas, (event) => reactions[event.is]?.(event));
 /** The server says so in the head of the page (fleet.name). */
 const fleet = /** @type {HTMLMetaElement | null} */ (document.querySelector('meta[name=gnomon-fleet]'))?.content ?? '';
 const place = takeFromAddress(location, history, sessionStorage);
-viewer.set({ samples: place.samples });
+viewer.set({ samples: place.samples, occlusion: place.occlusion });
 /** @type {Flight | null} */
 let flight = null;
 let viewIsSet = false;
@@ -116,7 +116,8 @@ function setFlying(on) {
 let flying = false;
 
 function link() {
-  return new URL(format({ ...place, samples: viewer.picture.samples, view: { ...gaze } }), location.href).href;
+  const { samples, occlusion } = viewer.picture;
+  return new URL(format({ ...place, samples, occlusion, view: { ...gaze } }), location.href).href;
 }
 
 async function copyLink() {
@@ -167,12 +168,13 @@ window.addEventListener('hashchange', () => {
   if (said.view) Object.assign(gaze, said.view);
   if (said.scene && said.scene !== place.scene) {
     viewIsSet = Boolean(said.view);
-    viewer.picture.samples = said.samples;
+    Object.assign(viewer.picture, { samples: said.samples, occlusion: said.occlusion });
     open(said);
   } else {
-    viewer.set({ samples: said.samples });
+    viewer.set({ samples: said.samples, occlusion: said.occlusion });
   }
   /** @type {HTMLSelectElement} */ (element('samples')).value = String(said.samples);
+  /** @type {HTMLInputElement} */ (element('occlusion')).checked = said.occlusion;
 });
 window.addEventListener('pagehide', () => viewer.close());
 

@@ -81,7 +81,7 @@ export class Decoder {
 
   /**
    * Masks of one size and number of lights, or of planes where these have several (wire/planes.js); another stream is
-   * opened when these change, which forgets the frames kept. `samples` of area lights are in force. `granted` is what
+   * opened when these change, which forgets the frames kept. `samples` (wire/planes.js) are in force. `granted` is what
    * Welcome says, which slices have that say nothing; by default the stream's own. Throws a RangeError if a mask of that
    * size is none, or larger than there is memory for.
    * @param {{width: number, height: number, lights: number, samples?: number,

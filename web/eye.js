@@ -7,6 +7,7 @@ import { shownPart, tracedHeight, tracedWidth } from './prediction/border.js';
 import { ErrorBalance } from './prediction/error_balance.js';
 import { ShowOrder } from './prediction/show_order.js';
 import { Codec } from './wire/messages.js';
+import { OCCLUSION } from './wire/planes.js';
 
 const CLIENT = 'gnomon-web';
 export const MOST_RATE_HZ = 60;
@@ -55,9 +56,9 @@ export class Eye {
   /**
    * Opens a session; the one before is closed.
    * @param {Wanted} wanted
-   * @param {{codec: keyof typeof Codec, samples: number}} masks samples: points of an area light
+   * @param {{codec: keyof typeof Codec, samples: number, occlusion: boolean}} masks samples: points of an area light
    */
-  connect(wanted, { codec, samples }, rateHz = MOST_RATE_HZ) {
+  connect(wanted, { codec, samples, occlusion }, rateHz = MOST_RATE_HZ) {
     const socket = new URL('session', this.base);
     socket.protocol = socket.protocol === 'http:' ? 'ws:' : 'wss:';
     this.worker.postMessage({
@@ -75,7 +76,7 @@ export class Eye {
         borderY: this.size.borderY,
         rateHz,
         codecs: [Codec[codec], Codec.tiles_lz4],
-        samples,
+        samples: samples + (occlusion ? OCCLUSION : 0),
       },
     });
   }

@@ -18,8 +18,8 @@ const STEPS_AHEAD = 4; // pictures by which the border goes before the turn
  * @typedef {import('./prediction/border.js').Pose} Pose
  * @typedef {import('./render/picture.js').Shadows} Shadows
  * @typedef {{shadows: Shadows, split: {at: number, left: Shadows, right: Shadows} | null, lightsOn: Uint8Array | null,
- *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, smooth: boolean}} PictureOptions samples: points of each
- *   area light (soft shadows); smooth: with four samples a pixel at rest
+ *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, occlusion: boolean, smooth: boolean}} PictureOptions samples: points of
+ *   each area light (soft shadows); occlusion: of ambient light; smooth: with four samples a pixel at rest
  */
 
 export class Viewer {
@@ -33,7 +33,7 @@ export class Viewer {
     this.base = new URL('.', import.meta.url);
     this.quality = new Quality();
     /** @type {PictureOptions} */
-    this.picture = { shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', samples: 1, smooth: true };
+    this.picture = { shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', samples: 1, occlusion: false, smooth: true };
     this.eye = new Eye(this.base, (event) => this.on(event));
     /** @type {import('./eye.js').Wanted | null} */
     this.wanted = null;
@@ -276,14 +276,15 @@ export class Viewer {
 
   /** Changes how the picture is made; what is not named stays. @param {Partial<PictureOptions>} changes */
   set(changes) {
-    const { codec, samples } = this.picture;
-    const before = { codec, samples, isLocal: this.isLocal };
+    const { codec, samples, occlusion } = this.picture;
+    const { isLocal } = this;
     Object.assign(this.picture, changes);
     this.changed = true;
-    const sameMasks = before.codec === this.picture.codec && before.samples === this.picture.samples;
-    if (before.samples !== this.picture.samples) this.eye.setSize(this.eye.size); // the view at rest is asked for again
+    const sameCounts = samples === this.picture.samples && occlusion === this.picture.occlusion;
+    const sameMasks = codec === this.picture.codec && sameCounts;
+    if (!sameCounts) this.eye.setSize(this.eye.size); // the view at rest is asked for again
     if (!sameMasks && this.wanted && !this.paused) this.eye.connect(this.wanted, this.picture);
-    else if (before.isLocal && !this.isLocal) this.eye.lookAgain();
+    else if (isLocal && !this.isLocal) this.eye.lookAgain();
   }
 
   /** Ends the session for now; pictures stay as they are. */

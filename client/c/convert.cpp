@@ -120,7 +120,9 @@ Result<ThinClientOptions> to_options(const gnomon_options& options) {
   connect.hello = std::move(*hello);
   const uint32_t samples = std::max(options.samples, 1u);
   if (!is_sample_count(samples)) return Error{"samples: 1, 4 or 16"};
-  made.stream.samples = static_cast<uint8_t>(samples);
+  const auto occlusion = static_cast<uint32_t>(options.occlusion);
+  if (occlusion > GNOMON_OCCLUSION_FULL) return Error{"occlusion: there is no such one"};
+  made.stream.samples = {samples, static_cast<Occlusion>(occlusion)};
   if (options.open_timeout_ms > 0) connect.timeout = std::chrono::milliseconds(options.open_timeout_ms);
   return made;
 }

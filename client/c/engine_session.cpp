@@ -60,7 +60,7 @@ void EngineSession::learn() {
                         .rate_hz = welcome.rate_hz,
                         .degraded = {},
                         .draining_ms = 0,
-                        .samples = std::max<uint32_t>(welcome.samples, 1),
+                        .samples = sample_counts_of(std::max<uint8_t>(welcome.samples, 1)),
                         .stats = {}};
 }
 
@@ -87,7 +87,7 @@ void EngineSession::on_degraded(const protocol::Degraded& degraded) {
   server_.width = grid.width;
   server_.height = grid.height;
   server_.rate_hz = degraded.rate_hz;
-  if (degraded.samples > 0) server_.samples = degraded.samples;
+  if (degraded.samples > 0) server_.samples = sample_counts_of(degraded.samples);
   const bool whole = grid.width == server_.welcome.width && grid.height == server_.welcome.height &&
                      degraded.rate_hz == server_.welcome.rate_hz && degraded.untraced_lights.empty() &&
                      (degraded.samples == 0 || degraded.samples == server_.welcome.samples);

@@ -23,7 +23,7 @@ struct ServerState {
   float rate_hz = 0;
   std::string degraded;  // why these are less than granted; empty if they are not
   uint32_t draining_ms = 0;
-  uint32_t samples = 1;
+  SampleCounts samples;
   protocol::Stats stats;
 };
 

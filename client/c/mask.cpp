@@ -48,6 +48,8 @@ gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* vi
   made.samples = 1;
   for (uint32_t light = 0; light < made.lights; ++light)
     made.samples = std::max(made.samples, frame.planes.samples(light));
+  made.occlusion = static_cast<gnomon_occlusion>(frame.planes.occlusion());
+  made.occlusion_plane = frame.planes.first_of_occlusion();
   return write_versioned(made, view) ? GNOMON_OK : GNOMON_BAD_ARGUMENT;
 }
 
@@ -69,6 +71,13 @@ int gnomon_mask_samples(const gnomon_mask* mask, uint32_t light) {
 
 int gnomon_mask_first_plane(const gnomon_mask* mask, uint32_t light) {
   return has_light(mask, light) ? static_cast<int>(mask->received->mask.planes.first(light)) : -1;
+}
+
+int gnomon_mask_open(const gnomon_mask* mask, uint32_t x, uint32_t y) {
+  if (!mask) return -1;
+  const client::AssembledFrame& frame = mask->received->mask;
+  if (x >= frame.grid.width || y >= frame.grid.height || !frame.planes.counts_occlusion(x, y)) return -1;
+  return static_cast<int>(frame.planes.open_segments({frame.grid, frame.words}, x, y));
 }
 
 int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_x, uint32_t tile_y) {

@@ -50,7 +50,8 @@ gnomon_session session_of(const EngineSession& session) {
   out.tracer = told.welcome.tracer.c_str();
   out.degraded = told.degraded.c_str();
   out.draining_ms = told.draining_ms;
-  out.samples = told.samples;
+  out.samples = told.samples.per_light;
+  out.occlusion = static_cast<gnomon_occlusion>(told.samples.occlusion);
   return out;
 }
 

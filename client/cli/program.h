@@ -3,10 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <string>
 #include <type_traits>
 
 #include "client/cli/exit.h"
 #include "common/result.h"
+#include "common/sample_counts.h"
 
 namespace gnomon::client {
 
@@ -50,6 +52,18 @@ inline void declare_samples(CLI::App& app, uint32_t& samples) {
                  "soft shadows: points of each light that has an extent, for each pixel; 1, 4 or 16")
       ->check(CLI::IsMember({1, 4, 16}))
       ->type_name("K");
+}
+
+inline void declare_occlusion(CLI::App& app, Occlusion& occlusion) {
+  const auto take = [&occlusion](const std::string& name) {
+    for (const Occlusion each : {Occlusion::none, Occlusion::half, Occlusion::full})
+      if (to_string(each) == name) occlusion = each;
+  };
+  app.add_option_function<std::string>("--occlusion", take,
+                                       "ambient occlusion: of no pixel, of a quarter of them, or of all")
+      ->check(CLI::IsMember({"none", "half", "full"}))
+      ->default_str("none")
+      ->type_name("none|half|full");
 }
 
 inline void declare_json(CLI::App& app, std::string& file) {

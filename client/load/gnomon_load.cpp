@@ -21,6 +21,7 @@ volatile std::sig_atomic_t interrupted = 0;
 struct Arguments {
   std::string server, scene, size, scene_folder, json, csv, codec, clients;
   uint32_t samples = 1;
+  Occlusion occlusion = Occlusion::none;
   Trust trust;
   std::string transport = "auto";
   double rate_hz = 0;
@@ -63,6 +64,7 @@ void declare(CLI::App& app, Arguments& a) {
   declare_cameras(app, a);
   declare_codec(app, a.codec);
   declare_samples(app, a.samples);
+  declare_occlusion(app, a.occlusion);
   app.add_option("--tenant", a.tenants, "clients of a tenant; may be given several times, TOKENFILE may be empty")
       ->allow_extra_args(false)
       ->type_name("NAME:TOKENFILE:CLIENTS");
@@ -102,7 +104,7 @@ Result<LoadOptions> load_options(const Arguments& a) {
                      .scene_folder = a.scene_folder,
                      .size = *size,
                      .codecs = codecs,
-                     .samples = static_cast<uint8_t>(a.samples),
+                     .samples = {a.samples, a.occlusion},
                      .rate_hz = a.rate_hz,
                      .still = a.still,
                      .reopen = a.reopen,

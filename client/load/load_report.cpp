@@ -121,7 +121,9 @@ std::vector<std::string> load_settings(const LoadOptions& options, const LoadRun
     if (welcome.session == SessionId{} || !tracer.empty()) continue;
     tracer = without_controls(welcome.tracer);
     codec = protocol::to_string(welcome.codec);
-    if (welcome.samples > 1) samples = ", " + std::to_string(welcome.samples) + " samples of each area light";
+    const SampleCounts granted = sample_counts_of(welcome.samples);
+    if (granted.per_light > 1) samples = ", " + std::to_string(granted.per_light) + " samples of each area light";
+    if (granted.occlusion != Occlusion::none) samples += ", occlusion " + std::string(to_string(granted.occlusion));
   }
   const std::string size = std::to_string(options.size.width) + "x" + std::to_string(options.size.height);
   const std::string pace = options.still         ? "one camera each"

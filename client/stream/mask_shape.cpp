@@ -17,22 +17,23 @@ MaskShape::MaskShape(const protocol::Welcome& granted)
     : features_(granted.features),
       granted_width_(granted.width),
       granted_height_(granted.height),
-      granted_samples_(granted.samples),
       width_(granted.width),
       height_(granted.height),
-      samples_(granted.samples),
+      granted_samples_(sample_counts_of(granted.samples)),
+      samples_(granted_samples_),
       is_area_(which_are_areas(granted.areas, granted.scene.lights.size())) {}
 
 // A server that makes more of what it granted is not believed.
 void MaskShape::take(const protocol::Degraded& degraded) {
   if (degraded.width > 0 && degraded.width <= granted_width_) width_ = degraded.width;
   if (degraded.height > 0 && degraded.height <= granted_height_) height_ = degraded.height;
-  if (degraded.samples > 0 && degraded.samples <= granted_samples_) samples_ = degraded.samples;
+  const SampleCounts told = sample_counts_of(degraded.samples);
+  if (degraded.samples > 0 && fewest(told, granted_samples_) == told) samples_ = told;
 }
 
 void MaskShape::take(const protocol::SceneChanged& changed) {
   is_area_ = which_are_areas(changed.areas, changed.scene.lights.size());
-  samples_ = granted_samples_ = std::max<uint32_t>(changed.samples, 1);
+  samples_ = granted_samples_ = sample_counts_of(std::max<uint8_t>(changed.samples, 1));
 }
 
 void MaskShape::take(const protocol::LightsChanged& changed) { is_area_.resize(changed.lights.size()); }
@@ -42,7 +43,8 @@ bool MaskShape::is_of(const protocol::SliceHeader& header) const {
   const bool says_samples = (header.flags & protocol::kSliceHasSamples) != 0;
   const bool size = !has(protocol::kFeatureSizes) || ((says_size ? header.width : granted_width_) == width_ &&
                                                       (says_size ? header.height : granted_height_) == height_);
-  return size && (!has(protocol::kFeatureSoft) || (says_samples ? header.samples : granted_samples_) == samples_);
+  const SampleCounts samples = says_samples ? sample_counts_of(header.samples) : granted_samples_;
+  return size && (!has(protocol::kFeatureSoft) || samples == samples_);
 }
 
 bool MaskShape::tells_apart(const MaskShape& other) const {

@@ -34,8 +34,9 @@ class MaskShape {
   bool has(uint64_t feature) const { return (features_ & feature) != 0; }
 
   uint64_t features_ = 0;
-  uint32_t granted_width_ = 0, granted_height_ = 0, granted_samples_ = 1;
-  uint32_t width_ = 0, height_ = 0, samples_ = 1;
+  uint32_t granted_width_ = 0, granted_height_ = 0;
+  uint32_t width_ = 0, height_ = 0;
+  SampleCounts granted_samples_, samples_;
   std::vector<bool> is_area_;  // of the lights
 };
 

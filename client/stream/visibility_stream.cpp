@@ -12,8 +12,8 @@ StreamOptions with_features(StreamOptions options) {
   using namespace protocol;
   options.connect.hello.features |= kFeatureMoments | kFeatureFeedback | kFeatureParity | kFeatureSizes;
   if (options.keep_references) options.connect.hello.features |= kFeatureReferences;
-  if (options.samples > 1) options.connect.hello.features |= kFeatureSoft;
-  options.connect.hello.samples = options.samples;
+  if (!options.samples.is_hard()) options.connect.hello.features |= kFeatureSoft;
+  options.connect.hello.samples = to_byte(options.samples);
   return options;
 }
 

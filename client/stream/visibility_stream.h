@@ -35,8 +35,7 @@ struct Answer {
 
 struct StreamOptions {
   ConnectOptions connect;
-  // Of each area light, wanted at most: 1 (hard shadows), 4 or 16. The server says what it grants.
-  uint8_t samples = 1;
+  SampleCounts samples = {};  // wanted at most; the server says what it grants
   // Complete frames are kept for slices of tiles_context to refer to: fewer bytes, some megabytes of memory.
   bool keep_references = true;
   // How long an incomplete frame waits for another slice before it is handed over with tiles missing.

@@ -121,7 +121,11 @@ Result<void> ClientRenderer::cover(ReceivedMasks& received) {
   const auto sources = reprojection.sources(*raster, (*before)->raster);
   if (!sources) return sources.error();
   const auto words = gpu::masks_by_sources(masks_->mask.mask(), *sources, mask.grid.width, mask.grid.height);
-  for (size_t word = 0; word < mask.words.size(); ++word) {
+  // At half size a source pixel may have no count of its own: such tiles stay open.
+  const bool all_count = mask.planes.occlusion() != Occlusion::half;
+  const size_t covered =
+      all_count ? mask.words.size() : size_t{mask.planes.first_of_occlusion()} * mask.grid.tile_count();
+  for (size_t word = 0; word < covered; ++word) {
     if (mask.arrived[word]) continue;
     mask.words[word] = words[word];
     ++covered_words_;

@@ -12,6 +12,7 @@
 #include "client/view/client_renderer.h"
 #include "client/view/debug_view.h"
 #include "client/view/flight.h"
+#include "client/view/flight_text.h"
 #include "client/view/gallery.h"
 #include "client/view/recording.h"
 #include "common/printable.h"
@@ -42,6 +43,7 @@ struct Arguments {
   Trust trust;
   std::string transport = "auto";
   uint32_t samples = 1;
+  Occlusion occlusion = Occlusion::none;
   bool soft_filter = false;
   uint32_t frames = 60;
   uint32_t pictures = 4;
@@ -63,8 +65,9 @@ void declare(CLI::App& app, Arguments& a) {
       ->type_name("N");
   declare_codec(app, a.codec);
   declare_samples(app, a.samples);
+  declare_occlusion(app, a.occlusion);
   app.add_flag("--soft-filter", a.soft_filter,
-               "of soft shadows: averages over the pixels around, where they show the same surface");
+               "of soft shadows and occlusion: averages over the pixels around, where they show the same surface");
   app.add_option(
          "--mode", a.mode,
          "sequential; queued: several cameras in flight; predicted: shows cameras whose masks have not come; "
@@ -127,7 +130,7 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   const auto transport = parse_transport(a.transport);
   if (!transport) return transport.error();
   flight.stream.connect.transport = *transport;
-  flight.stream.samples = static_cast<uint8_t>(a.samples);
+  flight.stream.samples = {a.samples, a.occlusion};
   auto& hello = flight.stream.connect.hello;
   hello.client = "gnomon-client";
   hello.tenant = a.tenant;
@@ -163,26 +166,6 @@ Result<FlightOptions> understood(const Arguments& a) {
   return flight_options(a);
 }
 
-void print_figures(const FlightStats& f) {
-  const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
-  const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
-  // A newer camera was answered in their place: the server, or the link, did not manage the rate.
-  const uint64_t unanswered = f.counters.unanswered + f.pending;
-  const uint64_t coalesced = f.counters.asked - f.counters.complete - f.counters.incomplete - unanswered;
-  std::printf("frames      %llu complete, %llu with tiles missing, %llu cameras coalesced, %llu unanswered\n",
-              static_cast<unsigned long long>(f.counters.complete),
-              static_cast<unsigned long long>(f.counters.incomplete), static_cast<unsigned long long>(coalesced),
-              static_cast<unsigned long long>(unanswered));
-  std::printf("response    min %.1f  p50 %.1f  p99 %.1f  max %.1f ms\n", ms(0), ms(0.5), ms(0.99), ms(1));
-  std::printf("shown       %llu pictures, %.2f a second, p50 %.1f  p99 %.1f ms after their cameras, x %.1f\n",
-              static_cast<unsigned long long>(f.shown), f.fps(), age_ms(0.5), age_ms(0.99), f.mean_ahead());
-  std::printf("rate        %.2f visibility buffers a second; drawing took %.1f ms a picture\n", f.vbps(),
-              f.shown ? 1000 * f.draw_seconds / static_cast<double>(f.shown) : 0.0);
-  std::printf("network     %.0f bytes a frame, %llu slices lost, %llu wrong\n", f.bytes_per_frame(),
-              static_cast<unsigned long long>(f.counters.lost_slices),
-              static_cast<unsigned long long>(f.counters.wrong_frames));
-}
-
 Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_words, const std::string& tracer) {
   const auto age_ms = [&](double share) { return to_milliseconds(f.ages.percentile(share)); };
   const auto ms = [&](double share) { return to_milliseconds(f.latencies.percentile(share)); };
@@ -193,6 +176,7 @@ Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_word
                          {"border", a.border},
                          {"mode", a.mode},
                          {"samples", a.samples},
+                         {"occlusion", to_string(a.occlusion)},
                          {"tenant", a.tenant},
                          {"interrupted", interrupted != 0},
                          {"frames", f.counters.complete},
@@ -310,7 +294,7 @@ Result<void> report(const Arguments& a, const Flight& flight, Views& views, cons
   }
   const FlightStats figures = flight.figures();
   print_figures(figures);
-  if (a.samples > 1) std::printf("samples     %d granted of each area light\n", int{flight.welcome().samples});
+  print_granted({a.samples, a.occlusion}, sample_counts_of(flight.welcome().samples));
   print_files(a, gallery);
   if (!a.json.empty()) {
     const auto written =

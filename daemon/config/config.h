@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "common/light_planes.h"
 #include "common/log.h"
 #include "common/result.h"
+#include "common/sample_counts.h"
 #include "daemon/config/config_values.h"
 #include "daemon/security/tokens.h"
 #include "protocol/types.h"
@@ -131,6 +131,7 @@ struct RenderConfig {
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
   uint32_t max_samples = kMostSamples;  // of an area light; 1: hard shadows alone
+  Occlusion max_occlusion = Occlusion::full;
   friend bool operator==(const RenderConfig&, const RenderConfig&) = default;
 };
 
@@ -166,10 +167,11 @@ struct TenantConfig {
   uint32_t least_size_percent = 100;    // then, of each side of its buffer
   uint32_t least_lights_percent = 100;  // then, of the scene's lights
   uint32_t max_samples = kMostSamples;  // of an area light, 1, 4 or 16
-  uint32_t least_samples = 1;           // after the rate, before the size, when the device cannot keep up
-  uint32_t max_memory_mb = 0;           // of its sessions' buffers on the device, MiB
-  uint32_t max_scene_memory_mb = 0;     // of the scenes that its clients asked for, MiB; 0: half of all scenes'
-  uint32_t max_session_memory_mb = 0;   // of the host, that its sessions may need, MiB; 0: what others leave
+  Occlusion max_occlusion = Occlusion::full;
+  uint32_t least_samples = 1;          // after the rate, before the size, when the device cannot keep up
+  uint32_t max_memory_mb = 0;          // of its sessions' buffers on the device, MiB
+  uint32_t max_scene_memory_mb = 0;    // of the scenes that its clients asked for, MiB; 0: half of all scenes'
+  uint32_t max_session_memory_mb = 0;  // of the host, that its sessions may need, MiB; 0: what others leave
   std::vector<TokenHash> token_sha256 = {};  // of its tokens, each of which is accepted
   bool open = false;                         // clients need no token
   // A file with more hashes of tokens; see token_files.h.

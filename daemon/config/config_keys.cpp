@@ -255,6 +255,9 @@ Keys<ScenesConfig> scenes_keys() {
 }
 
 std::vector<std::pair<std::string, uint32_t>> samples() { return {{"1", 1}, {"4", 4}, {"16", 16}}; }
+std::vector<std::pair<std::string, Occlusion>> occlusions() {
+  return {{"none", Occlusion::none}, {"half", Occlusion::half}, {"full", Occlusion::full}};
+}
 
 Keys<RenderConfig> render_keys() {
   using R = RenderConfig;
@@ -264,7 +267,8 @@ Keys<RenderConfig> render_keys() {
       scalars("devices", &R::devices, "a list of devices, each as render.device", parse_text),
       scalar("tracer", &R::tracer, kNameRule, parse_name),
       choice("raster", &R::raster, {{"auto", "auto"}, {"hardware", "hardware"}, {"compute", "compute"}}),
-      scalars("passes", &R::passes, "a list of effects (hard_shadows, soft_shadows)", parse_name),
+      scalars("passes", &R::passes, "a list of effects (hard_shadows, soft_shadows, ambient_occlusion)",
+              parse_name),
       scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
       integer("cache_mb", &R::cache_mb, 0, 1 << 24, " (0: no limit)"),
       integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
@@ -274,6 +278,7 @@ Keys<RenderConfig> render_keys() {
       integer("max_width", &R::max_width, 8, protocol::kMaxSide),
       integer("max_height", &R::max_height, 8, protocol::kMaxSide),
       choice("max_samples", &R::max_samples, samples()),
+      choice("max_occlusion", &R::max_occlusion, occlusions()),
   };
 }
 
@@ -348,6 +353,7 @@ Keys<Config> all_keys() {
       integer("least_size_percent", &TenantConfig::least_size_percent, 10, 100),
       integer("least_lights_percent", &TenantConfig::least_lights_percent, 1, 100),
       choice("max_samples", &TenantConfig::max_samples, samples()),
+      choice("max_occlusion", &TenantConfig::max_occlusion, occlusions()),
       choice("least_samples", &TenantConfig::least_samples, samples()),
       integer("max_memory_mb", &TenantConfig::max_memory_mb, 0, 1 << 24, kNoLimit),
       integer("max_scene_memory_mb", &TenantConfig::max_scene_memory_mb, 0, 1 << 24),

@@ -1,10 +1,11 @@
 // What render.passes names: effects, after the dissertation's RenderConfig, in words of what clients get from them.
 //
-//   hard_shadows   one segment for each pixel and light
-//   soft_shadows   beside it: several, to points of lights that have an extent, for clients that ask for them
+//   hard_shadows        one segment for each pixel and light
+//   soft_shadows        beside it: several, to points of lights that have an extent, for clients that ask for them
+//   ambient_occlusion   how much of a surface's ambient light nothing near hides, likewise
 //
 // Before there were effects the list named the renderer's own passes (gbuffer, trace, pack, readback). That still works:
-// the renderer runs them, and both effects are on offer.
+// the renderer runs them, and all effects are on offer.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,14 @@ namespace gnomon::daemon {
 
 inline constexpr std::string_view kHardShadows = "hard_shadows";
 inline constexpr std::string_view kSoftShadows = "soft_shadows";
+inline constexpr std::string_view kAmbientOcclusion = "ambient_occlusion";
 
-// What runs, in order: hard shadows always, soft ones unless the list names hard ones alone or render.max_samples is 1.
+// What runs, in order: hard shadows always, the others if the list names them or no effect at all, and
+// render.max_samples and render.max_occlusion leave something of them.
 std::vector<std::string> effects_of(const RenderConfig& render);
 
-// The most sample points of an area light that this allows.
-uint32_t most_samples(const RenderConfig& render);
+// The most samples that this allows.
+SampleCounts most_samples(const RenderConfig& render);
 
 // The names in the list that are no effects, for the renderer; empty: its own list.
 std::vector<std::string> renderer_passes(const RenderConfig& render);

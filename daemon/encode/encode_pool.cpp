@@ -105,7 +105,7 @@ void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
 EncodePool::SharedPtr EncodePool::share(RenderedFrame& frame) {
   const FrameMeta& meta = frame.meta;
   const TimePoint began = Clock::now();
-  auto reference = meta.spec.references ? meta.spec.references->newest(meta.spec.grid) : nullptr;
+  auto reference = meta.spec.references ? meta.spec.references->newest(meta.spec.grid, meta.spec.samples) : nullptr;
   const SharedPtr shared(new Shared{
       {meta, {}},
       protocol::SplitFrame(frame.mask.mask(), payload_room(meta), std::move(reference), meta.spec.camera),
@@ -143,7 +143,8 @@ void EncodePool::finish(Shared& shared) {
     if (auto joined = shared.frame.join(shared.out.slices); !joined) return joined;
     if (meta.spec.references) {
       meta.spec.references->sent(
-          std::make_shared<protocol::MaskReference>(meta.route.frame, shared.frame.decoded(), meta.spec.camera));
+          std::make_shared<protocol::MaskReference>(meta.route.frame, shared.frame.decoded(), meta.spec.camera),
+          meta.spec.samples);
     }
     return {};
   });

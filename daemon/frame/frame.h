@@ -44,8 +44,8 @@ struct FrameSpec {
   SessionReferencesPtr references = nullptr;  // shared with the session; nullptr if the client keeps no frames
   protocol::CameraView camera = {};
   TileGrid grid = {};
-  bool tells_size = false;                      // slices carry the size, as it is not the granted one
-  uint8_t samples = 1;                          // of each area light
+  bool tells_size = false;  // slices carry the size, as it is not the granted one
+  SampleCounts samples = {};
   bool tells_samples = false;                   // slices carry them, as they are not the granted ones
   uint64_t traced_bits = 0;                     // scheduler::weighted_bits() of the lights that are traced
   std::optional<protocol::Moment> moment = {};  // of the scene; carried by the slices

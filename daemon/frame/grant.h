@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/ids.h"
-#include "common/light_planes.h"
+#include "common/sample_counts.h"
 #include "daemon/frame/credential.h"
 #include "protocol/types.h"
 
@@ -26,7 +26,7 @@ struct SessionGrant {
   protocol::CodecId codec = protocol::CodecId::tiles_lz4;
   protocol::CodecId dense_codec = protocol::CodecId::tiles_lz4;  // used while the link is short of bytes
   protocol::CipherId cipher = protocol::CipherId::aes_128_gcm;
-  uint8_t samples = 1;    // of each area light; 1: hard shadows
+  SampleCounts samples = {};
   uint64_t features = 0;  // protocol/types.h: the client's features that this server knows
 
   // Known once the scene is resident.
@@ -37,8 +37,10 @@ struct SessionGrant {
   bool has(uint64_t feature) const { return (features & feature) != 0; }
   bool is_area(uint32_t light) const { return light < areas.size() && areas[light]; }
   uint32_t area_count() const { return static_cast<uint32_t>(std::count(areas.begin(), areas.end(), true)); }
-  // Of the session's masks, with so many samples of each area light.
-  uint32_t planes(uint32_t of_samples) const { return lights + area_count() * (planes_of(of_samples) - 1); }
+  // Of the session's masks with these samples.
+  uint32_t planes(SampleCounts of_samples) const {
+    return lights + area_count() * (planes_of(of_samples.per_light) - 1) + planes_of(of_samples.occlusion);
+  }
 };
 
 }  // namespace gnomon::daemon

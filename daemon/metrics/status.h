@@ -44,7 +44,7 @@ struct SessionStatus {
   std::string address;  // where frames go; empty until a valid datagram has arrived from there
   uint32_t width = 0;
   uint32_t height = 0;
-  uint32_t samples = 1;  // granted, of each area light
+  SampleCounts samples;  // granted
   protocol::Stats stats;
 };
 

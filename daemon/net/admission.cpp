@@ -220,7 +220,9 @@ asio::awaitable<Admission::Verdict> Admission::fetch_scene(Applicant& applicant)
     co_return refused(RefusalCode::unknown_session, "the scene is another one now");
   }
   grant.scene = scene.id;
-  complete(grant, scene.scene->lights, shared_.tenants.get()->config(grant.tenant).max_samples);
+  const auto tenants = shared_.tenants.get();
+  const TenantConfig& tenant = tenants->config(grant.tenant);
+  complete(grant, scene.scene->lights, {tenant.max_samples, tenant.max_occlusion});
   co_return std::nullopt;
 }
 

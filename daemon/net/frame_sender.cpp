@@ -19,7 +19,7 @@ size_t FrameSender::add(EncodedFrame& frame, Session& session, TimePoint now) {
     }
     if (frame.meta.spec.tells_samples) {
       header.flags |= protocol::kSliceHasSamples;
-      header.samples = frame.meta.spec.samples;
+      header.samples = to_byte(frame.meta.spec.samples);
     }
     header.gpu_us = static_cast<uint32_t>(to_microseconds(frame.meta.times.gpu));
   }

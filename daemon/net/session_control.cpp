@@ -136,8 +136,8 @@ void SessionControl::notify(const SessionDegraded& degraded) {
   ControlStream* const stream = sessions_.stream_of(degraded.session);
   if (!session || !stream || session->generation() != degraded.generation) return;
   stream->send(degraded.message);
-  const uint32_t samples = std::max<uint32_t>(degraded.message.samples, 1);
-  session->notified_size() = {degraded.message.width, degraded.message.height, session->grant().planes(samples)};
+  const SampleCounts samples = sample_counts_of(std::max<uint8_t>(degraded.message.samples, 1));
+  session->notified_shape() = {degraded.message.width, degraded.message.height, samples};
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {

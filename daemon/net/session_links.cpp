@@ -81,7 +81,7 @@ void SessionLinks::send(EncodedFrame& frame) {
   Session* session = sessions_.find(route.session);
   // A frame may be ready before the client has proved its address: it waits in the link.
   const bool wanted = session && (sessions_.is_reachable(*session) || session->path().is_pending()) &&
-                      (sessions_.stream_of(route.session) || session->notified_size().is_of(frame.meta.spec.grid));
+                      (sessions_.stream_of(route.session) || session->notified_shape().is_of(frame.meta.spec));
   if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);
   const size_t bytes = sender_.add(frame, *session, Clock::now());
   session->under_way().add(frame.meta, bytes);

@@ -7,10 +7,11 @@
 
 namespace gnomon::daemon {
 
-void complete(SessionGrant& grant, const std::vector<scenes::Light>& lights, uint32_t max_samples) {
+void complete(SessionGrant& grant, const std::vector<scenes::Light>& lights, SampleCounts most) {
   grant.lights = static_cast<uint32_t>(lights.size());
   for (const scenes::Light& light : lights) grant.areas.push_back(light.area.shape != scenes::LightShape::point);
-  grant.samples = grant.area_count() == 0 ? uint8_t{1} : std::min(grant.samples, static_cast<uint8_t>(max_samples));
+  grant.samples = fewest(grant.samples, most);
+  if (grant.area_count() == 0) grant.samples.per_light = 1;
 }
 
 protocol::Welcome welcome_of(const Session& session, const scenes::LoadedScene& scene, const NetShared& shared,
@@ -26,7 +27,8 @@ protocol::Welcome welcome_of(const Session& session, const scenes::LoadedScene& 
   welcome.rate_hz = grant.rate_hz;
   welcome.codec = grant.codec;
   welcome.passes = effects_of(shared.config.render);
-  if (grant.samples == 1) std::erase(welcome.passes, kSoftShadows);
+  if (grant.samples.per_light == 1) std::erase(welcome.passes, kSoftShadows);
+  if (grant.samples.occlusion == Occlusion::none) std::erase(welcome.passes, kAmbientOcclusion);
   welcome.tracer = shared.tracer;
   welcome.silence_timeout_ms = static_cast<uint32_t>(shared.config.server.silence_timeout.count());
   welcome.scene = gpu::manifest_of(*scene.scene, grant.scene_name, float(grant.width) / float(grant.height));
@@ -35,7 +37,7 @@ protocol::Welcome welcome_of(const Session& session, const scenes::LoadedScene& 
   welcome.lights_version = update.version;
   welcome.motions = gpu::to_wire(shared.catalog.get()->motions(grant.scene_name));
   if (grant.has(protocol::kFeatureSoft)) {
-    welcome.samples = grant.samples;
+    welcome.samples = to_byte(grant.samples);
     welcome.areas = gpu::areas_to_wire(update.lights);
   }
   if (grant.has(protocol::kFeatureFleet)) {

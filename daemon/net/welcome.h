@@ -13,7 +13,7 @@ namespace gnomon::daemon {
 
 // Completes a grant by what the scene's lights are, and its tenant may have. Without area lights there is nothing to
 // sample.
-void complete(SessionGrant& grant, const std::vector<scenes::Light>& lights, uint32_t max_samples);
+void complete(SessionGrant& grant, const std::vector<scenes::Light>& lights, SampleCounts most);
 
 struct ServingPorts {
   uint16_t data = 0;     // UDP

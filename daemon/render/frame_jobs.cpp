@@ -22,7 +22,7 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
                    .camera = view.camera,
                    .grid = quality.grid(),
                    .tells_size = session.grant().has(protocol::kFeatureSizes) && !quality.has_granted_size(),
-                   .samples = static_cast<uint8_t>(quality.samples()),
+                   .samples = quality.samples(),
                    .tells_samples = session.grant().has(protocol::kFeatureSoft) && !quality.has_granted_samples(),
                    .traced_bits = quality.traced_bits(uint64_t{quality.grid().width} * quality.grid().height)},
           .times = {.arrival = view.arrival, .deadline = view.deadline, .submitted = now},

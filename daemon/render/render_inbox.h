@@ -35,7 +35,7 @@ struct CapacityRequested {
   SceneId scene;  // resident
   TenantId tenant;
   uint32_t width = 0, height = 0;            // granted
-  uint32_t samples = 1;                      // granted
+  SampleCounts samples = {};                 // granted
   std::function<void(Result<void>)> answer;  // called on the render thread
 };
 
@@ -86,7 +86,7 @@ struct JobFinished {
   scheduler::Ticket ticket;
   uint64_t policy = 0;  // number of the policy that issued the ticket
   SceneId scene;
-  uint32_t samples = 1;
+  SampleCounts samples = {};
   scheduler::Work work;
   scheduler::Cost model_cost{};  // predicted; 0 if the model knew nothing yet
   Nanoseconds gpu{};             // device time
@@ -108,7 +108,7 @@ struct BytesSent {
   SceneId scene;
   uint64_t bits = 0;
   size_t bytes = 0;
-  uint32_t samples = 1;
+  SampleCounts samples = {};
 };
 
 struct LeaseDropped {};  // a frame slot may be free again

@@ -15,7 +15,7 @@ class SceneCosts {
   explicit SceneCosts(const SceneMotion& motion) : motion_(motion) {}
 
   // The model that applies to frames of the scene now.
-  const scheduler::CostModel& model_of(SceneId scene, uint32_t samples) {
+  const scheduler::CostModel& model_of(SceneId scene, SampleCounts samples) {
     return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].model(samples);
   }
 

@@ -35,7 +35,9 @@ SessionQuality::SessionQuality(const SessionOpened& opened, FrameSink& sink, Met
       width_(opened.grant.width),
       height_(opened.grant.height),
       samples_(opened.grant.samples),
-      rate_(limit_to(opened.grant.rate_hz)) {}
+      rate_(limit_to(opened.grant.rate_hz)) {
+  degradation_.set_limits({}, samples_);
+}
 
 void SessionQuality::set_limits(const scheduler::DegradationLimits& limits) {
   degradation_.set_limits(limits, opened_.grant.samples);
@@ -56,10 +58,11 @@ bool SessionQuality::adapt(std::span<const scenes::Light> lights, const glm::vec
 
 bool SessionQuality::adopt_size() {
   const TileGrid wanted = wanted_grid();
-  if (wanted == grid()) return false;
+  // Occlusion has as many planes of a quarter of the pixels as of all.
+  if (wanted == grid() && degradation_.samples() == samples_) return false;
   width_ = wanted.width;
   height_ = wanted.height;
-  samples_ = wanted_samples();
+  samples_ = degradation_.samples();
   tell_client();
   return true;
 }
@@ -111,11 +114,7 @@ void SessionQuality::review_link(const LinkWindow& window) {
 TileGrid SessionQuality::wanted_grid() const {
   const double size = std::min({degradation_.point().size, link_.size(), memory_.size()});
   return {shrunk(opened_.grant.width, size), shrunk(opened_.grant.height, size),
-          opened_.grant.planes(wanted_samples())};
-}
-
-uint32_t SessionQuality::wanted_samples() const {
-  return std::max(1u, uint32_t{opened_.grant.samples} >> 2 * degradation_.point().fewer_samples);
+          opened_.grant.planes(degradation_.samples())};
 }
 
 uint64_t SessionQuality::traced_bits(uint64_t pixels) const {
@@ -138,7 +137,7 @@ void SessionQuality::tell_client() const {
   message.width = static_cast<uint16_t>(width_);
   message.height = static_cast<uint16_t>(height_);
   message.rate_hz = static_cast<float>(rate_hz());
-  if (opened_.grant.has(protocol::kFeatureSoft)) message.samples = static_cast<uint8_t>(samples_);
+  if (opened_.grant.has(protocol::kFeatureSoft)) message.samples = to_byte(samples_);
   for (uint16_t light = 0; light < opened_.grant.lights; ++light) {
     if (untraced_[light]) message.untraced_lights.push_back(light);
   }

@@ -1,5 +1,5 @@
 // What one session is served at the moment, between what it was granted and the least that its tenant allows: its rate,
-// the samples of area lights, the size of its frames and the lights that are traced. Told the time.
+// the samples, the size of its frames and the lights that are traced. Told the time.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -28,7 +28,7 @@ class SessionQuality {
   // In force now.
   TileGrid grid() const { return {width_, height_, opened_.grant.planes(samples_)}; }
   bool has_granted_size() const { return width_ == opened_.grant.width && height_ == opened_.grant.height; }
-  uint32_t samples() const { return samples_; }  // of each area light
+  SampleCounts samples() const { return samples_; }
   bool has_granted_samples() const { return samples_ == opened_.grant.samples; }
   const gpu::LightSet& untraced() const { return untraced_; }
   uint64_t traced_bits(uint64_t pixels) const;  // scheduler::weighted_bits() of the lights that are traced
@@ -53,7 +53,6 @@ class SessionQuality {
 
  private:
   double rate_hz() const { return opened_.grant.rate_hz * degradation_.point().rate; }
-  uint32_t wanted_samples() const;
   TileGrid wanted_grid() const;
   uint32_t wanted_lights() const;
   bool adopt_size();
@@ -64,7 +63,7 @@ class SessionQuality {
   FrameSink& sink_;
   Metrics& metrics_;
   uint32_t width_, height_;
-  uint32_t samples_;
+  SampleCounts samples_;
   gpu::LightSet untraced_;
   scheduler::RateLimit rate_;
   scheduler::Degradation degradation_;

@@ -78,10 +78,10 @@ protocol::CodecId densest_codec(const Hello& hello, const EncodeConfig& encode) 
 }
 
 // Of those that there are, the most that the client wants and the server allows.
-uint8_t choose_samples(const Hello& hello, const RenderConfig& render) {
-  const uint32_t wanted = (hello.features & protocol::kFeatureSoft) != 0 ? hello.samples : 1;
-  const uint32_t samples = std::min(wanted, most_samples(render));
-  return samples >= 16 ? 16 : samples >= 4 ? 4 : 1;
+SampleCounts choose_samples(const Hello& hello, const RenderConfig& render) {
+  if ((hello.features & protocol::kFeatureSoft) == 0) return {};
+  const SampleCounts samples = fewest(sample_counts_of(hello.samples), most_samples(render));
+  return {samples.per_light >= 16 ? 16u : samples.per_light >= 4 ? 4u : 1u, samples.occlusion};
 }
 
 // The client's first choice: a client with AES instructions puts AES first. ChaCha20 also if this machine has no AES

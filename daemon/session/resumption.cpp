@@ -31,7 +31,7 @@ SessionRecord record_of(SessionId id, const SessionGrant& grant, const std::stri
                        .codec = grant.codec,
                        .dense_codec = grant.dense_codec,
                        .cipher = grant.cipher,
-                       .samples = grant.samples,
+                       .samples = to_byte(grant.samples),
                        .credential = grant.credential,
                        .scene_hash = keys.scene_hash,
                        .resumption = keys.resumption,

@@ -54,11 +54,13 @@ struct SessionParts {
   std::function<uint64_t()> random = random_number;  // unpredictable
 };
 
-// The size of frames that the client has been notified of.
-struct NotifiedSize {
+// The size and the samples of frames that the client has been notified of.
+struct NotifiedShape {
   uint32_t width = 0, height = 0;
-  uint32_t planes = 0;  // as many as the samples make, which the client is notified of too
-  bool is_of(const TileGrid& grid) const { return grid == TileGrid{width, height, planes}; }
+  SampleCounts samples = {};
+  bool is_of(const FrameSpec& spec) const {
+    return spec.grid.width == width && spec.grid.height == height && spec.samples == samples;
+  }
 };
 
 // Belongs to the net thread that owns it.
@@ -102,7 +104,7 @@ class Session {
   // Counts how often the session was resumed. Notifications carrying an older generation are ignored.
   uint32_t generation() const { return stored_ ? stored_.record().generation : 0; }
 
-  NotifiedSize& notified_size() { return notified_size_; }
+  NotifiedShape& notified_shape() { return notified_shape_; }
   void forget();  // the session cannot be resumed any more, and nothing is sealed any more
 
   LinkReport take_link_report();
@@ -117,7 +119,7 @@ class Session {
   SceneUse scene_use_;
   StoredSession stored_;  // destroyed after the permit, which the connection that resumes the session takes
   SessionPermit permit_;
-  NotifiedSize notified_size_;
+  NotifiedShape notified_shape_;
   TimePoint resumed_until_ = TimePoint::max();
   std::unique_ptr<protocol::Seal> seal_;
   PathValidation path_;

@@ -35,7 +35,7 @@ struct SessionRecord {
   uint16_t width = 0, height = 0;
   protocol::CodecId codec{}, dense_codec{};
   protocol::CipherId cipher{};
-  uint8_t samples = 1;
+  uint8_t samples = 1;  // as to_byte(SampleCounts)
   Credential credential;
   std::array<char, 257> tenant{};
   std::array<char, 1025> scene{};

@@ -83,7 +83,7 @@ void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) 
   FrameUniforms uniforms{};
   set_view(uniforms, view_.camera, view_.grid.width, view_.grid.height);
   scene.describe(uniforms, *posed_);
-  set_planes(uniforms, scene, view_.samples);
+  set_planes(uniforms, scene, view_.samples.per_light);
   const exact::TracedLight silenced = silenced_light(scene.scene().bounds);
   const auto silence = [&] {
     for (size_t i = 0; i < uniforms.light_count; ++i) {
@@ -100,6 +100,8 @@ void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) 
   if (const auto moving = host(plan, resource::kMovingHost); !moving.empty())
     write_moving(moving, scene, *posed_, number_);
   if (const auto soft = host(plan, resource::kSoftHost); !soft.empty()) write_soft(soft, scene, *posed_, view_);
+  if (const auto points = host(plan, resource::kOcclusionPoints); !points.empty())
+    write_occlusion(points, scene.scene());
 }
 
 Result<RecordedBand> FrameSlot::record(const FramePlan& plan, const ResidentScene& scene,

@@ -15,8 +15,8 @@ Result<PlanVariants> PlanVariants::create(const DevicePtr& device, const std::ve
   return variants;
 }
 
-Result<PlanVariant*> PlanVariants::variant_for(const PosedScene& posed, uint32_t samples) {
-  const PlanKind kind{!posed.at_rest(), samples > 1};
+Result<PlanVariant*> PlanVariants::variant_for(const PosedScene& posed, SampleCounts samples) {
+  const PlanKind kind{!posed.at_rest(), samples.per_light > 1, samples.occlusion != Occlusion::none};
   if (!has(kind)) {
     auto made = make(kind);
     if (!made) return made.error();

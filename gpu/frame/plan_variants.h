@@ -24,9 +24,8 @@ class PlanVariants {
   static Result<PlanVariants> create(const DevicePtr& device, const std::vector<std::string>& passes,
                                      const Tracer* tracer, uint32_t slots);
 
-  // The variant for frames of `posed` with so many samples of each area light, as in FrameView; it is made now if need
-  // be. Error: out of memory.
-  Result<PlanVariant*> variant_for(const PosedScene& posed, uint32_t samples);
+  // The variant for frames of `posed` with these samples, as in FrameView; it is made now if need be. Error: out of memory.
+  Result<PlanVariant*> variant_for(const PosedScene& posed, SampleCounts samples);
   // A variant takes long to make. make() makes it on any thread; give() hands it over on the render loop's thread, so
   // that variant_for finds it. give() does nothing if there is one already.
   bool has(PlanKind kind) const { return variants_[index(kind)] != nullptr; }
@@ -37,13 +36,15 @@ class PlanVariants {
   uint32_t slots() const { return slots_; }
 
  private:
-  static size_t index(PlanKind kind) { return (kind.motion ? 1 : 0) + (kind.soft ? 2 : 0); }
+  static size_t index(PlanKind kind) {
+    return (kind.motion ? 1 : 0) + (kind.soft ? 2 : 0) + (kind.occlusion ? 4 : 0);
+  }
 
   DevicePtr device_;
   std::vector<std::string> passes_;
   const Tracer* tracer_ = nullptr;
   uint32_t slots_ = 0;
-  std::array<std::unique_ptr<PlanVariant>, 4> variants_;
+  std::array<std::unique_ptr<PlanVariant>, 8> variants_;
 };
 
 }  // namespace gnomon::gpu

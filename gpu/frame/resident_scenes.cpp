@@ -49,23 +49,9 @@ void ResidentScenes::evict(SceneId id) {
   areas_asked_.erase(id);
 }
 
-void ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights,
-                                std::function<void(Result<void>)> changed, std::function<void()> wake) {
+Result<void> ResidentScenes::set_lights(SceneId id, std::vector<scenes::Light> lights) {
   const auto found = scenes_.find(id);
-  if (found == scenes_.end()) return changed(not_resident(id));
-  if (!found->second->needs_static_bvh(lights)) return changed(found->second->set_lights(std::move(lights)));
-  background_.run(
-      [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = std::move(lights), changed] {
-        const auto bvh = within_memory([&] { return build_static_bvh(pool->tracer(), *scene); });
-        return [this, id, scene, bvh, lights, changed] {
-          ResidentScene* resident = same_scene(id, scene);
-          if (!resident) return changed(not_resident(id));
-          if (!bvh) return changed(bvh.error());
-          resident->give_static_bvh(*bvh);
-          changed(resident->set_lights(lights));
-        };
-      },
-      std::move(wake));
+  return found == scenes_.end() ? not_resident(id) : found->second->set_lights(std::move(lights));
 }
 
 void ResidentScenes::rebuild_lights(SceneId id, std::function<void(Result<void>)> settled,
@@ -118,9 +104,12 @@ void ResidentScenes::finish_background() {
 
 std::vector<PlanKind> ResidentScenes::missing_variants() const {
   std::vector<PlanKind> missing;
-  for (const PlanKind kind : {PlanKind{true, false}, PlanKind{false, true}, PlanKind{true, true}}) {
-    if (!pool_->variants().has(kind)) missing.push_back(kind);
-  }
+  for (const bool occlusion : {false, true})
+    for (const bool soft : {false, true})
+      for (const bool motion : {false, true}) {
+        const PlanKind kind{motion, soft, occlusion};
+        if (!pool_->variants().has(kind)) missing.push_back(kind);
+      }
   return missing;
 }
 

@@ -30,8 +30,7 @@ class ResidentScenes {
   // Precondition: all recorded submits of the scene were started.
   void evict(SceneId id);
 
-  void set_lights(SceneId id, std::vector<scenes::Light> lights, std::function<void(Result<void>)> changed,
-                  std::function<void()> wake);
+  Result<void> set_lights(SceneId id, std::vector<scenes::Light> lights);
   void rebuild_lights(SceneId id, std::function<void(Result<void>)> settled, std::function<void()> wake);
   // Before a soft frame of the scene: takes over what was built for the extents of area lights, and has it built beside
   // the frames if it was not yet. Until then, hierarchies trace them. Precondition: the scene is resident.

@@ -56,9 +56,9 @@ class PackClassesPass : public ComputePass {
            frame.ports[3].buffer->address(),
            words_of(frame),
            frame.grid.tile_count(),
-           frame.samples == 1 && frame.untraced.any(),  // trace_soft writes them itself
+           frame.samples.per_light == 1 && frame.untraced.any(),  // trace_soft writes them itself
            {}};
-    for (uint32_t light = 0; light < kMaxLights; ++light) {
+    for (uint32_t light = 0; light < frame.scene.light_count(); ++light) {  // behind them stands occlusion
       push.untraced[light / 32] |= uint32_t{frame.untraced[light]} << (light % 32);
     }
     bind(frame, step_, std::as_bytes(std::span(&push, 1)));

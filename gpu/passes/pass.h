@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/sample_counts.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/scene/resident_scene.h"
 #include "gpu/vulkan/pipeline.h"
@@ -21,7 +22,7 @@ struct FrameView {
   CameraView camera;
   TileGrid grid;
   LightSet untraced = {};
-  uint32_t samples = 1;  // of each area light; more than 1 (a soft frame) only if the scene has area lights
+  SampleCounts samples = {};  // more than one per light (a soft frame) only if the scene has area lights
 };
 
 // How a pass uses a resource. An image may be a target, sampled or (compute) storage_write.
@@ -127,7 +128,7 @@ struct FrameContext {
   uint32_t slot = 0;        // of the frames in flight
   TileGrid grid;            // this frame's, within the capacity
   LightSet untraced;        // lights that are lit everywhere in the mask
-  uint32_t samples = 1;     // of each area light, as in FrameView
+  SampleCounts samples;     // as in FrameView
   TileRows rows;            // this band's
 
   Capacity size() const { return frame_size(scene, grid); }
@@ -150,8 +151,9 @@ class Tracer;
 
 // What the frames of a plan have that others go without.
 struct PlanKind {
-  bool motion = false;  // something moves in the scene
-  bool soft = false;    // several points of each area light are traced
+  bool motion = false;     // something moves in the scene
+  bool soft = false;       // several points of each area light are traced
+  bool occlusion = false;  // that of the ambient light is counted
   friend bool operator==(const PlanKind&, const PlanKind&) = default;
 };
 

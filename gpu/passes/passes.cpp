@@ -23,6 +23,7 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, PlanK
     trace_steps.push_back([] { return make_sample_points_pass(); });
     trace_steps.push_back([&, kind] { return make_trace_soft_pass(device, *tracer, kind.motion); });
   }
+  if (kind.occlusion) trace_steps.push_back([&, kind] { return make_trace_occlusion_pass(device, kind.motion); });
   const auto read = [](std::string_view name, std::string_view source, std::string_view target) {
     return [=] { return make_readback_pass(name, source, target); };
   };

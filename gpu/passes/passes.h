@@ -31,6 +31,9 @@
 //     sample_points  from the host soft_host -> soft_lights: the points of the area lights that are traced
 //     trace_soft     soft_lights, moving_bvh -> masks, valid_bits: all planes of the area lights, which the steps before
 //                    leave out
+//             in plans for frames with ambient occlusion, last:
+//     trace_occlusion  from the host occlusion_points, moving_bvh -> masks, valid_bits: the planes behind those of the
+//                    lights
 //   pack      in these steps, which common/packed_mask.h explains:
 //     pack_classes  masks, valid_bits -> classes, mixed_places (as counts)
 //     pack_places   mixed_places -> mixed_places (the place of each group's mixed words, then their total number)
@@ -80,6 +83,7 @@ inline constexpr std::string_view kValidBits = "valid_bits";
 inline constexpr std::string_view kHostValidBits = "host_valid_bits";
 inline constexpr std::string_view kSoftHost = "soft_host";
 inline constexpr std::string_view kSoftLights = "soft_lights";
+inline constexpr std::string_view kOcclusionPoints = "occlusion_points";
 inline constexpr std::string_view kClasses = "classes";
 inline constexpr std::string_view kMixedPlaces = "mixed_places";
 inline constexpr std::string_view kHostClasses = "host_classes";
@@ -138,6 +142,9 @@ Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, cons
 // Writes what the pass `sample_points` copies. `into`: the host memory of soft_host.
 void write_soft(std::span<std::byte> into, const ResidentScene& scene, const PosedScene& posed,
                 const FrameView& view);
+Result<std::unique_ptr<Pass>> make_trace_occlusion_pass(const DevicePtr& device, bool motion);
+// Writes what the pass `trace_occlusion` reads. `into`: the host memory of occlusion_points.
+void write_occlusion(std::span<std::byte> into, const scenes::Scene& scene);
 Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device);

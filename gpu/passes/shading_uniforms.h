@@ -30,10 +30,13 @@ struct ShadingUniforms {
   uint32_t has_sky = 0;
   glm::vec3 sky_ground{0.0f};
   float sky_clouds = 0.0f;
-  uint32_t filter_step = 0;  // 0: counts as they are; else the mean over pixels this far apart
+  uint32_t filter_step = 0;      // 0: counts as they are; else the mean over pixels this far apart
+  uint32_t window_step = 1;      // how far apart the pixels of a window are
+  uint32_t occlusion = 0;        // Occlusion, of the masks, and
+  uint32_t occlusion_plane = 0;  // the first of its planes
   LightColour lights[kMaxLights];
 };
 static_assert(sizeof(LightColour) == 28);
-static_assert(offsetof(ShadingUniforms, lights) == 100);
+static_assert(offsetof(ShadingUniforms, lights) == 112);
 
 }  // namespace gnomon::gpu

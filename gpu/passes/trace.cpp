@@ -27,7 +27,7 @@ class TracePass : public Pass {
 
   // Push constants: the addresses of the masks and the valid_bits, then those of the tracer.
   void record(const FrameContext& frame) const override {
-    if (frame.samples > 1 && frame.scene.area_lights().set().count() == frame.scene.light_count()) return;
+    if (frame.samples.per_light > 1 && frame.scene.area_lights().set().count() == frame.scene.light_count()) return;
     std::array<std::byte, kPushConstantBytes> push{};
     const std::array words{frame.ports[1].buffer->address(), frame.ports[2].buffer->address()};
     const std::span<const std::byte> tracer = frame.posed.traced->push_constants();

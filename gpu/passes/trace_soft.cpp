@@ -97,12 +97,12 @@ class TraceSoftPass : public Pass {
 void write_soft(std::span<std::byte> into, const ResidentScene& scene, const PosedScene& posed,
                 const FrameView& view) {
   SoftFrame soft;
-  soft.samples = view.samples;
+  soft.samples = view.samples.per_light;
   std::vector<glm::vec3> points;
   uint32_t plane = 0, areas = 0;
   for (uint32_t light = 0; light < scene.light_count(); ++light) {
     const bool area = scene.area_lights().is_area(light);
-    const uint32_t planes = planes_of(area ? view.samples : 1);
+    const uint32_t planes = planes_of(area ? view.samples.per_light : 1u);
     const exact::TracedLight& traced = posed.lights[light];
     if (area || view.untraced[light]) {
       const SoftLight::How how = view.untraced[light]      ? SoftLight::lit_everywhere
@@ -117,7 +117,7 @@ void write_soft(std::span<std::byte> into, const ResidentScene& scene, const Pos
                                          with_extent(traced, posed.areas[light]).radius};
     }
     if (area) {
-      for (const glm::vec3& offset : scene.area_lights().offsets(light, posed.areas[light], view.samples))
+      for (const glm::vec3& offset : scene.area_lights().offsets(light, posed.areas[light], view.samples.per_light))
         points.push_back(traced.position + offset);
       ++areas;
     }

@@ -42,13 +42,14 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create_beside(const Blocki
   return self;
 }
 
-Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time, uint32_t samples) {
+Result<TileGrid> BlockingFrame::reserve(uint32_t width, uint32_t height, scenes::SceneTime time,
+                                        SampleCounts samples) {
   samples_ = scene_->area_lights().samples(samples);
   return make_room({width, height, scene_->area_lights().plane_count(samples_)}, time);
 }
 
 Result<TileGrid> BlockingFrame::reserve_given(const TileGrid& masks, scenes::SceneTime time) {
-  samples_ = 1;
+  samples_ = {};
   return make_room(masks, time);
 }
 

@@ -31,9 +31,8 @@ class BlockingFrame {
   const Tracer* tracer() const { return tracer_.get(); }
   const DevicePtr& device_ptr() const { return device_; }
 
-  // Makes room for a frame of the scene at `time`, so that host() can be written. `samples`: of each area light, as
-  // RenderJob::samples. Error: size out of range, out of memory.
-  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {}, uint32_t samples = 1);
+  // Makes room for a frame of the scene at `time`, so that host() can be written. `samples`: as RenderJob::samples. Error: size out of range, out of memory.
+  Result<TileGrid> reserve(uint32_t width, uint32_t height, scenes::SceneTime time = {}, SampleCounts samples = {});
   // As reserve, for a frame that traces nothing and is given masks of that grid.
   Result<TileGrid> reserve_given(const TileGrid& masks, scenes::SceneTime time = {});
   // Renders what was reserved and waits. Error: device lost, out of memory.
@@ -60,7 +59,7 @@ class BlockingFrame {
   uint64_t started_ = 0;            // the timeline's value of the last frame; 0: none
   PlanVariant* variant_ = nullptr;  // of the frame that was reserved last
   PosedScenePtr posed_;             // of the frame that was reserved last
-  uint32_t samples_ = 1;            // of the frame that was reserved last
+  SampleCounts samples_;            // of the frame that was reserved last
   std::shared_ptr<ResidentScene> scene_;
 };
 

@@ -50,7 +50,10 @@ ShadingUniforms uniforms_of(const ResidentScene& scene, const ShadeOptions& opti
     out.lights[light].first_plane = planes.first(light);
     out.lights[light].samples = planes.samples(light);
   }
-  if (options.soft_filter) out.filter_step = options.samples == Samples::four ? 2 : 1;
+  out.occlusion = static_cast<uint32_t>(planes.occlusion());
+  out.occlusion_plane = planes.first_of_occlusion();
+  out.window_step = options.samples == Samples::four ? 2 : 1;
+  if (options.soft_filter) out.filter_step = out.window_step;
   return out;
 }
 

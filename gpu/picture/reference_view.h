@@ -1,9 +1,10 @@
 // The reference client's picture: its own G-buffer, shaded by the dissertation's formula with given visibility bits,
-//   I = emissive + (base colour / pi) * sum over lights i of k_i * saturate(N . L_i) * I_i + base colour * ambient
-// where k_i is the bit or, of an area light, the share of its sample points that are seen, I_i is the light's intensity at
-// the point (KHR_lights_punctual: inverse square, range window, cone edge), and the ambient radiance goes from one value for surfaces that face down to another for those that face up, as the scene
-// states them (scenes::Surroundings; 0 without). Base colours are filtered through mip levels. Where no surface is, the
-// scene's sky shows, if it states one.
+//   I = emissive + (base colour / pi) * sum over lights i of k_i * saturate(N . L_i) * I_i + base colour * o * ambient
+// where k_i is the bit or, of an area light, the share of its sample points that are seen, I_i is the light's intensity
+// at the point (KHR_lights_punctual: inverse square, range window, cone edge), and the ambient radiance goes from one
+// value for surfaces that face down to another for those that face up, as the scene states them (scenes::Surroundings; 0
+// without). o is the share of the ambient light's segments that nothing near blocks, 1 where masks say nothing of it.
+// Base colours are filtered through mip levels. Where no surface is, the scene's sky shows, if it states one.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +52,7 @@ struct ShadeOptions {
   Samples samples = Samples::one;      // of show_predicted and predict alone, see Reprojection::shade
   scenes::SceneTime time{};            // of what moves in the scene, within its period
   LightPlanes planes = {};             // of the masks; without any: one for each light
-  // Averages the shares of an area light over the pixels around that show the same surface: an estimate, smoother than
+  // Averages the shares of area lights and of ambient light over the pixels around that show the same surface: an estimate, smoother than
   // what the mask says of each pixel, whose neighbours look at other sample points (shaders/shade.glsl).
   bool soft_filter = false;
 };

@@ -22,11 +22,12 @@ class AreaLights {
   bool is_area(size_t light) const { return set_[light]; }
   const LightSet& set() const { return set_; }
 
-  // Of each area light in a frame that asks for `wanted`: 1 if there are none, so that it is a frame as any other.
-  uint32_t samples(uint32_t wanted) const { return any() ? wanted : 1; }
-  // Of a frame's mask with so many samples, as LightPlanes::total.
-  uint32_t plane_count(uint32_t samples) const {
-    return lights_ + static_cast<uint32_t>(set_.count()) * (planes_of(samples) - 1);
+  // In a frame that asks for `wanted`: one per light if there are none, so that it is a frame as any other.
+  SampleCounts samples(SampleCounts wanted) const { return any() ? wanted : SampleCounts{1, wanted.occlusion}; }
+  // Of a frame's mask with these samples, as LightPlanes::total.
+  uint32_t plane_count(SampleCounts samples) const {
+    return lights_ + static_cast<uint32_t>(set_.count()) * (planes_of(samples.per_light) - 1) +
+           planes_of(samples.occlusion);
   }
   // Points of all area lights, at most.
   uint32_t most_points() const {

@@ -28,7 +28,7 @@ struct PosedScene {
   std::vector<exact::TracedLight> resting_lights;         // as `lights`, but moving lights reach nothing
   std::array<uint32_t, kMaxLights / 32> moving_lights{};  // a bit for each light
   std::shared_ptr<const TracedScene> traced;              // nullptr if the scene is only drawn
-  std::shared_ptr<const TracedScene> static_bvh;          // of the resting geometry; nullptr if nothing needs it
+  std::shared_ptr<const TracedScene> static_bvh;          // of the resting geometry; nullptr if nothing is traced
 
   std::shared_ptr<const TracedScene> area_traced;  // built for extents of area lights; nullptr: none yet
   LightSet area_built;                             // the area lights that are as it was built for

@@ -127,7 +127,6 @@ Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::Wor
     if (!none) return none.error();
     traced_ = std::move(*none);
   }
-  if (!needs_static_bvh(lights_)) return {};
   if (tracer.is_hierarchy()) {
     static_bvh_ = traced_.traced;
     return {};
@@ -138,17 +137,8 @@ Result<void> ResidentScene::build_traced(const Tracer& tracer, const scenes::Wor
   return {};
 }
 
-bool ResidentScene::needs_static_bvh(const std::vector<scenes::Light>& lights) const {
-  if (static_bvh_) return false;
-  if (area_lights_.any()) return traced_.traced != nullptr;
-  if (!built_for_lights_) return false;
-  const std::vector<exact::TracedLight> wanted = traced_lights(*scene_, lights);
-  return !std::equal(wanted.begin(), wanted.end(), traced_.built_for.begin(), traced_.built_for.end(), same_light);
-}
-
 Result<void> ResidentScene::set_lights(std::vector<scenes::Light> lights) {
   if (lights.size() != lights_.size()) return Error{"a scene keeps its number of lights"};
-  if (needs_static_bvh(lights)) return Error{"a light has moved and nothing can answer for it yet"};
   for (size_t i = 0; i < lights.size(); ++i) lights[i].moved_by = lights_[i].moved_by;
   lights_ = std::move(lights);
   posed_.reset();
@@ -159,10 +149,7 @@ void ResidentScene::give_traced(TracedLights traced, Shadows shadows) {
   posed_.reset();
   if (shadows == Shadows::soft) return area_lights_.give(std::move(traced));
   traced_ = std::move(traced);
-  if (!std::exchange(unbuilt_, false)) return;
-  // Frames in flight keep the hierarchy that they were recorded with.
-  auto bvh = std::exchange(static_bvh_, nullptr);
-  if (needs_static_bvh(lights_)) static_bvh_ = std::move(bvh);
+  unbuilt_ = false;
 }
 
 LightState ResidentScene::light_state() const {
@@ -196,7 +183,7 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
     }
   }
   set_area_traced(*posed, area_lights_);
-  if (posed->any_light_moves() || area_lights_.any()) posed->static_bvh = static_bvh_;
+  posed->static_bvh = static_bvh_;
   posed_ = std::move(posed);
   return posed_;
 }
@@ -210,14 +197,6 @@ Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene&
 Result<TracedLights> build_for_areas(const Tracer& tracer, const scenes::Scene& scene,
                                      const std::vector<scenes::Light>& lights, const BuildWatch& watch) {
   return build(tracer, scene, areas_to_build_for(scene, lights), areas_to_build_for(scene, scene.lights), watch);
-}
-
-Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene) {
-  const scenes::GeometryPtr geometry = scenes::geometry_of(scene);
-  const Buffer none;
-  auto traced = tracer.build_hierarchy({scene, geometry->mesh, {}, false, none, none});
-  if (!traced) return traced.error();
-  return std::shared_ptr<const TracedScene>(std::move(*traced));
 }
 
 Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots) {

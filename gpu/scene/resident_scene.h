@@ -67,13 +67,9 @@ class ResidentScene {
   PosedScenePtr pose(scenes::SceneTime time) const;
 
   // Replaces the lights for later frames by as many others; lights that animations move keep moving with them. Error:
-  // needs_static_bvh() of these lights, so that give_static_bvh() has to be called first; or another number of lights.
+  // another number of lights.
   Result<void> set_lights(std::vector<scenes::Light> lights);
   const std::vector<scenes::Light>& lights() const { return lights_; }
-  // Whether something has to be traced by a hierarchy of the resting geometry and there is none: lights that are not
-  // where the tracer built for them, and area lights in soft frames.
-  bool needs_static_bvh(const std::vector<scenes::Light>& lights) const;
-  void give_static_bvh(std::shared_ptr<const TracedScene> bvh) { static_bvh_ = std::move(bvh); }
 
   // Later frames use `traced` for the lights that are where it was built for: hard frames, or soft ones for what
   // build_for_areas made.
@@ -103,6 +99,8 @@ class ResidentScene {
   bool unbuilt_ = false;
   SceneBuffers buffers_;
   TracedLights traced_;
+  // Of the resting geometry: for lights that are not where the tracer built for them, the points of area lights, and the
+  // occlusion of ambient light. May be traced_.traced itself.
   std::shared_ptr<const TracedScene> static_bvh_;
   mutable PosedScenePtr posed_;  // the last result of pose()
 };
@@ -114,8 +112,6 @@ Result<TracedLights> build_for_lights(const Tracer& tracer, const scenes::Scene&
 // As build_for_lights, for the extents of the area lights alone. Precondition: the tracer has a soft_shader().
 Result<TracedLights> build_for_areas(const Tracer& tracer, const scenes::Scene& scene,
                                      const std::vector<scenes::Light>& lights, const BuildWatch& watch = {});
-// Builds a hierarchy of the scene's resting geometry. Blocking; any thread. Error: out of memory, device lost.
-Result<std::shared_ptr<const TracedScene>> build_static_bvh(const Tracer& tracer, const scenes::Scene& scene);
 
 // The light as tracers use it. The `reach` of a directional light is twice the scene's diagonal.
 exact::TracedLight traced_light(const scenes::Light& light, const scenes::Bounds& bounds);

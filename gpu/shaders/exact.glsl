@@ -108,6 +108,19 @@ EXACT_FN ShadowSegment sample_segment(vec3 origin, vec3 normal, vec3 point) {
   return segment;
 }
 
+// The segment that finds out whether something near occludes a surface's ambient light on one way: to a point of a sphere
+// of that radius which touches the surface at `origin`. `on_sphere`: that point, from the sphere's middle, unit. Without
+// tracing nothing occludes a segment that is flat or too short for the rounding.
+EXACT_FN ShadowSegment occlusion_segment(vec3 origin, vec3 normal, vec3 on_sphere, float radius) {
+  ShadowSegment segment;
+  segment.origin = origin;
+  EXACT vec3 to_point = (normal + on_sphere) * radius;
+  segment.direction = to_point;
+  EXACT float facing = exact_dot(normal, to_point);
+  segment.traced = facing > 0.0f;
+  return segment;
+}
+
 // A triangle as segments from one origin see it.
 struct SeenTriangle {
   vec3 a, b, c;              // its corners, relative to the origin

@@ -22,7 +22,7 @@ uint class_of(uvec2 lit, uvec2 care) {
 
 bool traced(uint word) {
   uint light = word / push.words_of_light;
-  return ((push.untraced[light / 32u] >> (light % 32u)) & 1u) == 0u;
+  return light >= 256u || ((push.untraced[light / 32u] >> (light % 32u)) & 1u) == 0u;  // else occlusion
 }
 
 void main() {

@@ -28,6 +28,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Sha
   vec3 sky_ground;
   float sky_clouds;
   uint filter_step;  // 0: counts are taken as they are
+  uint window_step;  // how far apart a window's pixels are
+  uint occlusion;    // common/sample_counts.h
+  uint occlusion_plane;
   LightColour lights[kMaxLights];
 };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TileWords { uvec2 at[]; };
@@ -44,6 +47,7 @@ layout(push_constant, scalar) uniform Push {
 
 const uint kShaded = 0u, kMaterial = 1u, kNormals = 2u, kLuminance = 3u;
 const uint kFilmic = 1u;
+const uint kNoOcclusion = 0u, kHalf = 1u, kOcclusionSegments = 8u;
 const float kPi = 3.14159265;
 
 #include "textures.glsl"
@@ -103,26 +107,40 @@ bool mask_bit(uint plane, uvec2 pixel, uint tiles_x, uint tile_count) {
   return ((bit < 32u ? word.x >> bit : word.y >> (bit - 32u)) & 1u) != 0u;
 }
 
-// The share of the light's sample points that are seen by that pixel of the masks: 0 or 1 of a light without extent.
-float seen_share(uint light, uvec2 pixel, uint tiles_x, uint tile_count) {
-  uint plane = push.shading.lights[light].first_plane, samples = push.shading.lights[light].samples;
+// Which share of `most` the planes from there on say of that pixel of the masks (common/light_planes.h).
+float counted_share(uint plane, uint most, uvec2 pixel, uint tiles_x, uint tile_count) {
   if (mask_bit(plane, pixel, tiles_x, tile_count)) return 1.0;
   uint number = 0u;
-  for (int more = findMSB(samples); more > 0; --more)
+  for (int more = findMSB(most); more > 0; --more)
     number = 2u * number + uint(mask_bit(++plane, pixel, tiles_x, tile_count));
-  return float(number) / float(samples);
+  return float(number) / float(most);
 }
 
-float share_at(uint light, uvec2 pixel) {
+// The pixel of the masks that shows the surface of this pixel; none: no pixel does.
+const uvec2 kNone = uvec2(0xffffffffu);
+
+uvec2 mask_pixel(uvec2 pixel) {
 #ifdef PREDICTED
   uint source = push.sources.at[pixel.y * frame.width + pixel.x];
-  uint seen = max(source, 1u) - 1u;
-  uvec2 tiles = (uvec2(push.seen.width, push.seen.height) + 7u) / 8u;
-  if (source == 0u) return 1.0;
-  return seen_share(light, uvec2(seen % push.seen.width, seen / push.seen.width), tiles.x, tiles.x * tiles.y);
+  return source == 0u ? kNone : uvec2((source - 1u) % push.seen.width, (source - 1u) / push.seen.width);
 #else
-  return seen_share(light, pixel, frame.tiles_x, frame.tile_count);
+  return pixel;
 #endif
+}
+
+float share_in(uint plane, uint most, uvec2 at) {
+#ifdef PREDICTED
+  uvec2 tiles = (uvec2(push.seen.width, push.seen.height) + 7u) / 8u;
+  return counted_share(plane, most, at, tiles.x, tiles.x * tiles.y);
+#else
+  return counted_share(plane, most, at, frame.tiles_x, frame.tile_count);
+#endif
+}
+
+// The share of the light's sample points that the pixel sees: 0 or 1 of a light without extent.
+float share_at(uint light, uvec2 pixel) {
+  uvec2 at = mask_pixel(pixel);
+  return at == kNone ? 1.0 : share_in(push.shading.lights[light].first_plane, push.shading.lights[light].samples, at);
 }
 
 // The filter's window, 5x5 pixels: the weights 1, 2, 2, 2, 1 in each direction are the mean of the four 4x4 windows that
@@ -131,21 +149,27 @@ const uint kWindow = 25u, kOwn = 12u;  // `kOwn`: the pixel itself
 
 ivec2 window_step(uint i) { return ivec2(int(i % 5u), int(i / 5u)) - 2; }
 
-ivec2 window_pixel(uvec2 pixel, uint i) { return ivec2(pixel) + window_step(i) * int(push.shading.filter_step); }
+ivec2 window_pixel(uvec2 pixel, uint i) { return ivec2(pixel) + window_step(i) * int(push.shading.window_step); }
 
 float window_weight(uint i) {
   ivec2 off = abs(window_step(i));
   return (off.x == 2 ? 1.0 : 2.0) * (off.y == 2 ? 1.0 : 2.0);
 }
 
+// How far around a pixel it looks: as far as the filter, or to those next to it that count occlusion.
+int window_reach() {
+  return push.shading.filter_step != 0u ? 2 : push.shading.occlusion == kHalf ? 1 : 0;
+}
+
 // Those pixels of the window that show the same surface, as bits: of a normal within 8 degrees, and near its plane.
 uint same_surface(SurfacePoint surface, uvec2 pixel) {
   uint like = 1u << kOwn;
-  if (push.shading.filter_step == 0u) return like;
+  int reach = window_reach();
+  if (reach == 0) return like;
   float room = 0.004 * distance(surface.position, frame.camera);
   for (uint i = 0u; i < kWindow; ++i) {
-    ivec2 at = window_pixel(pixel, i);
-    if (i == kOwn || any(lessThan(at, ivec2(0))) || at.x >= int(frame.width) || at.y >= int(frame.height)) continue;
+    ivec2 at = window_pixel(pixel, i), off = abs(window_step(i));
+    if (i == kOwn || max(off.x, off.y) > reach || any(lessThan(at, ivec2(0))) || at.x >= int(frame.width) || at.y >= int(frame.height)) continue;
     uint id = triangle_at(uvec2(at));
     if (id == 0u) continue;
     SurfacePoint other = surface_of(id - 1u, uvec2(at));
@@ -171,6 +195,31 @@ float visible(uint light, uvec2 pixel, uint like) {
     dark = dark || share == 0.0;
   }
   return lit && dark ? own : sum / weights;
+}
+
+// Whether that pixel of the masks has a count of its own.
+bool counts_occlusion(uvec2 at) {
+  return at != kNone && (push.shading.occlusion != kHalf || ((at.x | at.y) & 1u) == 0u);
+}
+
+float open_share(uvec2 at) { return share_in(push.shading.occlusion_plane, kOcclusionSegments, at); }
+
+// The share of its ambient light that nothing near hides. A pixel without a count takes the mean of those next to it that
+// show the same surface; where none of them has one, as at a twig thinner than two pixels, it is open.
+float openness(uvec2 pixel, uint like) {
+  if (push.shading.occlusion == kNoOcclusion) return 1.0;
+  uvec2 own = mask_pixel(pixel);
+  if (own == kNone) return 1.0;
+  if (push.shading.filter_step == 0u && counts_occlusion(own)) return open_share(own);
+  float sum = 0.0, weights = 0.0;
+  for (uint i = 0u; i < kWindow; ++i) {
+    if ((like >> i & 1u) == 0u) continue;
+    uvec2 at = mask_pixel(uvec2(window_pixel(pixel, i)));
+    if (!counts_occlusion(at)) continue;
+    sum += window_weight(i) * open_share(at);
+    weights += window_weight(i);
+  }
+  return weights > 0.0 ? sum / weights : 1.0;
 }
 
 // The irradiance by light i: I_i attenuated by distance, range and cone (KHR_lights_punctual), times saturate(N.L).
@@ -215,6 +264,7 @@ vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, uvec2 p
     if (share > 0.0) sum += share * irradiance(i, surface, normal);
   }
   vec3 ambient = mix(push.shading.ambient_below, push.shading.ambient_above, 0.5 + 0.5 * normal.y);
+  ambient *= openness(pixel, like);
   return emissive + base * (sum / kPi + ambient);
 }
 

@@ -17,11 +17,4 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Sof
   vec3 points[];  // in the world
 };
 
-const uint kMostPlanes = 5u;  // of a light
-
-// As scenes::sample_pattern.
-uint sample_pattern(uvec2 pixel) {
-  uvec2 fine = pixel & 1u, coarse = (pixel >> 1) & 1u;
-  uint within = ((fine.x ^ fine.y) << 1 | fine.y) & 3u, block = ((coarse.x ^ coarse.y) << 1 | coarse.y) & 3u;
-  return 4u * block + within;
-}
+#include "sample_pattern.glsl"

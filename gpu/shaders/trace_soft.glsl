@@ -3,12 +3,9 @@
 // to the trace pass, except those that are lit everywhere.
 //
 // The includer defines struct Hierarchy and TRACER_PUSH before including this file, and afterwards seen_samples.
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
+#include "count_planes.glsl"
 #include "soft_lights.glsl"
 #include "surface.glsl"
-
-layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer TileWords { uvec2 at[]; };
 
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
@@ -21,30 +18,13 @@ layout(push_constant, scalar) uniform Push {
 // `first_point`: of those that are the pixel's.
 uint seen_samples(SoftLight light, SurfacePoint surface, vec3 origin, uint first_point);
 
-// The two halves of the words of every plane, then those of the word of traced bits.
-shared uint tile_words[2u * (kMostPlanes + 1u)];
-
-void gather(uint slot, bool set, uvec2 my_bit) {
-  uvec2 bits = subgroupOr(set ? my_bit : uvec2(0u));
-  if (subgroupElect()) {
-    atomicOr(tile_words[2u * slot], bits.x);
-    atomicOr(tile_words[2u * slot + 1u], bits.y);
-  }
+uint word_of(SoftLight light, uint plane) {
+  return (light.plane + plane) * frame.tile_count + gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
 }
 
-uvec2 gathered(uint slot) { return uvec2(tile_words[2u * slot], tile_words[2u * slot + 1u]); }
-
-// The planes below the first matter only where the first is 0.
-void store(SoftLight light, uint plane) {
-  uint word = (light.plane + plane) * frame.tile_count + gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
-  if (light.how == kLitEverywhere) {
-    push.masks.at[word] = uvec2(0xffffffffu);
-    push.valid_bits.at[word] = uvec2(plane == 0u ? 0xffffffffu : 0u);
-    return;
-  }
-  uvec2 care = gathered(kMostPlanes);
-  push.masks.at[word] = gathered(plane);
-  push.valid_bits.at[word] = plane == 0u ? care : care & ~gathered(0u);
+void store_lit(SoftLight light, uint plane) {
+  push.masks.at[word_of(light, plane)] = uvec2(0xffffffffu);
+  push.valid_bits.at[word_of(light, plane)] = uvec2(plane == 0u ? 0xffffffffu : 0u);
 }
 
 void main() {
@@ -59,19 +39,19 @@ void main() {
   uint samples = push.soft.samples, pattern = sample_pattern(pixel);
   for (uint i = 0u; i < push.soft.light_count; ++i) {
     SoftLight light = push.soft.lights[i];
-    if (invocation < 2u * (kMostPlanes + 1u)) tile_words[invocation] = 0u;
-    barrier();
-    if (light.how != kLitEverywhere) {
-      bool care = id != 0u && shadow_segment(frame.camera, surface, frame.lights[light.light]).traced;
-      uint seen = 0u;
-      if (care) seen = seen_samples(light, surface, origin, light.points + pattern * samples);
-      gather(kMostPlanes, care, my_bit);
-      gather(0u, seen == samples, my_bit);
-      for (uint plane = 1u; plane < light.planes; ++plane)
-        gather(plane, seen < samples && ((seen >> (light.planes - 1u - plane)) & 1u) != 0u, my_bit);
+    if (light.how == kLitEverywhere) {
+      if (invocation < light.planes) store_lit(light, invocation);
+      continue;
     }
+    clear_count(invocation);
     barrier();
-    if (invocation < light.planes) store(light, invocation);
+    bool care = id != 0u && shadow_segment(frame.camera, surface, frame.lights[light.light]).traced;
+    uint seen = 0u;
+    if (care) seen = seen_samples(light, surface, origin, light.points + pattern * samples);
+    gather_count(care, seen, samples, light.planes, my_bit);
+    barrier();
+    if (invocation < light.planes)
+      store_plane(push.masks, push.valid_bits, word_of(light, invocation), invocation);
     barrier();
   }
 }

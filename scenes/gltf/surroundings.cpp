@@ -10,7 +10,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMost = 1e6;  // radiance; beyond it nothing would be left of a picture
+constexpr double kMost = 1e6;          // radiance; beyond it nothing would be left of a picture
+constexpr double kMostReach = 1000.0;  // metres
 
 void leave_out(const char* group, const char* key, const char* expected) {
   log::warning("extras.gnomon left out in part",
@@ -29,6 +30,16 @@ void read_colour(const json& object, const char* group, const char* key, glm::ve
   into = {value[0].get<float>(), value[1].get<float>(), value[2].get<float>()};
 }
 
+void read_number(const json& object, const char* group, const char* key, double most, float& into) {
+  const json& value = member_of(object, key);
+  if (value.is_null()) return;
+  if (value.is_number() && value.get<double>() >= 0.0 && value.get<double>() <= most) {
+    into = value.get<float>();
+  } else {
+    leave_out(group, key, ("a number from 0 to " + std::to_string(static_cast<int>(most))).c_str());
+  }
+}
+
 }  // namespace
 
 Surroundings read_surroundings(const json& root) {
@@ -41,18 +52,13 @@ Surroundings read_surroundings(const json& root) {
   const json& ambient = member_of(given, "ambient");
   read_colour(ambient, "ambient", "above", out.ambient_above);
   read_colour(ambient, "ambient", "below", out.ambient_below);
+  read_number(ambient, "ambient", "reach", kMostReach, out.ambient_reach);
   const json& sky = member_of(given, "sky");
   out.has_sky = sky.is_object();
   read_colour(sky, "sky", "zenith", out.sky_zenith);
   read_colour(sky, "sky", "horizon", out.sky_horizon);
   read_colour(sky, "sky", "ground", out.sky_ground);
-  const json& clouds = member_of(sky, "clouds");
-  if (clouds.is_null()) return out;
-  if (clouds.is_number() && clouds.get<double>() >= 0.0 && clouds.get<double>() <= 1.0) {
-    out.sky_clouds = clouds.get<float>();
-  } else {
-    leave_out("sky", "clouds", "a number from 0 to 1");
-  }
+  read_number(sky, "sky", "clouds", 1.0, out.sky_clouds);
   return out;
 }
 

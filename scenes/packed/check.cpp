@@ -48,7 +48,7 @@ bool sound(const Material& m, const Scene& scene) {
 
 bool sound(const Surroundings& s) {
   return finite(s.ambient_above) && finite(s.ambient_below) && finite(s.sky_zenith) && finite(s.sky_horizon) &&
-         finite(s.sky_ground) && finite(s.sky_clouds);
+         finite(s.sky_ground) && finite(s.sky_clouds) && finite(s.ambient_reach) && s.ambient_reach >= 0.0f;
 }
 
 bool sound(const Primitive& p, const Scene& scene) {

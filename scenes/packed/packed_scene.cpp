@@ -175,6 +175,7 @@ template <class Archive>
 void visit(Archive& a, Surroundings& s) {
   a.plain(s.ambient_above);
   a.plain(s.ambient_below);
+  a.plain(s.ambient_reach);
   a.boolean(s.has_sky);
   a.plain(s.sky_zenith);
   a.plain(s.sky_horizon);

@@ -51,6 +51,8 @@ int main(int argc, char** argv) {
   commands.push_back({"loading",
                       "what scenes cost to read and to build for in a process of their own, beside this one",
                       gnomon::bench::make_loading_suite()});
+  commands.push_back({"occlusion", "how far ambient occlusion is from a reference of 1,024 segments",
+                      gnomon::bench::make_occlusion_suite()});
   commands.push_back({"penumbra", "how far soft shadows are from a reference of 1,024 points",
                       gnomon::bench::make_penumbra_suite()});
   commands.push_back({"pipeline", "the whole daemon over loopback, beside its kernels run back to back",

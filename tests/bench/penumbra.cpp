@@ -1,12 +1,11 @@
 // Suite "penumbra": how far soft shadows of k sample points are from a reference of 1,024, with and without the
 // clients' filter. Embree answers all of it, so that the figures are those of the points and of the filter, not of a
 // tracer.
-#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "scenes/light_samples.h"
 #include "tests/bench/bench_scenes.h"
+#include "tests/bench/parallel_rows.h"
 #include "tests/bench/penumbra_filter.h"
 #include "tests/bench/suites.h"
 #include "tests/unit/gpu/embree_oracle.h"
@@ -44,17 +43,6 @@ struct Errors {
     return penumbra_pairs ? std::sqrt(in_penumbra / static_cast<double>(penumbra_pairs)) : 0;
   }
 };
-
-void for_rows(uint32_t rows, const std::function<void(uint32_t)>& row) {
-  std::atomic<uint32_t> next = 0;
-  const auto work = [&] {
-    for (uint32_t y = next++; y < rows; y = next++) row(y);
-  };
-  std::vector<std::thread> others;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) others.emplace_back(work);
-  work();
-  for (std::thread& t : others) t.join();
-}
 
 class PenumbraSuite : public Suite {
  public:

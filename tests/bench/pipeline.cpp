@@ -61,7 +61,7 @@ Result<Flight> fly(const client::LoadOptions& options, size_t clients, size_t th
   std::vector<double> cpu(threads);
   for (size_t t = 0; t < threads; ++t) {
     const size_t mine = clients / threads + (t < clients % threads ? 1 : 0);
-    runs.push_back(std::make_unique<client::LoadRun>(options, std::vector<client::LoadGroup>{{"", "", mine}}));
+    runs.push_back(std::make_unique<client::LoadRun>(options, std::vector<client::LoadGroup>{{.clients = mine}}));
     pilots.emplace_back([&, t] {
       std::FILE* nowhere = std::fopen("/dev/null", "w");
       {

@@ -1,8 +1,8 @@
-// Suite "soft": the shadow stage with 1, 4 and 16 sample points of each area light, by the device's timestamps, in turn
-// within one run; what is built for the extents; and how the queries of the light buffers end, counted in C++.
+// Suite "soft": the shadow stage with 1, 4 and 16 sample points of each area light and with ambient occlusion, by the
+// device's timestamps, in turn within one run; what is built for the extents; and how the queries of the light buffers
+// end, counted in C++.
 #include <algorithm>
 #include <array>
-#include <map>
 
 #include "common/clock.h"
 #include "gpu/tracers/light_buffer/query.h"
@@ -16,7 +16,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::array<uint32_t, 3> kSamples{1, 4, 16};
+// Hard shadows come first: the others are compared with them.
+constexpr std::array<SampleCounts, 5> kSamples{
+    SampleCounts{1}, {4}, {16}, {1, Occlusion::half}, {1, Occlusion::full}};
 constexpr uint32_t kCountedSamples = 16;  // of the queries that are counted
 constexpr uint32_t kStride = 5;           // of the pixels whose queries are counted, in both directions
 
@@ -33,10 +35,15 @@ scenes::ScenePtr with_spheres(const scenes::Scene& scene, float radius) {
   return made;
 }
 
-double shadow_stage_ms(const gpu::FrameTiming& timing) {
+// What shadows take; of frames with occlusion, what that takes alone.
+double stage_ms(const gpu::FrameTiming& timing, SampleCounts samples) {
+  const bool occlusion = samples.occlusion != Occlusion::none;
   uint64_t ns = 0;
-  for (const gpu::StageTime& stage : timing.stages)
-    if (stage.pass.starts_with("trace") || stage.pass == "sample_points") ns += stage.gpu_ns;
+  for (const gpu::StageTime& stage : timing.stages) {
+    const bool of_occlusion = stage.pass == "trace_occlusion";
+    const bool of_shadows = !of_occlusion && (stage.pass.starts_with("trace") || stage.pass == "sample_points");
+    if (occlusion ? of_occlusion : of_shadows) ns += stage.gpu_ns;
+  }
   return static_cast<double>(ns) / 1e6;
 }
 
@@ -118,32 +125,32 @@ class SoftSuite : public Suite {
 
   Result<void> measure_size(gpu::BlockingFrame& frame, const scenes::Scene& scene, const std::string& text,
                             PictureSize size, const ordered_json& built, const Ends& ends) {
-    std::map<uint32_t, std::vector<double>> of_cameras;
-
+    std::array<std::vector<double>, kSamples.size()> of_cameras;
     for (const gpu::CameraView& camera : cameras_along_path(scene, std::max(1u, frames_), size)) {
-      std::map<uint32_t, std::vector<double>> ms;
+      std::array<std::vector<double>, kSamples.size()> ms;
       for (uint32_t repeat = 0; repeat <= repeats_; ++repeat) {
-        for (const uint32_t samples : kSamples) {
-          const auto grid = frame.reserve(size.width, size.height, {}, samples);
+        for (size_t i = 0; i < kSamples.size(); ++i) {
+          const auto grid = frame.reserve(size.width, size.height, {}, kSamples[i]);
           if (!grid) return grid.error();
           const auto timing = frame.render(camera, *grid);
           if (!timing) return timing.error();
-          if (repeat > 0) ms[samples].push_back(shadow_stage_ms(*timing));  // the first one warms up
+          if (repeat > 0) ms[i].push_back(stage_ms(*timing, kSamples[i]));  // the first one warms up
         }
       }
-      for (const uint32_t samples : kSamples) of_cameras[samples].push_back(median(ms[samples]));
+      for (size_t i = 0; i < kSamples.size(); ++i) of_cameras[i].push_back(median(ms[i]));
     }
-    for (const uint32_t samples : kSamples) {
+    for (size_t kind = 0; kind < kSamples.size(); ++kind) {
+      const uint32_t samples = kSamples[kind].per_light;
       std::vector<double> ratios;
-      for (size_t i = 0; i < of_cameras[samples].size(); ++i)
-        ratios.push_back(of_cameras[samples][i] / of_cameras[1][i]);
+      for (size_t i = 0; i < of_cameras[kind].size(); ++i) ratios.push_back(of_cameras[kind][i] / of_cameras[0][i]);
       ordered_json row{{"scene", scene.name},
                        {"size", text},
                        {"lights", scene.lights.size()},
                        {"tracer", frame.tracer()->name()},
                        {"radius_m", extents_},
                        {"samples", samples},
-                       {"trace_ms", median(of_cameras[samples])},
+                       {"occlusion", to_string(kSamples[kind].occlusion)},
+                       {"trace_ms", median(of_cameras[kind])},
                        {"ratio_to_hard", median(ratios)}};
       if (samples == kCountedSamples && count_) {
         row["near_share"] = ends.share(ends.by[0]);

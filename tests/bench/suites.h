@@ -23,6 +23,7 @@ std::unique_ptr<Suite> make_scheduler_suite();
 std::unique_ptr<Suite> make_growth_suite();
 std::unique_ptr<Suite> make_codec_suite();
 std::unique_ptr<Suite> make_loading_suite();
+std::unique_ptr<Suite> make_occlusion_suite();
 std::unique_ptr<Suite> make_penumbra_suite();
 std::unique_ptr<Suite> make_pipeline_suite();
 std::unique_ptr<Suite> make_transport_suite();

@@ -27,7 +27,7 @@ struct Fare {
 
 Result<Fare> fare(const client::LoadOptions& load) {
   Progress progress;
-  client::LoadRun flight(load, {{"", "", kClients}});
+  client::LoadRun flight(load, {{.clients = kClients}});
   if (auto done = flight.run(progress); !done) return done.error();
   progress.clear();
   const client::LoadRow total = client::load_rows(flight).back();

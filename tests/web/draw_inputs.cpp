@@ -6,7 +6,7 @@
 // FOLDER gets scene.pack, views.json and, of view I: I.words, I.rgba (fresh), I.predicted.rgba (of a camera a few steps
 // later) and I.smooth.rgba (with four samples a pixel), each also as PNG, I.ids (1 + the number of each pixel's
 // triangle), I.light.L.rgba (base colours where light L shines) and I.later.words (traced for that later camera; `outcome`
-// in views.json is the share of them that was predicted wrongly). I.soft.words and I.soft.rgba are of kSoft points of
+// in views.json is the share of them that was predicted wrongly). I.soft.words and I.soft.rgba count kSoft: points of
 // each area light, which `areas` in views.json names, and I.soft.predicted.rgba of the later camera.
 //
 // AT_MS: the scene time; posed.positions and posed.normals are the vertices that move, `posed_lights` in views.json the
@@ -35,7 +35,7 @@ namespace gnomon {
 namespace {
 
 constexpr uint32_t kViews = 3;
-constexpr uint32_t kSoft = 16;        // sample points of an area light
+constexpr SampleCounts kSoft{16, Occlusion::full};
 constexpr uint32_t kTrialStep = 4;    // as web/render/outcome.js
 constexpr double kStepSeconds = 0.1;  // from the camera of the masks to the one that is predicted
 
@@ -92,7 +92,7 @@ class Inputs {
         << nlohmann::json{{"width", size_.width},           {"height", size_.height},
                           {"scene_time_us", time_.count()}, {"lights", lights},
                           {"posed_lights", moved_lights},   {"areas", areas},
-                          {"soft_samples", kSoft},          {"views", views}}
+                          {"soft_samples", to_byte(kSoft)}, {"views", views}}
                .dump(1);
   }
 

@@ -381,7 +381,7 @@ test('masks of area lights have as many planes as the samples in force ask for',
   assert.deepEqual(decoder.opened.at(-1), { width: 64, height: 32, lights: 3, samples: 4, granted });
   client.look(0, camera(0));
   say(slice(1));
-  assert.deepEqual(of('frame').at(-1).planes, { first: [0], samples: [4], total: 3 });
+  assert.deepEqual(of('frame').at(-1).planes, { first: [0], samples: [4], occlusion: -1, total: 3 });
   say(degraded(64, 32, 16));
   assert.equal(decoder.opened.at(-1).lights, 5);
 });

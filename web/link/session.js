@@ -6,7 +6,7 @@
 // Runs in a worker, so that decoding holds up no picture. What happened is told by events, each an object with `is`.
 import { Codec, decode, encodeBye, encodeHello } from '../wire/messages.js';
 import { Malformed } from '../wire/bytes.js';
-import { planesOf } from '../wire/planes.js';
+import { fewest, planesOf } from '../wire/planes.js';
 import { Carrier } from './carrier.js';
 import { Credit } from './credit.js';
 
@@ -137,7 +137,7 @@ export class Session {
         break;
       case 'degraded':
         this.credit.rateHz = message.rateHz;
-        this.reopen(message.width, message.height, Math.min(message.samples, this.welcome.samples));
+        this.reopen(message.width, message.height, fewest(message.samples, this.welcome.samples));
         break;
       case 'sceneChanged':
         Object.assign(this.welcome, { scene: message.scene, samples: message.samples, areas: message.areas });
@@ -163,7 +163,7 @@ export class Session {
     this.tick();
   }
 
-  /** @param {number} width @param {number} height @param {number} samples in force, of each area light */
+  /** @param {number} width @param {number} height @param {number} samples in force (wire/planes.js) */
   reopen(width, height, samples) {
     this.stream?.close();
     this.stream = null;

@@ -99,6 +99,7 @@ export class Picture {
       ...stage.maps.uniforms,
       ...shadingUniforms(this.surroundings, wish),
       masks: stage.masksOf(wish.eye).texture,
+      occlusion_plane: masks?.planes?.occlusion ?? -1,
       ...(masks && exact ? this.seen(wish, masks) : {}),
       lights: stage.lights.texture,
       light_count: lightCount,

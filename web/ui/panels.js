@@ -100,6 +100,8 @@ export function attachPanels(find, viewer, { link, setSpeed }) {
   find('codec').onchange = (event) => viewer.set({ codec: event.target.value });
   find('samples').value = String(viewer.picture.samples);
   find('samples').onchange = (event) => viewer.set({ samples: Number(event.target.value) });
+  find('occlusion').checked = viewer.picture.occlusion;
+  find('occlusion').onchange = (event) => viewer.set({ occlusion: event.target.checked });
   find('sharpness').onchange = (event) => {
     viewer.quality.automatic = event.target.value === 'auto';
     viewer.quality.become(viewer.quality.automatic ? 0 : Number(event.target.value));

@@ -52,7 +52,7 @@ struct Stream {
   }
 
   client::FrameAssembler assembler;
-  uint32_t samples;  // of area lights
+  uint32_t samples;  // as the wire says them
   Granted granted;
   std::optional<client::AssembledFrame> frame;
   Taken taken{};
@@ -127,7 +127,7 @@ struct Lane {
 };
 
 bool is_mask(uint32_t width, uint32_t height, uint32_t planes) {
-  constexpr uint32_t kMostPlanes = protocol::kMaxLights * planes_of(kMostSamples);
+  constexpr uint32_t kMostPlanes = protocol::kMaxLights * planes_of(kMostSamples) + planes_of(Occlusion::full);
   const auto is_side = [](uint32_t side) { return side > 0 && side <= protocol::kMaxSide; };
   return is_side(width) && is_side(height) && planes > 0 && planes <= kMostPlanes &&
          TileGrid{width, height, planes}.word_count() <= kMostWords;

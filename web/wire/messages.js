@@ -3,6 +3,7 @@
 // Over a WebSocket each binary message is one control message, its length included.
 import { Malformed, Reader, Writer } from './bytes.js';
 import { readCamera, writeCamera } from './camera.js';
+import { areSamples } from './planes.js';
 
 export const VERSION = 2;
 
@@ -69,7 +70,7 @@ function message(type, body) {
  * @property {number} rateHz 0: as many as it gets
  * @property {number[]} codecs in order of preference
  * @property {boolean} [webTransport] whether this browser has it
- * @property {number} [samples] points of an area light that are wanted: 1, 4 or 16
+ * @property {number} [samples] what is wanted counted (planes.js)
  */
 
 /** @param {Hello} hello */
@@ -161,7 +162,7 @@ function readLight(from) {
 /** @param {Reader} from */
 function readSamples(from) {
   const samples = from.u8();
-  if (![1, 4, 16].includes(samples)) throw new Malformed('a number of samples is none');
+  if (!areSamples(samples)) throw new Malformed('a number of samples is none');
   return samples;
 }
 

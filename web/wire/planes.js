@@ -1,23 +1,42 @@
 // Which planes of a mask belong to which light, where lights are seen from several points: common/light_planes.h. A light
 // without an extent has one plane; one of which k points are traced has 1 + log2(k): that of pixels that see them all,
-// and the bits of the number seen, the most significant first.
+// and the bits of the number seen, the most significant first. Behind them stand the planes of the ambient light's
+// occlusion, if it is counted: of how many of 8 segments nothing near blocks.
+//
+// What is counted is one number, as common/sample_counts.h: the points of each light that has an extent, 1, 4 or 16, and
+// beside that which pixels count occlusion.
 
-/** @typedef {{first: number[], samples: number[], total: number}} Planes for each light, its first plane and its points */
+/**
+ * @typedef {{first: number[], samples: number[], occlusion: number, total: number}} Planes for each light, its first plane
+ *   and its points; then the first plane of the occlusion of all pixels, -1 where that is not counted
+ */
+
+export const OCCLUSION = 128; // of all pixels; half of that: of a quarter of them, which this client never asks for
+export const OPEN_SEGMENTS = 8;
+
+const pointsIn = (/** @type {number} */ samples) => samples & 63;
+
+/** @param {number} samples */
+export const areSamples = (samples) => [1, 4, 16].includes(pointsIn(samples)) && samples < 192;
+
+/** No more than both say. @param {number} a @param {number} b */
+export const fewest = (a, b) => Math.min(pointsIn(a), pointsIn(b)) + Math.min(a - pointsIn(a), b - pointsIn(b));
 
 /**
  * @param {boolean[]} areas which lights have an extent
- * @param {number} samples points of each of them: 1, 4 or 16
+ * @param {number} samples what is counted
  * @returns {Planes}
  */
 export function planesOf(areas, samples) {
   let total = 0;
   const first = [];
-  const points = areas.map((area) => (area ? samples : 1));
+  const points = areas.map((area) => (area ? pointsIn(samples) : 1));
   for (const each of points) {
     first.push(total);
     total += 1 + Math.log2(each);
   }
-  return { first, samples: points, total };
+  if (samples < 64) return { first, samples: points, occlusion: -1, total };
+  return { first, samples: points, occlusion: samples < OCCLUSION ? -1 : total, total: total + 4 };
 }
 
 /** @param {number} lights of which each has one bit a pixel */

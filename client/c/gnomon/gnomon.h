@@ -94,6 +94,13 @@ typedef enum gnomon_transport {
   GNOMON_TRANSPORT_TCP = 2
 } gnomon_transport;
 
+// Which pixels say how much of their ambient light nothing near hides.
+typedef enum gnomon_occlusion {
+  GNOMON_OCCLUSION_NONE = 0,
+  GNOMON_OCCLUSION_HALF = 1,  // those of even column and row
+  GNOMON_OCCLUSION_FULL = 2   // all
+} gnomon_occlusion;
+
 // Flags of gnomon_options.
 #define GNOMON_STAY_LOST 1u  // a session that is lost is not reopened: GNOMON_FAILED
 
@@ -124,6 +131,7 @@ typedef struct gnomon_options {
   // Soft shadows: how many sample points of each light that has an extent are wanted for each pixel, at most: 4 or 16; 0
   // or 1: hard shadows. Other numbers are an error.
   uint32_t samples;
+  gnomon_occlusion occlusion;  // of ambient light: wanted at most
 } gnomon_options;
 
 // Begins to connect, and returns at once. On an error *client is set too, for use with gnomon_last_error and
@@ -169,7 +177,7 @@ typedef struct gnomon_mask_view {
   // significant, is that of pixel (x, y); row 0 is the topmost. The library's memory: valid as long as the mask.
   const uint64_t* words;
   size_t word_count;
-  // Numbers, tile_y * tiles_x + tile_x, of the tiles that have not arrived for some light. Their words are all ones, so
+  // Numbers, tile_y * tiles_x + tile_x, of the tiles that have not arrived for some light, or of occlusion. Their words are all ones, so
   // that they cast no false shadow. Usually there are none. Valid as long as the mask.
   const uint32_t* missing_tiles;
   size_t missing_tile_count;
@@ -183,6 +191,9 @@ typedef struct gnomon_mask_view {
   // words[plane * tiles_x * tiles_y + ...] is how they are laid out.
   uint32_t planes;
   uint32_t samples;  // points that were traced of each light with an extent: 1, 4 or 16
+  gnomon_occlusion occlusion;
+  uint32_t
+      occlusion_plane;  // in `words`: the first of the four that gnomon_mask_open reads, where there is occlusion
 } gnomon_mask_view;
 
 GNOMON_API gnomon_result gnomon_mask_get_view(const gnomon_mask* mask, gnomon_mask_view* view);
@@ -204,6 +215,13 @@ GNOMON_API int gnomon_mask_samples(const gnomon_mask* mask, uint32_t light);
 // planes follow; where the first is 0, they are the bits of the number that is seen, the most significant first. -1: there
 // is no such light.
 GNOMON_API int gnomon_mask_first_plane(const gnomon_mask* mask, uint32_t light);
+
+// How many of GNOMON_OCCLUSION_SEGMENTS short segments from what the pixel shows nothing blocks: multiply its ambient
+// light by their quotient. -1: the pixel has no such number of its own (take that of pixels beside it which show the same
+// surface), or there is no such pixel. Where no surface is it may be any number, and
+// where the tile has not arrived it is all of them.
+#define GNOMON_OCCLUSION_SEGMENTS 8
+GNOMON_API int gnomon_mask_open(const gnomon_mask* mask, uint32_t x, uint32_t y);
 
 // 1: the tile of that light has arrived. 0: it has not. -1: there is no such tile or light.
 GNOMON_API int gnomon_mask_has_tile(const gnomon_mask* mask, uint32_t light, uint32_t tile_x, uint32_t tile_y);
@@ -277,9 +295,10 @@ typedef struct gnomon_session {
   float rate_hz;           // cameras a second that are answered; 0: no limit but what the server manages
   const char* codec;
   const char* tracer;
-  const char* degraded;  // why these are less than granted; "" if they are not
-  uint32_t draining_ms;  // not 0: the server announced that it ends so long afterwards
-  uint32_t samples;      // of each light with an extent, of masks from now on: 1, 4 or 16
+  const char* degraded;        // why these are less than granted; "" if they are not
+  uint32_t draining_ms;        // not 0: the server announced that it ends so long afterwards
+  uint32_t samples;            // of each light with an extent, of masks from now on: 1, 4 or 16
+  gnomon_occlusion occlusion;  // of ambient light, likewise
 } gnomon_session;
 
 GNOMON_API gnomon_result gnomon_get_session(gnomon_client* client, gnomon_session* session);

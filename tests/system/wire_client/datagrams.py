@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from fields import Reader, require
+from messages import are_samples
 
 
 class Kind(IntEnum):
@@ -77,7 +78,7 @@ class FrameSlice:
         moment = (reader.u32(), reader.u32()) if flags & HAS_MOMENT else (0, 0)
         size = (reader.u16(), reader.u16()) if flags & HAS_SIZE else None
         samples = reader.u8() if flags & HAS_SAMPLES else None
-        require(samples in (None, 1, 4, 16), f"{samples} samples")
+        require(samples is None or are_samples(samples), f"{samples} samples")
         payload = reader.rest()
         if flags & PADDED:
             require(padding <= len(payload), "more padding than there are bytes")

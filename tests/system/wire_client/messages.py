@@ -153,9 +153,17 @@ class Area:
         return area
 
 
+HALF, FULL = 64, 128  # added to the points of a light: ambient occlusion of a quarter of the pixels, of all
+OPEN_SEGMENTS = 8
+
+
+def are_samples(byte):
+    return byte & 63 in (1, 4, 16) and byte < 192
+
+
 def read_samples(reader):
     samples = reader.u8()
-    require(samples in (1, 4, 16), f"{samples} samples")
+    require(are_samples(samples), f"{samples} samples")
     return samples
 
 
@@ -167,13 +175,13 @@ def read_soft(reader, lights):
 
 
 def planes_of(samples, areas, lights):
-    """For each light, the number of its first plane and how many of its points are counted."""
+    """For each light, the number of its first plane and how many of its points are counted; then of ambient occlusion."""
     planes, first = [], 0
     for light in range(lights):
-        of_light = samples if light < len(areas) and areas[light].shape else 1
+        of_light = samples & 63 if light < len(areas) and areas[light].shape else 1
         planes.append((first, of_light))
         first += of_light.bit_length()
-    return planes
+    return planes + [(first, OPEN_SEGMENTS)] * (samples >= HALF)
 
 
 @dataclass

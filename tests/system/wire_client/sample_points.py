@@ -1,4 +1,4 @@
-"""The points of area lights that soft shadows count, after protocol/WIRE.md alone."""
+"""The points that soft shadows and ambient occlusion count, after protocol/WIRE.md alone."""
 import math
 import struct
 
@@ -58,3 +58,13 @@ def offsets(area, x, y, samples):
     """Of the points that pixel (x, y) looks at."""
     first = pattern(x, y) * samples
     return [offset(area, first + i, samples) for i in range(samples)]
+
+
+def around_surface(x, y, segments):
+    """Where on the sphere that touches the surface the segments of pixel (x, y) end: unit vectors."""
+    first = pattern(x, y) * segments
+    for point in range(first, first + segments):
+        a, b, _ = coordinates(point, segments)
+        z, turn = 1 - 2 * a, 2 * math.pi * b
+        across = math.sqrt(1 - z * z)
+        yield rounded(across * math.cos(turn), across * math.sin(turn), z)

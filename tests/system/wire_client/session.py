@@ -314,7 +314,7 @@ class Session:
             if self.planes != before:
                 self._drop_frames()
         if isinstance(message, messages.LightsChanged):
-            if len(message.lights) != len(self.planes):
+            if len(message.lights) != len(self.welcome.scene.lights):
                 raise Malformed("LightsChanged of another number of lights")
             self.welcome.scene.lights = message.lights
         if isinstance(message, messages.Degraded):
@@ -322,7 +322,7 @@ class Session:
             if (message.size, samples) != (self.size, self.samples):
                 self._drop_frames()
             self.size, self.rate_hz, self.samples = message.size, message.rate_hz, samples
-            self.planes = messages.planes_of(samples, self.areas, len(self.planes))
+            self.planes = messages.planes_of(samples, self.areas, len(self.welcome.scene.lights))
 
     def _drop_frames(self):
         """Of another shape than those to come."""

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Soft shadows of the real daemon, counted once more from protocol/WIRE.md alone: a floor, a plate above it, and an area
-light. Each pixel's points are known, and so is by arithmetic which of them the plate hides.
+"""Soft shadows and ambient occlusion of the real daemon, counted once more from protocol/WIRE.md alone: a floor, a plate
+above it, and an area light. Each pixel's points are known, and so is by arithmetic which of them the plate hides.
 
     soft_test.py BUILD
 """
@@ -16,13 +16,13 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "ops"))
 from node import Node, skip
 
 try:
-    from messages import SOFT, Camera, Hello
+    from messages import FULL, HALF, OPEN_SEGMENTS, SOFT, Camera, Hello
     from session import Session
 except ModuleNotFoundError as error:
     skip(f"Debian's python3-{error.name.lower()} is missing")
 
 from mask_codecs import CONTEXT, RAW32, TILES
-from sample_points import offsets
+from sample_points import around_surface, offsets
 
 BUILD = sys.argv.pop(1)
 SIZE = 128, 64
@@ -30,6 +30,7 @@ FLOOR, PLATE, HEIGHT = 4.0, 0.5, 1.0  # half sides, and how high the plate lies
 LIGHT = 0.25, 3.0, -0.125
 LIGHTS = {"sphere": {"radius": 0.25}, "disc": {"shape": "disc", "radius": 0.25},
           "rectangle": {"width": 0.5, "height": 0.25}}
+REACH = 2.5  # of what occludes ambient light: beyond the plate
 TILT = 0.4  # radians, downwards
 EYE = 0.0, 2.0, 4.0
 
@@ -54,7 +55,7 @@ def scene(area):
         "accessors": [*positions, {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": i}, "indices": 2}]} for i in range(2)],
         "nodes": [{"mesh": 0}, {"mesh": 1}, lamp, {**lamp, "extras": {"gnomon": {"light": area}}}],
-        "scenes": [{"nodes": [0, 1, 2, 3]}], "scene": 0,
+        "scenes": [{"nodes": [0, 1, 2, 3], "extras": {"gnomon": {"ambient": {"reach": REACH}}}}], "scene": 0,
     }
 
 
@@ -80,6 +81,13 @@ def is_hidden(at, point):
     """By the plate, of the floor's point (x, z)."""
     share = HEIGHT / point[1]
     return all(abs(from_ + share * (to - from_)) <= PLATE for from_, to in zip(at, (point[0], point[2])))
+
+
+def is_open(at, on_sphere):
+    """The segment from the floor's point (x, z): not hidden by the plate."""
+    along = [REACH / 2 * (n + q) for n, q in zip((0, 1, 0), on_sphere)]
+    share = HEIGHT / along[1] if along[1] > 0 else 2
+    return share >= 1 or any(abs(from_ + share * to) > PLATE for from_, to in zip(at, (along[0], along[2])))
 
 
 class Soft(unittest.TestCase):
@@ -136,6 +144,31 @@ class Soft(unittest.TestCase):
         for codec, (samples, name) in zip((RAW32, TILES, CONTEXT), ((4, "disc"), (16, "sphere"), (16, "rectangle"))):
             with self.subTest(name):
                 self.compare(name, samples, codec)
+
+    def compare_occlusion(self, samples, codec):
+        session = self.session("disc", samples, codec)
+        self.assertEqual(session.welcome.samples, samples)
+        frame = self.frame(session)
+        session.close()
+        compared = wrong = partly = 0
+        for y in range(SIZE[1]):
+            for x in range(SIZE[0]):
+                at = floor_point(x, y)
+                if at is None or (samples & HALF and (x | y) & 1):
+                    continue
+                count = sum(is_open(at, q) for q in around_surface(x, y, OPEN_SEGMENTS))
+                compared += 1
+                partly += count < OPEN_SEGMENTS
+                wrong += frame.seen(2, x, y) != count
+        print(f"occlusion {samples}: of {compared} pixels {partly} in part occluded, {wrong} otherwise than counted")
+        self.assertGreater(compared, 500)
+        self.assertGreater(partly, 50)
+        self.assertLess(wrong, 0.02 * partly + 1)
+
+    def test_occlusion_is_that_of_the_segments(self):
+        for samples, codec in ((1 + FULL, RAW32), (4 + FULL, CONTEXT), (1 + HALF, TILES)):
+            with self.subTest(samples):
+                self.compare_occlusion(samples, codec)
 
     def test_who_does_not_ask_gets_bits(self):
         for session in (self.session("sphere", 1), self.session("sphere", 16, features=0)):

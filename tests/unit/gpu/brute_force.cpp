@@ -39,8 +39,13 @@ std::optional<uint32_t> seen_by_brute_force(const scenes::WorldMesh& mesh, const
   return seen;
 }
 
-bool bit(const std::vector<uint64_t>& words, const TileGrid& grid, uint32_t x, uint32_t y, uint32_t plane) {
-  return TileMaskView{grid, words}.lit(x, y, plane);
+PlaneBits bits_of(const ProbedFrame& frame, uint32_t x, uint32_t y, uint32_t first_plane, uint32_t planes) {
+  PlaneBits found;
+  for (uint32_t i = 0; i < planes; ++i) {
+    found.mask |= uint32_t{frame.mask().lit(x, y, first_plane + i)} << i;
+    found.valid |= uint32_t{frame.care().lit(x, y, first_plane + i)} << i;
+  }
+  return found;
 }
 
 }  // namespace
@@ -62,7 +67,7 @@ Count compare(const scenes::Scene& scene, const CameraView& camera, const Probed
   return count;
 }
 
-LightPlanes planes_of(const scenes::Scene& scene, uint32_t samples) {
+LightPlanes planes_of(const scenes::Scene& scene, SampleCounts samples) {
   std::vector<bool> areas;
   for (const scenes::Light& light : scene.lights) areas.push_back(light.area.shape != scenes::LightShape::point);
   return {areas, samples};
@@ -79,7 +84,7 @@ PlaneBits plane_bits(std::optional<uint32_t> seen, uint32_t samples) {
 
 SoftCount compare_soft(const scenes::Scene& scene, const CameraView& camera, const ProbedFrame& frame) {
   const scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
-  const LightPlanes planes = planes_of(scene, frame.light_samples);
+  const LightPlanes planes = planes_of(scene, frame.counts);
   SoftCount count;
   for (uint32_t light = 0; light < planes.light_count(); ++light) {
     const uint32_t samples = planes.samples(light);
@@ -93,17 +98,42 @@ SoftCount compare_soft(const scenes::Scene& scene, const CameraView& camera, con
         std::optional<uint32_t> seen = seen_by_brute_force(mesh, camera, sample, traced, of_pixel);
         if (samples == 1 && seen) seen = lit_by_brute_force(mesh, camera, sample, traced) ? 1 : 0;
         const PlaneBits expected = plane_bits(seen, samples);
-        PlaneBits found;
-        for (uint32_t plane = 0; plane < planes.count(light); ++plane) {
-          found.mask |= uint32_t{bit(frame.words, frame.grid, x, y, planes.first(light) + plane)} << plane;
-          found.valid |= uint32_t{bit(frame.valid_bits, frame.grid, x, y, planes.first(light) + plane)} << plane;
-        }
+        const PlaneBits found = bits_of(frame, x, y, planes.first(light), planes.count(light));
         count.differing += found.mask != expected.mask || found.valid != expected.valid;
         if (!seen) continue;
         ++count.asked;
         ++(*seen == samples ? count.lit : *seen == 0 ? count.dark : count.penumbrae);
       }
   }
+  return count;
+}
+
+OcclusionCount compare_occlusion(const scenes::Scene& scene, const CameraView& camera, const ProbedFrame& frame) {
+  const scenes::WorldMesh mesh = scenes::build_world_mesh(scene);
+  const LightPlanes planes = planes_of(scene, frame.counts);
+  const std::vector<glm::vec3> points = scenes::occlusion_points();
+  const float radius = scenes::occlusion_radius(scene);
+  OcclusionCount count;
+  for (uint32_t y = 0; y < frame.grid.height; ++y)
+    for (uint32_t x = 0; x < frame.grid.width; ++x) {
+      const SurfaceSample& sample = frame.surface_at(x, y);
+      std::optional<uint32_t> open;
+      if (sample.triangle != 0 && planes.counts_occlusion(x, y)) {
+        open = 0;
+        const glm::vec3 origin = exact::segment_origin(camera.position, {sample.position, sample.normal});
+        const size_t first = size_t{scenes::sample_pattern(x, y)} * kOcclusionSegments;
+        for (size_t i = first; i < first + kOcclusionSegments; ++i) {
+          const auto segment = exact::occlusion_segment(origin, sample.normal, points[i], radius);
+          *open += !segment.traced || free(mesh, segment);
+        }
+        ++count.counted;
+        ++(*open == kOcclusionSegments ? count.open : *open == 0 ? count.enclosed : count.partly);
+      }
+      const PlaneBits expected = plane_bits(open, kOcclusionSegments);
+      const PlaneBits found =
+          bits_of(frame, x, y, planes.first_of_occlusion(), gnomon::planes_of(kOcclusionSegments));
+      count.differing += found.mask != expected.mask || found.valid != expected.valid;
+    }
   return count;
 }
 

@@ -15,7 +15,7 @@ struct Count {
 };
 
 // The planes that a frame's mask has of each light.
-LightPlanes planes_of(const scenes::Scene& scene, uint32_t samples);
+LightPlanes planes_of(const scenes::Scene& scene, SampleCounts samples);
 
 // `scene`: at rest, as the frame shows it; without alpha tests; `frame` hard.
 Count compare(const scenes::Scene& scene, const gpu::CameraView& camera, const gpu::ProbedFrame& frame);
@@ -27,8 +27,18 @@ struct SoftCount {
   size_t differing = 0;  // by a plane of their mask or by a valid bit
 };
 
-// As compare, for a soft frame.
+// As compare, for a soft frame. Its occlusion is not looked at.
 SoftCount compare_soft(const scenes::Scene& scene, const gpu::CameraView& camera, const gpu::ProbedFrame& frame);
+
+struct OcclusionCount {
+  size_t counted = 0;  // pixels
+  size_t open = 0, partly = 0, enclosed = 0;
+  size_t differing = 0;  // by a plane of their mask or by a valid bit, also of pixels that count nothing
+};
+
+// The occlusion of a frame's ambient light. `scene`: at rest, as the frame shows it; without alpha tests.
+OcclusionCount compare_occlusion(const scenes::Scene& scene, const gpu::CameraView& camera,
+                                 const gpu::ProbedFrame& frame);
 
 // What the planes of a light have of one pixel: the bits of the mask and those that are valid, plane by plane from bit 0.
 struct PlaneBits {

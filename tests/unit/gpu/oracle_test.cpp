@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 
+#include "scenes/light_samples.h"
 #include "scenes/loader.h"
 #include "tests/unit/gpu/brute_force.h"
 #include "tests/unit/gpu/embree_oracle.h"
@@ -192,6 +193,49 @@ TEST_P(Oracle, AgreesWithEmbreeOnAreaLights) {
     compare_soft(*probe, *scene, oracle, 16);
     compare_soft(*probe, *scene, oracle, 4);
   }
+}
+
+TEST_P(Oracle, AgreesWithEmbreeOnAmbientOcclusion) {
+  if (!fs::exists(file())) GTEST_SKIP() << "skipped: no scene " << file();
+  constexpr uint32_t kWidth = 160, kHeight = 90, kOccludedPoses = 6;
+  const auto scene = scenes::load_scene(file());
+  ASSERT_TRUE(scene) << scene.error().message;
+  const EmbreeOracle oracle(*scene, true);
+  auto probe = SurfaceProbe::create(device_options("bvh"), *scene);
+  ASSERT_TRUE(probe) << probe.error().message;
+  const SampleCounts samples{1, Occlusion::full};
+  const LightPlanes planes = test::planes_of(**scene, samples);
+  const std::vector<glm::vec3> points = scenes::occlusion_points();
+  const float radius = scenes::occlusion_radius(**scene);
+  std::mt19937 random(22);
+  uint64_t segments = 0, differing = 0, partly = 0;
+  for (uint32_t pose = 0; pose < kOccludedPoses; ++pose) {
+    const CameraView camera = random_view((*scene)->bounds, random, kWidth, kHeight);
+    const auto frame = probe->render(camera, kWidth, kHeight, {}, samples);
+    ASSERT_TRUE(frame) << frame.error().message;
+    for (uint32_t y = 0; y < kHeight; ++y)
+      for (uint32_t x = 0; x < kWidth; ++x) {
+        const SurfaceSample& sample = frame->surface_at(x, y);
+        ASSERT_EQ(frame->care().lit(x, y, planes.first_of_occlusion()), sample.triangle != 0);
+        if (sample.triangle == 0) continue;
+        const glm::vec3 origin = exact::segment_origin(camera.position, {sample.position, sample.normal});
+        uint32_t expected = 0;
+        for (uint32_t i = 0; i < kOcclusionSegments; ++i) {
+          const glm::vec3& point = points[scenes::sample_pattern(x, y) * kOcclusionSegments + i];
+          const auto segment = exact::occlusion_segment(origin, sample.normal, point, radius);
+          expected += !segment.traced || !oracle.occluded(origin, origin + segment.direction);
+        }
+        const uint32_t open = planes.open_segments(frame->mask(), x, y);
+        segments += kOcclusionSegments;
+        partly += expected < kOcclusionSegments;
+        differing += open > expected ? open - expected : expected - open;
+      }
+  }
+  std::printf("%s: %llu of %llu segments differ, %llu pixels are occluded in part\n", (*scene)->name.c_str(),
+              static_cast<unsigned long long>(differing), static_cast<unsigned long long>(segments),
+              static_cast<unsigned long long>(partly));
+  EXPECT_LE(static_cast<double>(differing), kAllowedShare * static_cast<double>(segments));
+  EXPECT_GT(partly, 100u);
 }
 
 // Every fifth instance of the scene turns and shifts where it stands, and so does the first light.

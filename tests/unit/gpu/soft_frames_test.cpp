@@ -25,7 +25,7 @@ class SoftFrames : public testing::Test {
     ASSERT_TRUE(renderer_->make_resident(kScene, scene_));
   }
 
-  RenderJob job(uint32_t samples) const {
+  RenderJob job(SampleCounts samples) const {
     RenderJob job{JobId(next_), kScene, look_at({0.5f, 0.6f, 2.2f}, {0.5f, 0.5f, 0.5f}, 0.8f, kWidth, kHeight),
                   kWidth, kHeight};
     job.samples = samples;
@@ -57,7 +57,7 @@ class SoftFrames : public testing::Test {
     return arrived.get_future().get();
   }
   // What a probe reads back of the frame, packed here.
-  std::vector<uint64_t> expected(uint32_t samples) const {
+  std::vector<uint64_t> expected(SampleCounts samples) const {
     auto probe = SurfaceProbe::create(device_options(), scene_);
     EXPECT_TRUE(probe);
     const auto frame = probe->render(job(samples).camera, kWidth, kHeight, {}, samples);
@@ -71,17 +71,20 @@ class SoftFrames : public testing::Test {
 };
 
 TEST_F(SoftFrames, HaveThePlanesOfTheirSamples) {
-  for (const uint32_t samples : {1u, 4u, 16u, 1u}) {
+  for (const SampleCounts samples :
+       {SampleCounts{1}, {4}, {16}, {1, Occlusion::full}, {4, Occlusion::half}, {1, Occlusion::half}, {1}}) {
     const Frame frame = render(job(samples));
     EXPECT_EQ(frame.grid.planes, planes_of(*scene_, samples).total());
-    EXPECT_EQ(frame.words, expected(samples)) << samples;
+    EXPECT_EQ(frame.words, expected(samples)) << int{samples.per_light} << ' ' << to_string(samples.occlusion);
     EXPECT_GT(frame.trace_ns, 0u);
   }
 }
 
 TEST_F(SoftFrames, InBandsAreThoseInOnePiece) {
-  const Frame whole = render(job(16));
-  for (const uint32_t rows : {1u, 3u, 7u}) EXPECT_EQ(render(job(16), rows).words, whole.words) << rows;
+  for (const SampleCounts samples : {SampleCounts{16}, {1, Occlusion::full}, {4, Occlusion::half}}) {
+    const Frame whole = render(job(samples));
+    for (const uint32_t rows : {1u, 3u, 7u}) EXPECT_EQ(render(job(samples), rows).words, whole.words) << rows;
+  }
 }
 
 // The masks are the same while what is built for areas is not there yet, and with it.
@@ -115,6 +118,21 @@ TEST_F(SoftFrames, LightsThatAreNotTracedAreLitAndTheirOtherPlanesFree) {
         }
       }
     }
+  }
+}
+
+TEST_F(SoftFrames, LightsThatAreNotTracedLeaveOcclusionAsItIs) {
+  for (const uint32_t per_light : {1u, 4u}) {
+    const SampleCounts samples{per_light, Occlusion::full};
+    RenderJob some = job(samples);
+    some.untraced.set();
+    const Frame none = render(some), all = render(job(samples));
+    const size_t first = size_t{planes_of(*scene_, samples).first_of_occlusion()} * all.grid.tile_count();
+    ASSERT_EQ(none.words.size(), all.words.size());
+    EXPECT_NE(std::vector(none.words.begin(), none.words.begin() + static_cast<ptrdiff_t>(first)),
+              std::vector(all.words.begin(), all.words.begin() + static_cast<ptrdiff_t>(first)));
+    EXPECT_TRUE(std::equal(none.words.begin() + static_cast<ptrdiff_t>(first), none.words.end(),
+                           all.words.begin() + static_cast<ptrdiff_t>(first)));
   }
 }
 

@@ -24,13 +24,7 @@ Result<SurfaceProbe> SurfaceProbe::create(const RendererOptions& options, const 
 }
 
 Result<void> SurfaceProbe::set_lights(const std::vector<scenes::Light>& lights) {
-  ResidentScene& scene = frame_->scene();
-  if (scene.needs_static_bvh(lights)) {
-    auto bvh = build_static_bvh(*make_bvh_tracer(frame_->device_ptr(), builds_here()), scene.scene());
-    if (!bvh) return bvh.error();
-    scene.give_static_bvh(std::move(*bvh));
-  }
-  return scene.set_lights(lights);
+  return frame_->scene().set_lights(lights);
 }
 
 Result<void> SurfaceProbe::rebuild() {
@@ -52,7 +46,7 @@ Result<void> SurfaceProbe::build_areas() {
 }
 
 Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t width, uint32_t height,
-                                         scenes::SceneTime time, uint32_t samples) {
+                                         scenes::SceneTime time, SampleCounts samples) {
   const auto grid = frame_->reserve(width, height, time, samples);
   if (!grid) return grid.error();
   auto timing = frame_->render(camera, *grid);
@@ -67,7 +61,7 @@ Result<ProbedFrame> SurfaceProbe::render(const CameraView& camera, uint32_t widt
   probed.words = copied<uint64_t>(frame_->host(resource::kHostMasks), grid->word_count());
   probed.valid_bits = copied<uint64_t>(frame_->host(resource::kHostValidBits), grid->word_count());
   probed.timing = std::move(*timing);
-  probed.light_samples = frame_->scene().area_lights().samples(samples);
+  probed.counts = frame_->scene().area_lights().samples(samples);
   return probed;
 }
 

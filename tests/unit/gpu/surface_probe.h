@@ -18,7 +18,7 @@ struct ProbedFrame {
   std::vector<uint64_t> words;       // as common/tile_mask.h
   std::vector<uint64_t> valid_bits;  // of the same layout: which bits were traced
   FrameTiming timing;
-  uint32_t light_samples = 1;  // of each area light
+  SampleCounts counts;
 
   const SurfaceSample& surface_at(uint32_t x, uint32_t y) const { return samples[size_t{y} * grid.width + x]; }
   TileMaskView mask() const { return {grid, words}; }
@@ -34,7 +34,7 @@ class SurfaceProbe {
   const Tracer& tracer() const { return *frame_->tracer(); }
   const ResidentScene& scene() const { return frame_->scene(); }
   Result<ProbedFrame> render(const CameraView& camera, uint32_t width, uint32_t height, scenes::SceneTime time = {},
-                             uint32_t samples = 1);
+                             SampleCounts samples = {});
 
   // Lights where they are from now on; then, with `rebuild`, what the tracer builds for these.
   Result<void> set_lights(const std::vector<scenes::Light>& lights);

@@ -128,7 +128,12 @@ TEST(Messages, SamplesAndAreasThatMakeNoSenseAreRefused) {
   welcome.areas = {{1, {1, 0, 0}, {0, 1, 0}}, {}};
   welcome.samples = 16;
   expect_taken(welcome);
-  for (const uint8_t samples : {0, 2, 8, 17, 64}) {
+  for (const uint8_t samples : {1, 4, 16, 64 + 1, 64 + 16, 128 + 4}) {
+    Welcome right = welcome;
+    right.samples = samples;
+    expect_taken(right);
+  }
+  for (const uint8_t samples : {0, 2, 8, 17, 64, 128 + 5, 192 + 4}) {
     Welcome wrong = welcome;
     wrong.samples = samples;
     expect_refused(wrong);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/sample_counts.h"
+
 namespace gnomon::tests {
 namespace {
 
@@ -91,7 +93,9 @@ Hello hello(Random& random) {
   return m;
 }
 
-uint8_t samples(Random& random) { return static_cast<uint8_t>(1u << 2 * below(random, 3)); }
+uint8_t samples(Random& random) {
+  return to_byte({1u << 2 * below(random, 3), static_cast<Occlusion>(below(random, 3))});
+}
 
 std::vector<AreaInfo> areas(Random& random, size_t count) {
   std::vector<AreaInfo> all(count);

@@ -16,12 +16,13 @@ GltfFile surrounded(const json& gnomon) {
 
 TEST(Surroundings, AreWhatTheScenesExtrasSay) {
   const json said = {
-      {"ambient", {{"above", {0.1, 0.2, 0.3}}, {"below", {1, 2, 3}}}},
+      {"ambient", {{"above", {0.1, 0.2, 0.3}}, {"below", {1, 2, 3}}, {"reach", 0.75}}},
       {"sky",
        {{"zenith", {0.25, 0.5, 1.0}}, {"horizon", {2, 1.5, 1}}, {"ground", {0.5, 0.5, 0.25}}, {"clouds", 0.75}}}};
   const Surroundings around = surrounded(said).load_or_fail()->surroundings;
   EXPECT_EQ(around.ambient_above, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_EQ(around.ambient_below, glm::vec3(1, 2, 3));
+  EXPECT_EQ(around.ambient_reach, 0.75f);
   EXPECT_TRUE(around.has_sky);
   EXPECT_EQ(around.sky_zenith, glm::vec3(0.25f, 0.5f, 1.0f));
   EXPECT_EQ(around.sky_horizon, glm::vec3(2, 1.5f, 1));
@@ -32,6 +33,7 @@ TEST(Surroundings, AreWhatTheScenesExtrasSay) {
 TEST(Surroundings, AreNoneWithoutThem) {
   const Surroundings around = triangle_file().load_or_fail()->surroundings;
   EXPECT_EQ(around.ambient_above, glm::vec3(0.0f));
+  EXPECT_EQ(around.ambient_reach, 0.0f);
   EXPECT_FALSE(around.has_sky);
 }
 
@@ -46,6 +48,9 @@ TEST(Surroundings, MembersThatAreNotWhatTheyShouldBeAreLeftOut) {
   }
   for (const json& odd : {json(7), json("dark"), json::array({1}), json(nullptr)}) {
     EXPECT_FALSE(surrounded(odd).load_or_fail()->surroundings.has_sky) << odd;
+  }
+  for (const json& odd : {json(-1), json(1e9), json("far"), json::array({1})}) {
+    EXPECT_EQ(surrounded({{"ambient", {{"reach", odd}}}}).load_or_fail()->surroundings.ambient_reach, 0.0f) << odd;
   }
   EXPECT_EQ(surrounded({{"sky", {{"clouds", 1.5}}}}).load_or_fail()->surroundings.sky_clouds, 0.0f);
 }

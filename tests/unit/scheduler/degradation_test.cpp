@@ -95,6 +95,23 @@ TEST(Degradation, SamplesGoAfterTheRateAndBeforeTheSize) {
   }
 }
 
+TEST(Degradation, OcclusionGoesAfterThePointsOfLights) {
+  Session s = session(0.5, 0.5);
+  s.degradation.set_limits({.least_rate = 0.5, .least_size = 0.5, .least_samples = 4}, {16, Occlusion::full});
+  std::vector<SampleCounts> seen{s.degradation.samples()};
+  for (int i = 0; i < 50; ++i) {
+    s.run(2, 1e6, 1);
+    if (s.degradation.samples() != seen.back()) seen.push_back(s.degradation.samples());
+    if (s.degradation.point().size < 1) {
+      EXPECT_EQ(s.degradation.samples(), (SampleCounts{4, Occlusion::none}));
+    }
+  }
+  EXPECT_EQ(seen, (std::vector<SampleCounts>{
+                      {16, Occlusion::full}, {4, Occlusion::full}, {4, Occlusion::half}, {4, Occlusion::none}}));
+  s.run(500, 0.1, 1);
+  EXPECT_EQ(s.degradation.samples(), (SampleCounts{16, Occlusion::full}));
+}
+
 TEST(Degradation, HardShadowsHaveNoSamplesToLose) {
   Session s = session(1, 1);
   s.run(100, 10, 1);

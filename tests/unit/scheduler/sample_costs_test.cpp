@@ -8,14 +8,14 @@ namespace {
 using namespace std::chrono_literals;
 
 // A frame of 1,000 pixels and two lights, one of them an area light.
-Work frame(uint32_t samples) { return {1000, weighted_bits(1000, 2, 1, samples), true}; }
+Work frame(SampleCounts samples) { return {1000, weighted_bits(1000, 2, 1, samples), true}; }
 
-void learn(SampleCosts& costs, uint32_t samples, Nanoseconds cost) {
+void learn(SampleCosts& costs, SampleCounts samples, Nanoseconds cost) {
   for (int i = 0; i < 50; ++i) costs.of(samples).learn(frame(samples), cost, cost);
 }
 
 // In nanoseconds, to the nearest ten.
-int64_t predicted(const SampleCosts& costs, uint32_t samples) {
+int64_t predicted(const SampleCosts& costs, SampleCounts samples) {
   return (costs.model(samples).predict(frame(samples)).total().count() + 5) / 10 * 10;
 }
 
@@ -24,6 +24,22 @@ TEST(SampleCosts, AreaLightsCountAsLessThanTheirSamples) {
   EXPECT_EQ(weighted_bits(1000, 2, 1, 1), 2000u);
   EXPECT_EQ(weighted_bits(1000, 2, 1, 4), 2500u);
   EXPECT_EQ(weighted_bits(1000, 2, 2, 16), 5000u);
+}
+
+TEST(SampleCosts, OcclusionCountsAsAFewLights) {
+  EXPECT_EQ(weighted_bits(1000, 2, 0, {1, Occlusion::half}), 3000u);
+  EXPECT_EQ(weighted_bits(1000, 2, 1, {16, Occlusion::full}), 6500u);
+}
+
+TEST(SampleCosts, OcclusionHasCostsOfItsOwn) {
+  SampleCosts costs;
+  learn(costs, 1, 2000ns);
+  EXPECT_EQ(predicted(costs, {1, Occlusion::full}), 5000) << "as its weight foretells";
+  learn(costs, {1, Occlusion::full}, 3000ns);
+  EXPECT_EQ(predicted(costs, {1, Occlusion::full}), 3000);
+  EXPECT_EQ(predicted(costs, {1, Occlusion::half}), 3000)
+      << "from the next fewer that is known: of 1,000 ns a light";
+  EXPECT_EQ(predicted(costs, 1), 2000);
 }
 
 TEST(SampleCosts, HardShadowsForetellSoftOnesUntilTheseAreMeasured) {

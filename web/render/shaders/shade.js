@@ -1,5 +1,6 @@
 // gpu/shaders/shade.glsl: the picture's own surfaces, lit by the lights that are visible. LOOKUP says what is asked for
 // that: MASKS of the very view, or none at all; masks of another view that was SEEN before; or shadow MAPS.
+import { OPEN_SEGMENTS } from '../../wire/planes.js';
 import { EXACT } from './exact.js';
 import { ALPHA, SCENE, VIEW } from './frame.js';
 import { MAPS } from './maps.js';
@@ -33,6 +34,7 @@ LightColour colour_at(int i) {
 const UNIFORMS = `
 uniform usampler2D ids;
 uniform usampler2DArray masks;  // a layer for each plane, a texel for each tile
+uniform int occlusion_plane;    // of the masks, the first; -1: they say nothing of it
 uniform bool masked;            // false: each light reaches what it faces
 uniform ivec2 first_pixel;      // of the shown part of the view
 uniform int flipped_height;     // of the target, if its row 0 is the lowest; else 0
@@ -112,18 +114,31 @@ bool mask_bit(int plane, ivec2 pixel) {
 
 // \`source\`: the pixel whose bits count; kUnknown where none is known, which is lit.
 const ivec2 kUnknown = ivec2(-1);
+// Which share of \`most\` the planes from there on say.
+float counted_share(int plane, int most, ivec2 source) {
+  int number = 0;
+  if (mask_bit(plane, source)) return 1.0;
+  for (int left = most; left > 1; left >>= 1) number = 2 * number + (mask_bit(++plane, source) ? 1 : 0);
+  return float(number) / float(most);
+}
+
 // The share of the light's points that is seen there: 0 or 1 of a light without an extent.
 float visible(int light, ivec2 source) {
 #if LOOKUP == 1 || LOOKUP == 2
   if (source.x < 0) return 1.0;
   vec2 planes = texelFetch(lights, ivec2(4, light), 0).xy;
-  int plane = int(planes.x), number = 0;
-  if (mask_bit(plane, source)) return 1.0;
-  for (int left = int(planes.y); left > 1; left >>= 1) number = 2 * number + (mask_bit(++plane, source) ? 1 : 0);
-  return float(number) / planes.y;
+  return counted_share(int(planes.x), int(planes.y), source);
 #else
   return 1.0;
 #endif
+}
+
+// The share of its ambient light that nothing near hides from a surface.
+float openness(ivec2 source) {
+#if LOOKUP == 1 || LOOKUP == 2
+  if (source.x >= 0 && occlusion_plane >= 0) return counted_share(occlusion_plane, ${OPEN_SEGMENTS}, source);
+#endif
+  return 1.0;
 }
 
 // The irradiance by light i: I_i attenuated by distance, range and cone (KHR_lights_punctual), times saturate(N.L).
@@ -167,7 +182,7 @@ vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, ivec2 s
     if (share > 0.0) sum += share * irradiance(i, surface, normal);
   }
   vec3 ambient = mix(ambient_below, ambient_above, 0.5 + 0.5 * normal.y);
-  return emissive + base * (sum / kPi + ambient);
+  return emissive + base * (sum / kPi + openness(source) * ambient);
 }
 `;
 

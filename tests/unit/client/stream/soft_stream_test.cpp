@@ -14,7 +14,7 @@ using namespace tests;
 // The second of two lights is an area light.
 const std::vector<bool> kAreas{false, true};
 
-TileGrid grid_of(uint32_t samples) { return {kWidth, kHeight, LightPlanes(kAreas, samples).total()}; }
+TileGrid grid_of(SampleCounts samples) { return {kWidth, kHeight, LightPlanes(kAreas, samples).total()}; }
 
 std::vector<protocol::AreaInfo> areas() { return {{}, {1, {0.1f, 0, 0}, {0, 0.1f, 0}}}; }
 
@@ -118,6 +118,45 @@ TEST(SoftStream, SlicesOfOtherSamplesAreNeverTakenForThoseInForce) {
   EXPECT_EQ(watched.answers[1].planes, LightPlanes(kAreas, 16));
   EXPECT_EQ(watched.answers[1].words, fine.words);
   EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  watched.stream.close("");
+}
+
+// Occlusion is degraded as points are: told by slices, and never mistaken.
+TEST(SoftStream, OcclusionIsAskedForAndTakenAway) {
+  const SampleCounts full{4, Occlusion::full}, half{4, Occlusion::half}, none{4};
+  const auto whole = noise(grid_of(full), 1), quarter = noise(grid_of(half), 2), without = noise(grid_of(none), 3);
+  protocol::Hello asked;
+  FakeServer server([&](Peer& peer) {
+    asked = std::get<protocol::Hello>(peer.read().value());
+    peer.welcome(soft_welcome(to_byte(full)));
+    peer.read_new_camera();
+    send(peer, FrameId{1}, whole);
+    peer.write(protocol::Degraded{kWidth, kHeight, 30, "load", {}, to_byte(half)});
+    peer.read_new_camera();
+    send(peer, FrameId{2}, whole);  // has as many planes as what is in force
+    send(peer, FrameId{2}, quarter, to_byte(half));
+    peer.write(protocol::Degraded{kWidth, kHeight, 30, "load", {}, to_byte(none)});
+    peer.read_new_camera();
+    send(peer, FrameId{3}, without, to_byte(none));
+    peer.read();
+  });
+  StreamOptions options = options_for(server.address());
+  options.samples = {16, Occlusion::full};
+  Watched watched(options);
+  ASSERT_TRUE(watched.stream.wait_open());
+  EXPECT_EQ(asked.samples, to_byte({16, Occlusion::full}));
+  for (const size_t answers : {1, 2, 3}) {
+    watched.stream.ask(camera_at(static_cast<float>(answers)));
+    ASSERT_TRUE(watched.until([&] { return watched.answers.size() == answers; })) << answers;
+    if (answers < 3) {
+      ASSERT_TRUE(watched.until([&] { return watched.messages.size() == answers; }));
+    }
+  }
+  EXPECT_EQ(watched.answers[0].planes, LightPlanes(kAreas, full));
+  EXPECT_EQ(watched.answers[0].words, whole.words);
+  EXPECT_EQ(watched.answers[1].planes, LightPlanes(kAreas, half));
+  EXPECT_EQ(watched.answers[1].words, quarter.words);
+  EXPECT_EQ(watched.answers[2].words, without.words);
   watched.stream.close("");
 }
 

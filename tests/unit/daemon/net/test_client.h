@@ -109,7 +109,7 @@ class TestClient {
   LightPlanes planes() const {
     std::vector<bool> is_area(welcome_.scene.lights.size());
     for (size_t i = 0; i < welcome_.areas.size(); ++i) is_area[i] = welcome_.areas[i].is_area();
-    return LightPlanes(is_area, welcome_.samples);
+    return LightPlanes(is_area, sample_counts_of(welcome_.samples));
   }
 
   // Resumes the session of a client whose control connection may be lost, over this client's connection. Returns false

@@ -12,7 +12,7 @@ class SoftTest : public RenderLoopTest {
  protected:
   SoftTest() { areas_ = {false, true}; }
 
-  SessionGrant grant(uint8_t samples) const {
+  SessionGrant grant(SampleCounts samples) const {
     return {.width = 160,
             .height = 96,
             .rate_hz = 40,
@@ -94,6 +94,24 @@ TEST_F(SoftTest, SamplesGoAfterTheRateAndComeBack) {
   EXPECT_EQ(degraded_.back().message.samples, 16);
   EXPECT_EQ(degraded_.back().message.width, 160);
   EXPECT_EQ(last_.samples, 16u);
+}
+
+TEST_F(SoftTest, OcclusionGoesInTwoStepsAndComesBack) {
+  const SampleCounts full{1, Occlusion::full};
+  open(kSoft, grant(full));
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.tenants[0].degradation = {.least_rate = 0.75, .least_size = 1};
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
+  for (int i = 0; i < 30; ++i) second(8);
+  ASSERT_GE(degraded_.size(), 3u);
+  EXPECT_EQ(degraded_[0].message.samples, to_byte(full)) << "the rate first";
+  EXPECT_EQ(degraded_[1].message.samples, to_byte({1, Occlusion::half}));
+  EXPECT_EQ(degraded_[2].message.samples, to_byte({1}));
+  EXPECT_EQ(last_.samples, SampleCounts{});
+  for (int i = 0; i < 300; ++i) second(1);
+  EXPECT_EQ(degraded_.back().message.samples, to_byte(full));
+  EXPECT_EQ(last_.samples, full);
+  EXPECT_FALSE(spec_.tells_samples);
 }
 
 TEST_F(SoftTest, FewerSamplesAreNotToldToAClientThatKnowsNone) {

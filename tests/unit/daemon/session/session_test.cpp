@@ -242,27 +242,38 @@ protocol::MaskReferencePtr sent_frame(uint32_t frame, uint32_t width = 8) {
 TEST(SessionReferences, AreWhatTheClientSaysThatItHas) {
   const TileGrid grid{8, 8, 1};
   SessionReferences references;
-  for (uint32_t frame = 1; frame <= 4; ++frame) references.sent(sent_frame(frame));
-  EXPECT_EQ(references.newest(grid), nullptr);
+  for (uint32_t frame = 1; frame <= 4; ++frame) references.sent(sent_frame(frame), {});
+  EXPECT_EQ(references.newest(grid, {}), nullptr);
   references.client_has(FrameId{2});
-  ASSERT_NE(references.newest(grid), nullptr);
-  EXPECT_EQ(references.newest(grid)->frame(), FrameId{2});
-  EXPECT_EQ(references.newest({16, 8, 1}), nullptr) << "another shape";
+  ASSERT_NE(references.newest(grid, {}), nullptr);
+  EXPECT_EQ(references.newest(grid, {})->frame(), FrameId{2});
+  EXPECT_EQ(references.newest({16, 8, 1}, {}), nullptr) << "another shape";
   references.client_has(FrameId{1});
-  EXPECT_EQ(references.newest(grid), nullptr) << "given up when it had a newer one";
+  EXPECT_EQ(references.newest(grid, {}), nullptr) << "given up when it had a newer one";
   references.client_has(FrameId{4});
-  EXPECT_EQ(references.newest(grid)->frame(), FrameId{4});
+  EXPECT_EQ(references.newest(grid, {})->frame(), FrameId{4});
   references.client_has(FrameId{0});
-  EXPECT_EQ(references.newest(grid), nullptr);
+  EXPECT_EQ(references.newest(grid, {}), nullptr);
+}
+
+// Of as many planes, which the client tells apart all the same.
+TEST(SessionReferences, AreOfTheSamplesInForce) {
+  const TileGrid grid{8, 8, 1};
+  const SampleCounts full{1, Occlusion::full}, half{1, Occlusion::half};
+  SessionReferences references;
+  references.sent(sent_frame(1), full);
+  references.client_has(FrameId{1});
+  EXPECT_NE(references.newest(grid, full), nullptr);
+  EXPECT_EQ(references.newest(grid, half), nullptr);
 }
 
 TEST(SessionReferences, AreNotReferredToForEver) {
   const TileGrid grid{8, 8, 1};
   SessionReferences references;
-  references.sent(sent_frame(1));
+  references.sent(sent_frame(1), {});
   references.client_has(FrameId{1});
   uint32_t frame = 1;
-  while (references.newest(grid)) references.sent(sent_frame(++frame));
+  while (references.newest(grid, {})) references.sent(sent_frame(++frame), {});
   EXPECT_LT(frame, protocol::ReferenceShelf::kFrames) << "the client would have given it up by then";
   EXPECT_GT(frame, protocol::ReferenceShelf::kFrames / 2);
 }
