@@ -213,11 +213,12 @@ TEST(Client, AnInterruptedRecordingKeepsItsFramesAndFigures) {
 TEST(Client, FailuresAreOneClearLine) {
   const Daemon daemon;
   const TemporaryFolder folder;
-  const auto fails = [&](std::vector<std::string> more) {
+  constexpr int kFailed = 1, kWrongUsage = 2;
+  const auto fails = [&](std::vector<std::string> more, int expected = kFailed) {
     std::vector<std::string> arguments{"--pin", daemon.pin(), "--size", "160x90", "--frames", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto [status, output] = run("gnomon-client", arguments);
-    EXPECT_EQ(status, 1) << output;
+    EXPECT_EQ(status, expected) << output;
     EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), 1) << output;
     return output;
   };
@@ -228,8 +229,9 @@ TEST(Client, FailuresAreOneClearLine) {
   EXPECT_TRUE(contains(fails({"--server", server, "--scene", "living_room", "--tenant", "nobody"}),
                        "refused (unknown_tenant)"));
   EXPECT_TRUE(contains(fails({"--server", server, "--scene", "attic"}), "no copy of scene 'attic'"));
-  EXPECT_TRUE(contains(fails({"--server", server, "--scene", "living_room", "--mode", "psychic"}), "allowed are"));
-  EXPECT_TRUE(contains(fails({"--server", "nowhere", "--scene", "living_room"}), "HOST:PORT"));
+  EXPECT_TRUE(contains(fails({"--server", server, "--scene", "living_room", "--mode", "psychic"}, kWrongUsage),
+                       "allowed are"));
+  EXPECT_TRUE(contains(fails({"--server", "nowhere", "--scene", "living_room"}, kWrongUsage), "HOST:PORT"));
   // Another scene under the same name.
   fs::copy_file(living_room_file().parent_path() / "temple.glb", folder.path() / "living_room.glb");
   EXPECT_TRUE(contains(fails({"--server", server, "--tenant", "studio", "--scene", "living_room", "--scene-dir",
