@@ -5,6 +5,7 @@
 #include "common/freed_memory.h"
 #include "common/log.h"
 #include "common/within_memory.h"
+#include "scenes/light_samples.h"
 
 namespace gnomon::gpu {
 
@@ -31,7 +32,7 @@ void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::funct
   light_builds_.hold();  // until the scene is resident, with at least a hierarchy for its lights
   area_builds_.hold();
   background_.run(
-      [this, id, scene, pool = pool_, built = built_, missing = missing_variants(), resident] {
+      [this, id, scene, pool = pool_, built = built_, missing = missing_variants(false), resident] {
         const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, missing));
         return [this, id, made, resident] {
           resident(settle_in(id, *made));
@@ -39,7 +40,8 @@ void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::funct
           area_builds_.release();
         };
       },
-      std::move(wake));
+      wake);
+  bring_occlusion(scene, std::move(wake));
 }
 
 void ResidentScenes::evict(SceneId id) {
@@ -102,14 +104,13 @@ void ResidentScenes::finish_background() {
   light_builds_.finish();
 }
 
-std::vector<PlanKind> ResidentScenes::missing_variants() const {
+std::vector<PlanKind> ResidentScenes::missing_variants(bool occlusion) const {
   std::vector<PlanKind> missing;
-  for (const bool occlusion : {false, true})
-    for (const bool soft : {false, true})
-      for (const bool motion : {false, true}) {
-        const PlanKind kind{motion, soft, occlusion};
-        if (!pool_->variants().has(kind)) missing.push_back(kind);
-      }
+  for (const bool soft : {false, true})
+    for (const bool motion : {false, true}) {
+      const PlanKind kind{motion, soft, occlusion};
+      if (!pool_->variants().has(kind)) missing.push_back(kind);
+    }
   return missing;
 }
 
@@ -122,17 +123,40 @@ ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scene
                {}};
   if (!made.scene) return made;
   const bool moves = (*made.scene)->unbuilt() || scenes::moves(*scene);
+  made.variants = make_variants(pool, missing, moves, (*made.scene)->area_lights().any());
+  return made;
+}
+
+// Any thread may call this.
+ResidentScenes::Variants ResidentScenes::make_variants(const SlotPool& pool, const std::vector<PlanKind>& missing,
+                                                       bool moves, bool soft) {
+  Variants made;
   for (const PlanKind kind : missing) {
-    if ((kind.motion && !moves) || (kind.soft && !(*made.scene)->area_lights().any())) continue;
+    if ((kind.motion && !moves) || (kind.soft && !soft)) continue;
     // On an error, the first frame tries again and reports it.
-    if (auto variant = pool.variants().make(kind)) made.variants.emplace_back(kind, std::move(*variant));
+    if (auto variant = pool.variants().make(kind)) made.emplace_back(kind, std::move(*variant));
   }
   return made;
 }
 
+void ResidentScenes::bring_occlusion(const scenes::ScenePtr& scene, std::function<void()> wake) {
+  background_.run(
+      [this, scene, pool = pool_, missing = missing_variants(true), built = built_] {
+        const bool moves = built == Built::what_is_quick || scenes::moves(*scene);  // the first until it is built
+        const auto made =
+            std::make_shared<Variants>(make_variants(*pool, missing, moves, scenes::has_area_lights(*scene)));
+        return [this, made] { give(*made); };
+      },
+      std::move(wake));
+}
+
+void ResidentScenes::give(Variants& made) {
+  for (auto& [kind, variant] : made) pool_->variants().give(kind, std::move(variant));
+}
+
 Result<void> ResidentScenes::settle_in(SceneId id, Arrived& made) {
   if (!made.scene) return made.scene.error();
-  for (auto& [kind, variant] : made.variants) pool_->variants().give(kind, std::move(variant));
+  give(made.variants);
   scenes_[id] = std::move(*made.scene);
   return {};
 }

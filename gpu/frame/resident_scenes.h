@@ -39,16 +39,21 @@ class ResidentScenes {
   void finish_background();
 
  private:
+  using Variants = std::vector<std::pair<PlanKind, std::unique_ptr<PlanVariant>>>;
   // A scene made beside the frames, and the variants that the scene is the first to need.
   struct Arrived {
     Result<std::unique_ptr<ResidentScene>> scene;
-    std::vector<std::pair<PlanKind, std::unique_ptr<PlanVariant>>> variants;
+    Variants variants;
   };
 
   // `missing`: the kinds of variants that there are none of.
   static Arrived arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
                         const std::vector<PlanKind>& missing);
-  std::vector<PlanKind> missing_variants() const;
+  static Variants make_variants(const SlotPool& pool, const std::vector<PlanKind>& missing, bool moves, bool soft);
+  // Those that the scene may need for ambient occlusion, which it does not wait for.
+  void bring_occlusion(const scenes::ScenePtr& scene, std::function<void()> wake);
+  std::vector<PlanKind> missing_variants(bool occlusion) const;
+  void give(Variants& made);
   Result<void> settle_in(SceneId id, Arrived& made);
   ResidentScene* same_scene(SceneId id, const scenes::ScenePtr& scene) const;
 

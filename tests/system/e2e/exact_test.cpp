@@ -213,8 +213,8 @@ TEST(Client, AnInterruptedRecordingKeepsItsFramesAndFigures) {
 TEST(Client, FailuresAreOneClearLine) {
   const Daemon daemon;
   const TemporaryFolder folder;
-  constexpr int kFailed = 1, kWrongUsage = 2;
-  const auto fails = [&](std::vector<std::string> more, int expected = kFailed) {
+  constexpr int kWrongUsage = 2;
+  const auto fails = [&](std::vector<std::string> more, int expected = 1) {
     std::vector<std::string> arguments{"--pin", daemon.pin(), "--size", "160x90", "--frames", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto [status, output] = run("gnomon-client", arguments);
