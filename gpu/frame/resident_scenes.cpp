@@ -40,8 +40,8 @@ void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::funct
           area_builds_.release();
         };
       },
-      wake);
-  bring_occlusion(scene, std::move(wake));
+      std::move(wake));
+  bring_occlusion(scene);
 }
 
 void ResidentScenes::evict(SceneId id) {
@@ -139,7 +139,7 @@ ResidentScenes::Variants ResidentScenes::make_variants(const SlotPool& pool, con
   return made;
 }
 
-void ResidentScenes::bring_occlusion(const scenes::ScenePtr& scene, std::function<void()> wake) {
+void ResidentScenes::bring_occlusion(const scenes::ScenePtr& scene) {
   background_.run(
       [this, scene, pool = pool_, missing = missing_variants(true), built = built_] {
         const bool moves = built == Built::what_is_quick || scenes::moves(*scene);  // the first until it is built
@@ -147,7 +147,7 @@ void ResidentScenes::bring_occlusion(const scenes::ScenePtr& scene, std::functio
             std::make_shared<Variants>(make_variants(*pool, missing, moves, scenes::has_area_lights(*scene)));
         return [this, made] { give(*made); };
       },
-      std::move(wake));
+      [] {});  // taken over with what is finished next, as the build of the lights
 }
 
 void ResidentScenes::give(Variants& made) {

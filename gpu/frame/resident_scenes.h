@@ -51,7 +51,7 @@ class ResidentScenes {
                         const std::vector<PlanKind>& missing);
   static Variants make_variants(const SlotPool& pool, const std::vector<PlanKind>& missing, bool moves, bool soft);
   // Those that the scene may need for ambient occlusion, which it does not wait for.
-  void bring_occlusion(const scenes::ScenePtr& scene, std::function<void()> wake);
+  void bring_occlusion(const scenes::ScenePtr& scene);
   std::vector<PlanKind> missing_variants(bool occlusion) const;
   void give(Variants& made);
   Result<void> settle_in(SceneId id, Arrived& made);
