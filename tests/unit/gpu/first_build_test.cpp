@@ -54,7 +54,7 @@ class FirstBuild : public testing::Test {
   }
 
   static std::unique_ptr<Renderer> renderer(const std::string& tracer, bool wait) {
-    RendererOptions options = device_options(tracer);
+    RendererOptions options = full_size_options(tracer);
     options.wait_for_builds = wait;
     auto made = make_renderer(options);
     EXPECT_TRUE(made) << made.error().message;

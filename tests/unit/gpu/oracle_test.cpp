@@ -92,7 +92,7 @@ bool is_kept(const scenes::Scene& scene) {
 }
 
 Result<SurfaceProbe> probe_of(const scenes::ScenePtr& scene, const std::string& tracer) {
-  RendererOptions options = device_options(tracer);
+  RendererOptions options = full_size_options(tracer);
   if (is_kept(*scene)) options.tracer_options.cache_folder = kept_light_buffers();
   return SurfaceProbe::create(options, scene);
 }
@@ -187,7 +187,7 @@ TEST_P(Oracle, AgreesWithEmbreeOnAreaLights) {
   const EmbreeOracle oracle(scene, true);
   for (const std::string tracer : {"bvh", "light_buffer"}) {
     SCOPED_TRACE(tracer);
-    auto probe = SurfaceProbe::create(device_options(tracer), scene);
+    auto probe = SurfaceProbe::create(full_size_options(tracer), scene);
     ASSERT_TRUE(probe) << probe.error().message;
     ASSERT_TRUE(probe->build_areas());
     compare_soft(*probe, *scene, oracle, 16);

@@ -42,7 +42,7 @@ RenderJob job(uint64_t id, uint32_t width, uint32_t height, float eye_x = 3.0f) 
 }
 
 std::unique_ptr<Renderer> renderer_with_scene(uint32_t frames_in_flight = 3) {
-  RendererOptions options = device_options();
+  RendererOptions options = full_size_options();
   options.frames_in_flight = frames_in_flight;
   auto renderer = make_renderer(options);
   EXPECT_TRUE(renderer) << renderer.error().message;

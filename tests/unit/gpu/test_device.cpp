@@ -16,16 +16,30 @@
 #include "spirv/trace_soft_light_buffer_64_emulated.h"
 
 namespace gnomon::test {
+namespace {
+
+// A tenth of what a scene with two lights may have by itself: made scenes are small, and a build refines until it has
+// spent what it may.
+constexpr uint64_t kLightBufferBytes = 24 << 20;
+
+}  // namespace
 
 gpu::RendererOptions device_options(const std::string& tracer) {
   gpu::RendererOptions options;
   if (const char* device = std::getenv("GNOMON_TEST_DEVICE")) options.device = device;
   if (const char* raster = std::getenv("GNOMON_TEST_RASTER")) options.raster = raster;
   options.tracer = tracer;
+  options.tracer_options.light_buffer_bytes = kLightBufferBytes;
   if (const uint32_t lanes = number_in_environment("GNOMON_TEST_EMULATED_LANES")) {
     options.tracer_options.light_buffer_shader = emulated_light_buffer_shader(lanes);
     options.tracer_options.light_buffer_soft_shader = emulated_soft_shader(lanes);
   }
+  return options;
+}
+
+gpu::RendererOptions full_size_options(const std::string& tracer) {
+  gpu::RendererOptions options = device_options(tracer);
+  options.tracer_options.light_buffer_bytes = 0;
   return options;
 }
 

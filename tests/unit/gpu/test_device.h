@@ -10,8 +10,10 @@
 namespace gnomon::test {
 
 // The device that GNOMON_TEST_DEVICE selects, else the best one; rasterised as GNOMON_TEST_RASTER says; with the shader
-// of light buffers that is for subgroups of GNOMON_TEST_EMULATED_LANES lanes, emulated, instead of the device's own.
+// of light buffers that is for subgroups of GNOMON_TEST_EMULATED_LANES lanes, emulated, instead of the device's own. With a small budget for light buffers.
 gpu::RendererOptions device_options(const std::string& tracer = "auto");
+// With the budget that a scene has by itself.
+gpu::RendererOptions full_size_options(const std::string& tracer = "auto");
 
 // The tracer "light_buffer" for subgroups of that many lanes, which the invocations of a workgroup stand for.
 // Precondition: lanes is 16, 32, 64 or 128.
