@@ -26,11 +26,16 @@ const viewer = new Viewer(canvas, (event) => reactions[event.is]?.(event));
 /** The server says so in the head of the page (fleet.name). */
 const fleet = /** @type {HTMLMetaElement | null} */ (document.querySelector('meta[name=gnomon-fleet]'))?.content ?? '';
 const place = takeFromAddress(location, history, sessionStorage);
-viewer.set({ samples: place.samples, occlusion: place.occlusion });
+viewer.set(countingOf(place));
 /** @type {Flight | null} */
 let flight = null;
 let viewIsSet = false;
 let speed = 2;
+
+/** Of a link, what is counted, and how it is shown. @param {import('./ui/permalink.js').Place} said */
+function countingOf({ samples, occlusion, filter }) {
+  return { samples, occlusion, filter };
+}
 
 /** What the viewer tells. @type {Record<string, (event: any) => void>} */
 const reactions = {
@@ -116,8 +121,7 @@ function setFlying(on) {
 let flying = false;
 
 function link() {
-  const { samples, occlusion } = viewer.picture;
-  return new URL(format({ ...place, samples, occlusion, view: { ...gaze } }), location.href).href;
+  return new URL(format({ ...place, ...viewer.picture, view: { ...gaze } }), location.href).href;
 }
 
 async function copyLink() {
@@ -168,13 +172,14 @@ window.addEventListener('hashchange', () => {
   if (said.view) Object.assign(gaze, said.view);
   if (said.scene && said.scene !== place.scene) {
     viewIsSet = Boolean(said.view);
-    Object.assign(viewer.picture, { samples: said.samples, occlusion: said.occlusion });
+    Object.assign(viewer.picture, countingOf(said));
     open(said);
   } else {
-    viewer.set({ samples: said.samples, occlusion: said.occlusion });
+    viewer.set(countingOf(said));
   }
   /** @type {HTMLSelectElement} */ (element('samples')).value = String(said.samples);
   /** @type {HTMLInputElement} */ (element('occlusion')).checked = said.occlusion;
+  /** @type {HTMLInputElement} */ (element('filter')).checked = said.filter;
 });
 window.addEventListener('pagehide', () => viewer.close());
 

@@ -18,8 +18,9 @@ const STEPS_AHEAD = 4; // pictures by which the border goes before the turn
  * @typedef {import('./prediction/border.js').Pose} Pose
  * @typedef {import('./render/picture.js').Shadows} Shadows
  * @typedef {{shadows: Shadows, split: {at: number, left: Shadows, right: Shadows} | null, lightsOn: Uint8Array | null,
- *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, occlusion: boolean, smooth: boolean}} PictureOptions samples: points of
- *   each area light (soft shadows); occlusion: of ambient light; smooth: with four samples a pixel at rest
+ *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, occlusion: boolean, filter: boolean, smooth: boolean}}
+ *   PictureOptions samples: points of each area light (soft shadows); occlusion: of ambient light; filter: of what is
+ *   counted, see Wish; smooth: with four samples a pixel at rest
  */
 
 export class Viewer {
@@ -33,7 +34,10 @@ export class Viewer {
     this.base = new URL('.', import.meta.url);
     this.quality = new Quality();
     /** @type {PictureOptions} */
-    this.picture = { shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', samples: 1, occlusion: false, smooth: true };
+    this.picture = {
+      ...{ shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', smooth: true },
+      ...{ samples: 1, occlusion: false, filter: false },
+    };
     this.eye = new Eye(this.base, (event) => this.on(event));
     /** @type {import('./eye.js').Wanted | null} */
     this.wanted = null;
@@ -249,13 +253,14 @@ export class Viewer {
     const { width, height } = this.eye.size;
     const camera = this.eye.shownCamera(shown);
     this.exposure ??= renderer.suggestExposure(camera);
-    const { split, lightsOn } = this.picture;
+    const { split, lightsOn, filter } = this.picture;
     return {
       camera,
       width,
       height,
       sceneTimeUs: masks?.sceneTimeUs ?? 0,
       lightsOn,
+      filter,
       shadows: masks || this.isLocal ? this.picture.shadows : /** @type {Shadows} */ ('none'),
       split: masks ? split : null,
       exposure: this.exposure,

@@ -170,6 +170,7 @@ export class Headset {
       height: eye.size.height,
       sceneTimeUs: eye.masks?.sceneTimeUs ?? 0,
       lightsOn: this.viewer.picture.lightsOn,
+      filter: this.viewer.picture.filter,
       shadows: /** @type {'exact' | 'none'} */ (eye.masks ? 'exact' : 'none'),
       exposure: this.viewer.exposure ?? 1,
       eye: view.eye,

@@ -9,7 +9,8 @@ globalThis.crypto ??= webcrypto; // which Node 18 of Debian 12 has, though not a
 
 const FLEET = 'gnomon.example';
 const TEMPLE = 's-67425801bf1a60fe.gnomon.example'; // of protocol/WIRE.md
-const place = (more) => ({ scene: 'temple', tenant: '', token: '', samples: 1, occlusion: false, view: null, ...more });
+const HARD = { samples: 1, occlusion: false, filter: false };
+const place = (more) => ({ scene: 'temple', tenant: '', token: '', ...HARD, view: null, ...more });
 const at = (href) => ({ href, hostname: new URL(href).hostname });
 
 test('a scene has the name by which native clients ask the door', async () => {
@@ -31,7 +32,8 @@ test('from one scene it goes on to another', async () => {
 
 test('what a link says goes along, and the token is taken out of the address at once', async () => {
   const view = { position: [1, 2, 3], yaw: 0.5, pitch: 0.25, verticalFov: 0.9 };
-  const said = place({ scene: 'halls & more', tenant: 'studio', token: 's&cr=t#', samples: 4, occlusion: true, view });
+  const soft = { samples: 4, occlusion: true, filter: true };
+  const said = place({ scene: 'halls & more', tenant: 'studio', token: 's&cr=t#', ...soft, view });
   const address = await addressOf(said, at('https://gnomon.example/'), FLEET);
   const kept = new Map();
   const storage = { setItem: (key, value) => kept.set(key, value), getItem: (key) => kept.get(key) ?? null };

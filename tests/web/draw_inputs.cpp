@@ -7,7 +7,8 @@
 // later) and I.smooth.rgba (with four samples a pixel), each also as PNG, I.ids (1 + the number of each pixel's
 // triangle), I.light.L.rgba (base colours where light L shines) and I.later.words (traced for that later camera; `outcome`
 // in views.json is the share of them that was predicted wrongly). I.soft.words and I.soft.rgba count kSoft: points of
-// each area light, which `areas` in views.json names, and I.soft.predicted.rgba of the later camera.
+// each area light, which `areas` in views.json names, and I.soft.predicted.rgba of the later camera. 0.soft.filtered.rgba,
+// 0.soft.filtered.predicted.rgba and 0.soft.filtered.smooth.rgba are filtered.
 //
 // AT_MS: the scene time; posed.positions and posed.normals are the vertices that move, `posed_lights` in views.json the
 // lights at their places.
@@ -151,9 +152,19 @@ class Inputs {
     options.planes = LightPlanes(areas, kSoft);
     const auto frame = must(probe_.render(camera, size_.width, size_.height, time_, kSoft));
     write(name + ".soft.words", frame.words);
-    write(name + ".soft", must(view_->render(camera, size_.width, size_.height, frame.mask(), options)));
     const auto seen = must(must(view_->reprojection())->see(camera, frame.mask(), time_, options.planes));
-    write(name + ".soft.predicted", must(view_->predict(later, size_.width, size_.height, seen, options)));
+    write_pictures(name + ".soft", camera, later, frame.mask(), seen, options);
+    if (name != "0") return;
+    options.soft_filter = true;
+    write_pictures(name + ".soft.filtered", camera, later, frame.mask(), seen, options);
+    options.samples = gpu::Samples::four;
+    write(name + ".soft.filtered.smooth", must(view_->predict(camera, size_.width, size_.height, seen, options)));
+  }
+
+  void write_pictures(const std::string& name, const gpu::CameraView& camera, const gpu::CameraView& later,
+                      const TileMaskView& mask, const gpu::SeenMasks& seen, const gpu::ShadeOptions& options) {
+    write(name, must(view_->render(camera, size_.width, size_.height, mask, options)));
+    write(name + ".predicted", must(view_->predict(later, size_.width, size_.height, seen, options)));
   }
 
   // As client::ClientRenderer::outcome.

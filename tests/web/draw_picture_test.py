@@ -88,6 +88,12 @@ class Pictures(unittest.TestCase):
         self.assertGreaterEqual(got["near"], near)
         self.assertGreaterEqual(got["psnr"], psnr)
 
+    def are_like_the_clients(self, name, more=""):
+        """A fresh picture and a predicted one."""
+        self.is_like_the_clients("fresh", self.picture(name, more))
+        later = f", camera: checks.plan.views[{name.split('.')[0]}].predicted"
+        self.is_like_the_clients("predicted", self.picture(f"{name}.predicted", later + more))
+
     def test_the_grid_is_found(self):
         self.assertEqual(self.facts["grid"], self.grid)
 
@@ -111,9 +117,11 @@ class Pictures(unittest.TestCase):
     def test_soft_pictures_are_the_clients(self):
         self.assertIn(True, self.plan["areas"], "a scene with area lights")
         for view in range(VIEWS):
-            self.is_like_the_clients("fresh", self.picture(f"{view}.soft"))
-            later = f", camera: checks.plan.views[{view}].predicted"
-            self.is_like_the_clients("predicted", self.picture(f"{view}.soft.predicted", later))
+            self.are_like_the_clients(f"{view}.soft")
+
+    def test_filtered_pictures_are_the_clients(self):
+        self.are_like_the_clients("0.soft.filtered", ", filter: true")
+        self.is_like_the_clients("smooth", self.picture("0.soft.filtered.smooth", ", filter: true, antialias: true"))
 
     def test_bits_are_the_servers(self):
         for view in range(VIEWS):

@@ -223,6 +223,35 @@ export function framebuffer(gl, colour, depth) {
   return made;
 }
 
+/** A texture that is drawn into, of the size that was asked for last. */
+export class Target {
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {number} format sized
+   */
+  constructor(gl, format) {
+    this.gl = gl;
+    this.format = format;
+    /** @type {{texture: Texture, framebuffer: WebGLFramebuffer} | null} */
+    this.made = null;
+  }
+
+  /** Of this size; what it showed may be gone. */
+  sized(/** @type {number} */ width, /** @type {number} */ height) {
+    if (this.made?.texture.width === width && this.made.texture.height === height) return this.made;
+    this.dispose();
+    const texture = texture2d(this.gl, this.format, width, height);
+    return (this.made = { texture, framebuffer: framebuffer(this.gl, texture, null) });
+  }
+
+  dispose() {
+    if (!this.made) return;
+    this.gl.deleteFramebuffer(this.made.framebuffer);
+    this.gl.deleteTexture(this.made.texture.texture);
+    this.made = null;
+  }
+}
+
 /** One triangle that covers the target. */
 export const FULL_SCREEN = `
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }

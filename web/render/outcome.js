@@ -1,30 +1,11 @@
 // How wrong a prediction was: masks seen before, looked up through the surface tests, against those that arrived later
 // (client::ClientRenderer::outcome, client::compare_some). Only every fourth pixel of every fourth row is looked at.
-import { fill, framebuffer, texture2d } from './gl.js';
-import { EXACT } from './shaders/exact.js';
-import { SCENE, VIEW } from './shaders/frame.js';
-import { PREDICT } from './shaders/predict.js';
-import { placeWithin, seenUniforms } from './view.js';
+import { framebuffer, texture2d } from './gl.js';
+import { findSources } from './sources.js';
+import { placeWithin } from './view.js';
 import { hardPlanes, seenOf } from '../wire/planes.js';
 
 const STEP = 4;
-
-const FIND =
-  EXACT +
-  SCENE +
-  VIEW +
-  PREDICT +
-  `
-uniform usampler2D ids;
-out uint source;  // 1 + the seen view's pixel, counted row by row; 0: none
-
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  uint id = texelFetch(ids, pixel, 0).x;
-  ivec2 found = id == 0u ? kNowhere : source_of(surface_of(triangle_of(id - 1u), pixel));
-  source = found.x < 0 ? 0u : 1u + uint(found.y * seen_size.x + found.x);
-}
-`;
 
 /**
  * A camera with pixels STEP times as wide, whose centres are those of every STEPth pixel.
@@ -63,21 +44,10 @@ export async function sourcesOf(stage, seen, shown) {
   const { gl } = stage;
   const few = sparse(shown.camera, shown.width, shown.height);
   const seenView = stage.idsOf('outcome seen', seen.camera, seen.width, seen.height, true);
-  const { ids, view } = stage.idsOf('outcome', few.camera, few.columns, few.rows, true);
+  const shownView = stage.idsOf('outcome', few.camera, few.columns, few.rows, true);
   const target = texture2d(gl, gl.R32UI, few.columns, few.rows);
   const buffer = framebuffer(gl, target, null);
-  gl.bindVertexArray(stage.array);
-  stage.programs
-    .fullScreen('outcome', () => FIND)
-    .use({
-      ...stage.sceneUniforms,
-      ...view,
-      ids,
-      ...seenUniforms(seenView.view),
-      seen_ids: seenView.ids,
-      same_eye: false,
-    });
-  fill(gl, few.columns, few.rows);
+  findSources(stage, shownView, seenView, false, buffer);
   const sources = new Uint32Array(few.columns * few.rows);
   await readLater(gl, few.columns, few.rows, sources);
   gl.deleteFramebuffer(buffer);

@@ -1,7 +1,9 @@
 // Draws a picture: ids of what is seen, then a full-screen pass that shades them; with antialiasing 2x2 samples a pixel,
 // as gpu::Reprojection::shade.
-import { fill, framebuffer, texture2d } from './gl.js';
+import { fill, Target } from './gl.js';
 import { LOOKUPS, VIEWS } from './shaders/shade.js';
+import { findSources } from './sources.js';
+import { countsPoints } from '../wire/planes.js';
 import { placeWithin, sameEye, seenUniforms } from './view.js';
 
 /**
@@ -10,7 +12,8 @@ import { placeWithin, sameEye, seenUniforms } from './view.js';
  * @typedef {{camera: Camera, width: number, height: number, sceneTimeUs?: number, lightsOn?: Uint8Array | null,
  *   shadows?: Shadows, split?: {at: number, left: Shadows, right: Shadows} | null, exposure?: number,
  *   ambient?: number | number[], tonemap?: 'filmic' | 'clamp', view?: 'shaded' | 'material' | 'normals',
- *   onlyLight?: number, antialias?: boolean, eye?: string}} Wish what to draw; `view` and `onlyLight` are for tests
+ *   onlyLight?: number, antialias?: boolean, filter?: boolean, eye?: string}} Wish what to draw; `view` and `onlyLight`
+ *   are for tests; filter: what is counted is averaged over the pixels around that show the same surface, an estimate
  * @typedef {{framebuffer: WebGLFramebuffer | null, flipped: boolean}} Output where to
  */
 
@@ -48,8 +51,8 @@ export class Picture {
   constructor(/** @type {import('./stage.js').Stage} */ stage, /** @type {any} */ surroundings) {
     this.stage = stage;
     this.surroundings = surroundings;
-    /** @type {{texture: import('./gl.js').Texture, framebuffer: WebGLFramebuffer} | null} */
-    this.samples = null;
+    this.samples = new Target(stage.gl, stage.gl.RGBA8);
+    this.sources = new Target(stage.gl, stage.gl.R32UI);
   }
 
   /**
@@ -69,17 +72,22 @@ export class Picture {
     const direct = exact && place !== null;
     const { stage } = this;
     const shared = this.shared(wish, masks, lightCount, exact);
-    const { ids, view } =
+    const shown =
       masks && direct
         ? this.seenIds(wish, masks)
         : this.stage.idsOf(`shown ${wish.eye ?? ''}`, wish.camera, width, height, false);
+    const window = masks !== null && exact && looksAround(wish, masks);
     const into = wish.antialias ? this.samplesOf(width, height) : output;
     stage.timing.measure('shade', () => {
+      const sources = masks && window && !direct ? this.found(wish, masks, shown) : null;
       for (const half of halves) {
         const masked = half.shadows === 'exact' && exact;
         const lookup = half.shadows === 'maps' ? LOOKUPS.MAPS : masked && !direct ? LOOKUPS.SEEN : LOOKUPS.MASKS;
         const first = place && direct ? place : [0, 0];
-        this.shade(lookup, half, width, height, into, { ...shared, ...view, ids, masked, first_pixel: first });
+        const program = stage.programs.shade(lookup, window && masked);
+        const { ids, view } = shown;
+        const uniforms = { ...shared, ...view, ids, masked, first_pixel: first, window_step: each, sources };
+        this.shade(program, half, width, height, into, uniforms);
       }
     });
     if (wish.antialias) this.average(wish, output);
@@ -118,9 +126,21 @@ export class Picture {
     return this.stage.idsOf(`seen ${eye}`, masks.camera, masks.width, masks.height, true);
   }
 
+  /** Where each pixel of the shown view finds its masks. @private */
+  found(
+    /** @type {Wish} */ wish,
+    /** @type {import('./masks.js').Masks} */ masks,
+    /** @type {import('./sources.js').Seen} */ shown,
+  ) {
+    const { texture, framebuffer } = this.sources.sized(shown.view.width, shown.view.height);
+    const eye = Boolean(wish.antialias) && sameEye(wish.camera, masks.camera);
+    findSources(this.stage, shown, this.seenIds(wish, masks), eye, framebuffer); // the seen ids are there: see seen()
+    return texture;
+  }
+
   /** @private */
   shade(
-    /** @type {number} */ lookup,
+    /** @type {import('./gl.js').Program} */ program,
     /** @type {{from: number, to: number}} */ half,
     /** @type {number} */ width,
     /** @type {number} */ height,
@@ -132,7 +152,7 @@ export class Picture {
     gl.bindVertexArray(array);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(half.from, 0, half.to - half.from, height);
-    this.stage.programs.shade(lookup).use({ ...uniforms, flipped_height: into.flipped ? height : 0 });
+    program.use({ ...uniforms, flipped_height: into.flipped ? height : 0 });
     fill(gl, width, height);
     gl.disable(gl.SCISSOR_TEST);
   }
@@ -144,27 +164,24 @@ export class Picture {
     gl.bindVertexArray(array);
     this.stage.programs
       .average()
-      .use({ samples: this.samples?.texture, flipped_height: output.flipped ? wish.height : 0 });
+      .use({ samples: this.samples.made?.texture, flipped_height: output.flipped ? wish.height : 0 });
     fill(gl, wish.width, wish.height);
   }
 
   /** @private */
   samplesOf(/** @type {number} */ width, /** @type {number} */ height) {
-    const { gl } = this.stage;
-    if (!this.samples || this.samples.texture.width !== width || this.samples.texture.height !== height) {
-      this.dropSamples();
-      const texture = texture2d(gl, gl.RGBA8, width, height);
-      this.samples = { texture, framebuffer: framebuffer(gl, texture, null) };
-    }
-    return { framebuffer: this.samples.framebuffer, flipped: false };
+    return { framebuffer: this.samples.sized(width, height).framebuffer, flipped: false };
   }
 
-  dropSamples() {
-    if (!this.samples) return;
-    this.stage.gl.deleteFramebuffer(this.samples.framebuffer);
-    this.stage.gl.deleteTexture(this.samples.texture.texture);
-    this.samples = null;
+  dispose() {
+    this.samples.dispose();
+    this.sources.dispose();
   }
+}
+
+/** Whether what is counted at pixels around has a say. */
+function looksAround(/** @type {Wish} */ { filter }, /** @type {import('./masks.js').Masks} */ { planes }) {
+  return Boolean(filter && planes && countsPoints(planes));
 }
 
 /** @returns {{shadows: Shadows, from: number, to: number}[]} columns of samples */

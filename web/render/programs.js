@@ -88,9 +88,10 @@ export class Programs {
     };
   }
 
-  /** The shading pass for a value of LOOKUPS. */
-  shade(/** @type {number} */ lookup) {
-    return this.fullScreen(`shade ${lookup}`, () => shadeFragment(lookup), { LOOKUP: lookup });
+  /** The shading pass for a value of LOOKUPS; `window`: where pixels around have a say. */
+  shade(/** @type {number} */ lookup, window = false) {
+    const name = window ? 'shade window' : 'shade';
+    return this.fullScreen(`${name} ${lookup}`, () => shadeFragment(lookup, window), { LOOKUP: lookup });
   }
 
   /** Of the levels of textures. */

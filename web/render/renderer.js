@@ -271,7 +271,7 @@ export class Renderer {
 
   dispose() {
     this.events.abort();
-    this.picture?.dropSamples();
+    this.picture?.dispose();
     for (const copy of this.copies.values()) this.dropCopy(copy);
     this.stage?.dispose();
     this.stage = this.picture = null;

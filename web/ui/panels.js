@@ -102,6 +102,8 @@ export function attachPanels(find, viewer, { link, setSpeed }) {
   find('samples').onchange = (event) => viewer.set({ samples: Number(event.target.value) });
   find('occlusion').checked = viewer.picture.occlusion;
   find('occlusion').onchange = (event) => viewer.set({ occlusion: event.target.checked });
+  find('filter').checked = viewer.picture.filter;
+  find('filter').onchange = (event) => viewer.set({ filter: event.target.checked });
   find('sharpness').onchange = (event) => {
     viewer.quality.automatic = event.target.value === 'auto';
     viewer.quality.become(viewer.quality.automatic ? 0 : Number(event.target.value));

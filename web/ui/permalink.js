@@ -1,6 +1,6 @@
 // What a link to this page says: behind the #, so that no server and no log sees any of it.
 //
-//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&occlusion=1][&tenant=NAME][&token=SECRET]
+//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&occlusion=1][&filter=1][&tenant=NAME][&token=SECRET]
 //
 // A token is taken out of the address at once and kept for this tab alone.
 
@@ -14,6 +14,7 @@ const DIGITS = 4;
  * @property {string} token
  * @property {1 | 4 | 16} samples points of each area light
  * @property {boolean} occlusion of ambient light
+ * @property {boolean} filter of what is counted
  * @property {{position: number[], yaw: number, pitch: number, verticalFov: number} | null} view radians
  */
 
@@ -35,6 +36,7 @@ export function parse(hash) {
     token: said.get('token') ?? '',
     samples: /** @type {1 | 4 | 16} */ ([4, 16].find((samples) => said.get('soft') === String(samples)) ?? 1),
     occlusion: said.get('occlusion') === '1',
+    filter: said.get('filter') === '1',
     view: parseView(said.get('cam')),
   };
 }
@@ -45,6 +47,7 @@ export function format(place) {
   if (place.tenant) said.set('tenant', place.tenant);
   if (place.samples > 1) said.set('soft', String(place.samples));
   if (place.occlusion) said.set('occlusion', '1');
+  if (place.filter) said.set('filter', '1');
   if (place.view) {
     const { position, yaw, pitch, verticalFov } = place.view;
     said.set('cam', [...position, yaw, pitch, verticalFov].map((part) => +part.toFixed(DIGITS)).join(','));

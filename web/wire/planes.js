@@ -42,6 +42,9 @@ export function planesOf(areas, samples) {
 /** @param {number} lights of which each has one bit a pixel */
 export const hardPlanes = (lights) => planesOf(Array(lights).fill(false), 1);
 
+/** Whether masks say more than one bit of each light. @param {Planes} planes */
+export const countsPoints = ({ first, total }) => total > first.length;
+
 /**
  * How many of the light's points a pixel sees. `lit` says of a plane whether the pixel's bit is set.
  * @param {Planes} planes @param {number} light @param {(plane: number) => number} lit @returns {number}

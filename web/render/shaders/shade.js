@@ -1,5 +1,6 @@
 // gpu/shaders/shade.glsl: the picture's own surfaces, lit by the lights that are visible. LOOKUP says what is asked for
-// that: MASKS of the very view, or none at all; masks of another view that was SEEN before; or shadow MAPS.
+// that: MASKS of the very view, or none at all; masks of another view that was SEEN before; or shadow MAPS. WINDOW: with
+// masks, pixels around have a say (window.js).
 import { OPEN_SEGMENTS } from '../../wire/planes.js';
 import { EXACT } from './exact.js';
 import { ALPHA, SCENE, VIEW } from './frame.js';
@@ -7,6 +8,7 @@ import { MAPS } from './maps.js';
 import { PREDICT } from './predict.js';
 import { SKY } from './sky.js';
 import { TEXTURES } from './textures.js';
+import { WINDOW } from './window.js';
 
 export const LOOKUPS = { MASKS: 1, SEEN: 2, MAPS: 3 };
 export const VIEWS = { shaded: 0, material: 1, normals: 2, luminance: 3 };
@@ -112,8 +114,14 @@ bool mask_bit(int plane, ivec2 pixel) {
   return ((bit < 32u ? word.x >> bit : word.y >> (bit - 32u)) & 1u) != 0u;
 }
 
-// \`source\`: the pixel whose bits count; kUnknown where none is known, which is lit.
+// Where the masks of a pixel are looked up.
+struct Place {
+  ivec2 pixel;
+  ivec2 source;  // the pixel whose bits count; kUnknown where none is known, which is lit
+  uint like;     // WINDOW alone
+};
 const ivec2 kUnknown = ivec2(-1);
+
 // Which share of \`most\` the planes from there on say.
 float counted_share(int plane, int most, ivec2 source) {
   int number = 0;
@@ -122,25 +130,38 @@ float counted_share(int plane, int most, ivec2 source) {
   return float(number) / float(most);
 }
 
+int samples_of(int light) { return int(texelFetch(lights, ivec2(4, light), 0).y); }
+
 // The share of the light's points that is seen there: 0 or 1 of a light without an extent.
-float visible(int light, ivec2 source) {
-#if LOOKUP == 1 || LOOKUP == 2
+float share_at(int light, ivec2 source) {
   if (source.x < 0) return 1.0;
-  vec2 planes = texelFetch(lights, ivec2(4, light), 0).xy;
-  return counted_share(int(planes.x), int(planes.y), source);
+  return counted_share(int(texelFetch(lights, ivec2(4, light), 0).x), samples_of(light), source);
+}
+
+// The share of ambient light that nothing near hides there.
+float open_share(ivec2 source) { return counted_share(occlusion_plane, ${OPEN_SEGMENTS}, source); }
+`;
+
+// Without a window, each pixel stands for itself.
+const ALONE = `
+Place place_of(SurfacePoint surface, ivec2 pixel) {
+#if LOOKUP == 1
+  return Place(pixel, masked ? pixel : kUnknown, 0u);
+#elif LOOKUP == 2
+  return Place(pixel, source_of(surface), 0u);
 #else
-  return 1.0;
+  return Place(pixel, kUnknown, 0u);
 #endif
 }
 
-// The share of its ambient light that nothing near hides from a surface.
-float openness(ivec2 source) {
-#if LOOKUP == 1 || LOOKUP == 2
-  if (source.x >= 0 && occlusion_plane >= 0) return counted_share(occlusion_plane, ${OPEN_SEGMENTS}, source);
-#endif
-  return 1.0;
-}
+float visible(int light, Place place) { return share_at(light, place.source); }
 
+float openness(Place place) {
+  return place.source.x < 0 || occlusion_plane < 0 ? 1.0 : open_share(place.source);
+}
+`;
+
+const SHADED = `
 // The irradiance by light i: I_i attenuated by distance, range and cone (KHR_lights_punctual), times saturate(N.L).
 vec3 irradiance(int i, SurfacePoint surface, vec3 normal) {
   TracedLight light = light_at(i);
@@ -170,19 +191,19 @@ vec3 irradiance(int i, SurfacePoint surface, vec3 normal) {
 }
 
 // How much of the chosen light reaches the point, 0 to 1; all if none is chosen.
-float reached(SurfacePoint surface, ivec2 source) {
+float reached(SurfacePoint surface, Place place) {
   if (only_light < 0) return 1.0;
-  return shadow_segment(camera, surface, light_at(only_light)).traced ? visible(only_light, source) : 0.0;
+  return shadow_segment(camera, surface, light_at(only_light)).traced ? visible(only_light, place) : 0.0;
 }
 
-vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, ivec2 source) {
+vec3 shaded(SurfacePoint surface, vec3 normal, vec3 base, vec3 emissive, Place place) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < light_count; ++i) {
-    float share = only_light < 0 || only_light == i ? visible(i, source) : 0.0;
+    float share = only_light < 0 || only_light == i ? visible(i, place) : 0.0;
     if (share > 0.0) sum += share * irradiance(i, surface, normal);
   }
   vec3 ambient = mix(ambient_below, ambient_above, 0.5 + 0.5 * normal.y);
-  return emissive + base * (sum / kPi + openness(source) * ambient);
+  return emissive + base * (sum / kPi + openness(place) * ambient);
 }
 `;
 
@@ -198,17 +219,11 @@ vec3 pixel_colour(uint id, ivec2 pixel) {
                           weights.z * normal_of(t.corners.z));
   if (dot(normal, surface.normal) < 0.0) normal = -normal;  // seen from behind
   if (view == kNormals) return normal * 0.5 + 0.5;
-#if LOOKUP == 1
-  ivec2 source = masked ? pixel : kUnknown;
-#elif LOOKUP == 2
-  ivec2 source = source_of(surface);
-#else
-  ivec2 source = kUnknown;
-#endif
+  Place place = place_of(surface, pixel);
   MaterialRecord m = material_of(t.corners.w);
   vec3 base = base_colour(m, t, surface, weights, pixel);
-  if (view == kMaterial) return reached(surface, source) * base;
-  return shaded(surface, normal, base, m.emissive, source);
+  if (view == kMaterial) return reached(surface, place) * base;
+  return shaded(surface, normal, base, m.emissive, place);
 }
 
 vec3 colour_without_surface(ivec2 pixel) {
@@ -241,7 +256,8 @@ void main() {
 `;
 
 /** The fragment shader for a value of LOOKUPS. */
-export function shadeFragment(/** @type {number} */ lookup) {
-  const asked = lookup === LOOKUPS.SEEN ? PREDICT : lookup === LOOKUPS.MAPS ? MAPS : '';
-  return [EXACT, SCENE, VIEW, ALPHA, LIGHTS, UNIFORMS, TEXTURES, SKY, COLOUR, SURFACE, asked, LIGHT, MAIN].join('');
+export function shadeFragment(/** @type {number} */ lookup, /** @type {boolean} */ window) {
+  const found = lookup === LOOKUPS.SEEN && !window ? PREDICT : lookup === LOOKUPS.MAPS ? MAPS : '';
+  const asked = [found, LIGHT, window ? WINDOW : ALONE, SHADED];
+  return [EXACT, SCENE, VIEW, ALPHA, LIGHTS, UNIFORMS, TEXTURES, SKY, COLOUR, SURFACE, ...asked, MAIN].join('');
 }
