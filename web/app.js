@@ -178,7 +178,7 @@ window.addEventListener('hashchange', () => {
     viewer.set(countingOf(said));
   }
   /** @type {HTMLSelectElement} */ (element('samples')).value = String(said.samples);
-  /** @type {HTMLInputElement} */ (element('occlusion')).checked = said.occlusion;
+  /** @type {HTMLSelectElement} */ (element('occlusion')).value = said.occlusion;
   /** @type {HTMLInputElement} */ (element('filter')).checked = said.filter;
 });
 window.addEventListener('pagehide', () => viewer.close());

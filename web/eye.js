@@ -56,7 +56,8 @@ export class Eye {
   /**
    * Opens a session; the one before is closed.
    * @param {Wanted} wanted
-   * @param {{codec: keyof typeof Codec, samples: number, occlusion: boolean}} masks samples: points of an area light
+   * @param {{codec: keyof typeof Codec, samples: number, occlusion: import('./wire/planes.js').Occlusion}} masks
+   *   samples: points of an area light
    */
   connect(wanted, { codec, samples, occlusion }, rateHz = MOST_RATE_HZ) {
     const socket = new URL('session', this.base);
@@ -76,7 +77,7 @@ export class Eye {
         borderY: this.size.borderY,
         rateHz,
         codecs: [Codec[codec], Codec.tiles_lz4],
-        samples: samples + (occlusion ? OCCLUSION : 0),
+        samples: samples + OCCLUSION[occlusion],
       },
     });
   }

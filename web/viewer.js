@@ -18,9 +18,9 @@ const STEPS_AHEAD = 4; // pictures by which the border goes before the turn
  * @typedef {import('./prediction/border.js').Pose} Pose
  * @typedef {import('./render/picture.js').Shadows} Shadows
  * @typedef {{shadows: Shadows, split: {at: number, left: Shadows, right: Shadows} | null, lightsOn: Uint8Array | null,
- *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, occlusion: boolean, filter: boolean, smooth: boolean}}
- *   PictureOptions samples: points of each area light (soft shadows); occlusion: of ambient light; filter: of what is
- *   counted, see Wish; smooth: with four samples a pixel at rest
+ *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, occlusion: import('./wire/planes.js').Occlusion,
+ *   filter: boolean, smooth: boolean}} PictureOptions samples: points of each area light (soft shadows); occlusion: of
+ *   ambient light; filter: of what is counted, see Wish; smooth: with four samples a pixel at rest
  */
 
 export class Viewer {
@@ -36,7 +36,7 @@ export class Viewer {
     /** @type {PictureOptions} */
     this.picture = {
       ...{ shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', smooth: true },
-      ...{ samples: 1, occlusion: false, filter: false },
+      ...{ samples: 1, occlusion: 'none', filter: false },
     };
     this.eye = new Eye(this.base, (event) => this.on(event));
     /** @type {import('./eye.js').Wanted | null} */

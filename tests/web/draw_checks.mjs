@@ -113,12 +113,12 @@ export class Checks {
     return { camera, width, height, sceneTimeUs, exposure, shadows: 'exact', ...more };
   }
 
-  /** As wish(), with masks that count points of area lights. */
-  async softWish(i, more = {}) {
-    const { width, height, scene_time_us: sceneTimeUs, views, areas, soft_samples: samples } = this.plan;
+  /** As wish(), with masks that count points of area lights. `kind`: soft or half. */
+  async countedWish(i, kind, more = {}) {
+    const { width, height, scene_time_us: sceneTimeUs, views, areas } = this.plan;
     const { camera, exposure } = views[i];
-    const words = new Uint32Array(await bytes(`${this.inputs}/${i}.soft.words`));
-    const planes = planesOf(areas, samples);
+    const words = new Uint32Array(await bytes(`${this.inputs}/${i}.${kind}.words`));
+    const planes = planesOf(areas, this.plan[`${kind}_samples`]);
     this.renderer.takeMasks({ camera, width, height, words, planes, sceneTimeUs });
     return { camera, width, height, sceneTimeUs, exposure, shadows: 'exact', ...more };
   }

@@ -8,7 +8,8 @@
 // triangle), I.light.L.rgba (base colours where light L shines) and I.later.words (traced for that later camera; `outcome`
 // in views.json is the share of them that was predicted wrongly). I.soft.words and I.soft.rgba count kSoft: points of
 // each area light, which `areas` in views.json names, and I.soft.predicted.rgba of the later camera. 0.soft.filtered.rgba,
-// 0.soft.filtered.predicted.rgba and 0.soft.filtered.smooth.rgba are filtered.
+// 0.soft.filtered.predicted.rgba and 0.soft.filtered.smooth.rgba are filtered. 0.half.words counts kHalf, and there are the
+// same pictures of it.
 //
 // AT_MS: the scene time; posed.positions and posed.normals are the vertices that move, `posed_lights` in views.json the
 // lights at their places.
@@ -37,6 +38,7 @@ namespace {
 
 constexpr uint32_t kViews = 3;
 constexpr SampleCounts kSoft{16, Occlusion::full};
+constexpr SampleCounts kHalf{4, Occlusion::half};
 constexpr uint32_t kTrialStep = 4;    // as web/render/outcome.js
 constexpr double kStepSeconds = 0.1;  // from the camera of the masks to the one that is predicted
 
@@ -89,12 +91,16 @@ class Inputs {
     for (const auto& light : scene_->lights) areas.push_back(light.area.shape != scenes::LightShape::point);
     for (const auto& light : gpu::to_wire(scene_->lights)) lights.push_back(json_of(light));
     for (const auto& light : gpu::to_wire(posed_lights)) moved_lights.push_back(json_of(light));
-    std::ofstream(folder_ / "views.json")
-        << nlohmann::json{{"width", size_.width},           {"height", size_.height},
-                          {"scene_time_us", time_.count()}, {"lights", lights},
-                          {"posed_lights", moved_lights},   {"areas", areas},
-                          {"soft_samples", to_byte(kSoft)}, {"views", views}}
-               .dump(1);
+    std::ofstream(folder_ / "views.json") << nlohmann::json{
+        {"width", size_.width},
+        {"height", size_.height},
+        {"scene_time_us", time_.count()},
+        {"lights", lights},
+        {"posed_lights", moved_lights},
+        {"areas", areas},
+        {"soft_samples", to_byte(kSoft)},
+        {"half_samples", to_byte(kHalf)},
+        {"views", views}}.dump(1);
   }
 
  private:
@@ -130,7 +136,8 @@ class Inputs {
     write(name + ".predicted",
           must(view_->predict(gpu::from_wire(later), size_.width, size_.height, seen, options)));
     const double outcome = outcome_of(name, later, seen, frame.mask());
-    write_soft(name, camera, gpu::from_wire(later), options);
+    write_counted(name + ".soft", kSoft, camera, gpu::from_wire(later), options);
+    if (number == 0) write_counted(name + ".half", kHalf, camera, gpu::from_wire(later), options);
     options.samples = gpu::Samples::four;
     write(name + ".smooth", must(view_->predict(camera, size_.width, size_.height, seen, options)));
     options.view = gpu::ShadeOptions::View::material;
@@ -145,20 +152,20 @@ class Inputs {
             {"outcome", outcome}};
   }
 
-  void write_soft(const std::string& name, const gpu::CameraView& camera, const gpu::CameraView& later,
-                  gpu::ShadeOptions options) {
+  void write_counted(const std::string& name, SampleCounts counts, const gpu::CameraView& camera,
+                     const gpu::CameraView& later, gpu::ShadeOptions options) {
     std::vector<bool> areas;
     for (const auto& light : scene_->lights) areas.push_back(light.area.shape != scenes::LightShape::point);
-    options.planes = LightPlanes(areas, kSoft);
-    const auto frame = must(probe_.render(camera, size_.width, size_.height, time_, kSoft));
-    write(name + ".soft.words", frame.words);
+    options.planes = LightPlanes(areas, counts);
+    const auto frame = must(probe_.render(camera, size_.width, size_.height, time_, counts));
+    write(name + ".words", frame.words);
     const auto seen = must(must(view_->reprojection())->see(camera, frame.mask(), time_, options.planes));
-    write_pictures(name + ".soft", camera, later, frame.mask(), seen, options);
-    if (name != "0") return;
+    write_pictures(name, camera, later, frame.mask(), seen, options);
+    if (!name.starts_with("0.")) return;
     options.soft_filter = true;
-    write_pictures(name + ".soft.filtered", camera, later, frame.mask(), seen, options);
+    write_pictures(name + ".filtered", camera, later, frame.mask(), seen, options);
     options.samples = gpu::Samples::four;
-    write(name + ".soft.filtered.smooth", must(view_->predict(camera, size_.width, size_.height, seen, options)));
+    write(name + ".filtered.smooth", must(view_->predict(camera, size_.width, size_.height, seen, options)));
   }
 
   void write_pictures(const std::string& name, const gpu::CameraView& camera, const gpu::CameraView& later,

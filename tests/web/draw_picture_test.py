@@ -73,8 +73,8 @@ class Pictures(unittest.TestCase):
 
     def picture(self, name, more=""):
         view, *kind = name.split(".")
-        taken = "softWish" if "soft" in kind else "wish"
-        wish = f"{{...await checks.{taken}({view}){more}}}"
+        taken = f"countedWish({view}, '{kind[0]}')" if kind and kind[0] in ("soft", "half") else f"wish({view})"
+        wish = f"{{...await checks.{taken}{more}}}"
         got = self.browser.run(f"return checks.picture({wish}, '{name}', {'true' if KEEP else 'false'})")
         if KEEP:
             KEEP.mkdir(parents=True, exist_ok=True)
@@ -122,6 +122,10 @@ class Pictures(unittest.TestCase):
     def test_filtered_pictures_are_the_clients(self):
         self.are_like_the_clients("0.soft.filtered", ", filter: true")
         self.is_like_the_clients("smooth", self.picture("0.soft.filtered.smooth", ", filter: true, antialias: true"))
+
+    def test_occlusion_of_half_size_is_filled_in_as_the_client_does(self):
+        self.are_like_the_clients("0.half")
+        self.are_like_the_clients("0.half.filtered", ", filter: true")
 
     def test_bits_are_the_servers(self):
         for view in range(VIEWS):

@@ -8,6 +8,7 @@ import { Timers } from './timers.mjs';
 import { Writer } from '../../web/wire/bytes.js';
 import { Type, decode } from '../../web/wire/messages.js';
 import { writeCamera } from '../../web/wire/camera.js';
+import { OCCLUSION } from '../../web/wire/planes.js';
 
 const camera = (x) => ({
   position: [x, 0, 0],
@@ -358,15 +359,15 @@ test('another size or scene opens the decoder anew, and older frames are dropped
   assert.equal(of('frame').length, 0);
 });
 
-/** As welcome(), with the feature soft: 16 points, and a sphere. */
-function softWelcome() {
+/** As welcome(), with the feature soft: 16 points, unless other samples are said, and a sphere. */
+function softWelcome(samples = 16) {
   const plain = new Uint8Array(welcome());
   const soft = new Uint8Array(plain.length + 3 + 25);
   soft.set(plain);
   const view = new DataView(soft.buffer);
   view.setUint32(0, soft.length - 4, true);
   view.setBigUint64(8, view.getBigUint64(8, true) | 1024n, true);
-  view.setUint8(plain.length, 16);
+  view.setUint8(plain.length, samples);
   view.setUint16(plain.length + 1, 1, true);
   view.setUint8(plain.length + 3, 1);
   return soft.buffer;
@@ -381,9 +382,25 @@ test('masks of area lights have as many planes as the samples in force ask for',
   assert.deepEqual(decoder.opened.at(-1), { width: 64, height: 32, lights: 3, samples: 4, granted });
   client.look(0, camera(0));
   say(slice(1));
-  assert.deepEqual(of('frame').at(-1).planes, { first: [0], samples: [4], occlusion: -1, total: 3 });
+  assert.deepEqual(of('frame').at(-1).planes, { first: [0], samples: [4], occlusion: -1, halved: false, total: 3 });
   say(degraded(64, 32, 16));
   assert.equal(decoder.opened.at(-1).lights, 5);
+});
+
+test('a page whose ambient light is degraded keeps what a quarter of the pixels counts', (t) => {
+  const { client, pass, say, of } = world(t);
+  say(softWelcome(16 + OCCLUSION.full));
+  const planes = () => {
+    client.look(of('frame').length, camera(0));
+    pass(200);
+    say(slice(of('frame').length + 1));
+    return of('frame').at(-1).planes;
+  };
+  assert.deepEqual(planes(), { first: [0], samples: [16], occlusion: 5, halved: false, total: 9 });
+  say(degraded(64, 32, 4 + OCCLUSION.half));
+  assert.deepEqual(planes(), { first: [0], samples: [4], occlusion: 3, halved: true, total: 7 });
+  say(degraded(64, 32, 4));
+  assert.deepEqual(planes(), { first: [0], samples: [4], occlusion: -1, halved: false, total: 3 });
 });
 
 test('masks that are too large for the browser are asked for with one point', (t) => {

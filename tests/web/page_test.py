@@ -116,6 +116,12 @@ class Viewer(unittest.TestCase):
         self.assertEqual(page.viewer("viewer.masks.planes.total"), lights + 2 * areas)
         page.wait_fresh()
         self.assertAlmostEqual(self.brightness(page), hard, delta=0.2 * hard)
+        page.evaluate("""(() => {
+          const choice = document.getElementById('occlusion')
+          choice.value = 'half'
+          choice.dispatchEvent(new Event('change'))
+        })()""")
+        page.wait("viewer.welcome?.samples === 4 + 64 && viewer.masks?.planes.samples.includes(4)", "counts at half size")
         page.click("#filter")
         eventually(lambda: not page.viewer("viewer.changed"), "a filtered picture")
         self.assertTrue(page.viewer("viewer.renderer.wish.filter"))
@@ -125,7 +131,8 @@ class Viewer(unittest.TestCase):
         page.wait_fresh()
         self.assertTrue(page.viewer("viewer.renderer.wish.filter"))
         self.assertTrue(page.evaluate("document.getElementById('filter').checked"))
-        self.assertEqual(page.viewer("viewer.masks.planes.total"), lights + 2 * areas)
+        self.assertEqual(page.viewer("viewer.welcome.samples"), 4 + 64)
+        self.assertEqual(page.viewer("viewer.masks.planes.first.length"), lights)
         self.assertEqual(page.browser.errors, [])
 
     def test_the_daemon_comes_back_and_so_does_the_picture(self):

@@ -83,27 +83,27 @@ test('a Welcome says which lights have an extent, and of how many points', () =>
   assert.deepEqual([soft.samples, soft.areas], [16, [true]]);
   assert.deepEqual(messages.decode(softWelcome(4, 0)).areas, [false]);
   assert.throws(() => messages.decode(softWelcome(5, 1)), Malformed);
-  assert.equal(messages.decode(softWelcome(4 + OCCLUSION, 1)).samples, 4 + OCCLUSION);
+  assert.equal(messages.decode(softWelcome(4 + OCCLUSION.full, 1)).samples, 4 + OCCLUSION.full);
   assert.throws(() => messages.decode(softWelcome(4 + 192, 1)), Malformed);
   assert.throws(() => messages.decode(softWelcome(4, 4)), Malformed);
   assert.equal(messages.decode(packet('degraded')).samples, 4);
 });
 
 test('of two kinds of samples the fewest are no more than either, part by part', () => {
-  assert.equal(fewest(16, 4 + OCCLUSION), 4);
-  assert.equal(fewest(16 + OCCLUSION, 4 + OCCLUSION / 2), 4 + OCCLUSION / 2);
-  assert.equal(fewest(1 + OCCLUSION, 16 + OCCLUSION), 1 + OCCLUSION);
+  assert.equal(fewest(16, 4 + OCCLUSION.full), 4);
+  assert.equal(fewest(16 + OCCLUSION.full, 4 + OCCLUSION.half), 4 + OCCLUSION.half);
+  assert.equal(fewest(1 + OCCLUSION.full, 16 + OCCLUSION.full), 1 + OCCLUSION.full);
 });
 
 test('planes are numbered as common/light_planes.h has them, and count points', () => {
   const planes = planesOf([false, true, true], 16);
-  assert.deepEqual(planes, { first: [0, 1, 6], samples: [1, 16, 16], occlusion: -1, total: 11 });
-  assert.deepEqual(planesOf([true], 4), { first: [0], samples: [4], occlusion: -1, total: 3 });
-  assert.deepEqual(hardPlanes(2), { first: [0, 1], samples: [1, 1], occlusion: -1, total: 2 });
-  const occluded = planesOf([false, true], 4 + OCCLUSION);
-  assert.deepEqual(occluded, { first: [0, 1], samples: [1, 4], occlusion: 4, total: 8 });
-  const half = planesOf([false], 1 + OCCLUSION / 2);
-  assert.deepEqual(half, { first: [0], samples: [1], occlusion: -1, total: 5 }, 'its planes are passed over');
+  assert.deepEqual(planes, { first: [0, 1, 6], samples: [1, 16, 16], occlusion: -1, halved: false, total: 11 });
+  assert.deepEqual(planesOf([true], 4), { first: [0], samples: [4], occlusion: -1, halved: false, total: 3 });
+  assert.deepEqual(hardPlanes(2), { first: [0, 1], samples: [1, 1], occlusion: -1, halved: false, total: 2 });
+  const occluded = planesOf([false, true], 4 + OCCLUSION.full);
+  assert.deepEqual(occluded, { first: [0, 1], samples: [1, 4], occlusion: 4, halved: false, total: 8 });
+  const half = planesOf([false], 1 + OCCLUSION.half);
+  assert.deepEqual(half, { first: [0], samples: [1], occlusion: 1, halved: true, total: 5 });
   const count = (set) => seenOf(planes, 1, (plane) => Number(set.includes(plane)));
   assert.equal(count([1, 2, 5]), 16, 'the first plane is that of all');
   assert.equal(count([2, 4]), 10, 'most significant first');

@@ -108,6 +108,8 @@ export class Picture {
       ...shadingUniforms(this.surroundings, wish),
       masks: stage.masksOf(wish.eye).texture,
       occlusion_plane: masks?.planes?.occlusion ?? -1,
+      halved: masks?.planes?.halved ?? false,
+      filtered: wish.filter ?? false,
       ...(masks && exact ? this.seen(wish, masks) : {}),
       lights: stage.lights.texture,
       light_count: lightCount,
@@ -181,7 +183,7 @@ export class Picture {
 
 /** Whether what is counted at pixels around has a say. */
 function looksAround(/** @type {Wish} */ { filter }, /** @type {import('./masks.js').Masks} */ { planes }) {
-  return Boolean(filter && planes && countsPoints(planes));
+  return planes !== undefined && (planes.halved || Boolean(filter && countsPoints(planes)));
 }
 
 /** @returns {{shadows: Shadows, from: number, to: number}[]} columns of samples */

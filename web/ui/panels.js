@@ -100,8 +100,8 @@ export function attachPanels(find, viewer, { link, setSpeed }) {
   find('codec').onchange = (event) => viewer.set({ codec: event.target.value });
   find('samples').value = String(viewer.picture.samples);
   find('samples').onchange = (event) => viewer.set({ samples: Number(event.target.value) });
-  find('occlusion').checked = viewer.picture.occlusion;
-  find('occlusion').onchange = (event) => viewer.set({ occlusion: event.target.checked });
+  find('occlusion').value = viewer.picture.occlusion;
+  find('occlusion').onchange = (event) => viewer.set({ occlusion: event.target.value });
   find('filter').checked = viewer.picture.filter;
   find('filter').onchange = (event) => viewer.set({ filter: event.target.checked });
   find('sharpness').onchange = (event) => {

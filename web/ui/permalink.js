@@ -1,6 +1,6 @@
 // What a link to this page says: behind the #, so that no server and no log sees any of it.
 //
-//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&occlusion=1][&filter=1][&tenant=NAME][&token=SECRET]
+//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&occlusion=1|half][&filter=1][&tenant=NAME][&token=SECRET]
 //
 // A token is taken out of the address at once and kept for this tab alone.
 
@@ -13,7 +13,7 @@ const DIGITS = 4;
  * @property {string} tenant
  * @property {string} token
  * @property {1 | 4 | 16} samples points of each area light
- * @property {boolean} occlusion of ambient light
+ * @property {import('../wire/planes.js').Occlusion} occlusion of ambient light
  * @property {boolean} filter of what is counted
  * @property {{position: number[], yaw: number, pitch: number, verticalFov: number} | null} view radians
  */
@@ -35,7 +35,7 @@ export function parse(hash) {
     tenant: said.get('tenant') ?? '',
     token: said.get('token') ?? '',
     samples: /** @type {1 | 4 | 16} */ ([4, 16].find((samples) => said.get('soft') === String(samples)) ?? 1),
-    occlusion: said.get('occlusion') === '1',
+    occlusion: said.get('occlusion') === '1' ? 'full' : said.get('occlusion') === 'half' ? 'half' : 'none',
     filter: said.get('filter') === '1',
     view: parseView(said.get('cam')),
   };
@@ -46,7 +46,7 @@ export function format(place) {
   const said = new URLSearchParams({ scene: place.scene });
   if (place.tenant) said.set('tenant', place.tenant);
   if (place.samples > 1) said.set('soft', String(place.samples));
-  if (place.occlusion) said.set('occlusion', '1');
+  if (place.occlusion !== 'none') said.set('occlusion', place.occlusion === 'full' ? '1' : 'half');
   if (place.filter) said.set('filter', '1');
   if (place.view) {
     const { position, yaw, pitch, verticalFov } = place.view;

@@ -7,11 +7,13 @@
 // beside that which pixels count occlusion.
 
 /**
- * @typedef {{first: number[], samples: number[], occlusion: number, total: number}} Planes for each light, its first plane
- *   and its points; then the first plane of the occlusion of all pixels, -1 where that is not counted
+ * @typedef {{first: number[], samples: number[], occlusion: number, halved: boolean, total: number}} Planes for each
+ *   light, its first plane and its points; then the first plane of the occlusion, -1 where that is not counted, and
+ *   whether pixels of even column and row alone count it
+ * @typedef {'none' | 'half' | 'full'} Occlusion which pixels count it: `half`, those of even column and row
  */
 
-export const OCCLUSION = 128; // of all pixels; half of that: of a quarter of them, which this client never asks for
+export const OCCLUSION = { none: 0, half: 64, full: 128 };
 export const OPEN_SEGMENTS = 8;
 
 const pointsIn = (/** @type {number} */ samples) => samples & 63;
@@ -35,8 +37,8 @@ export function planesOf(areas, samples) {
     first.push(total);
     total += 1 + Math.log2(each);
   }
-  if (samples < 64) return { first, samples: points, occlusion: -1, total };
-  return { first, samples: points, occlusion: samples < OCCLUSION ? -1 : total, total: total + 4 };
+  if (samples < OCCLUSION.half) return { first, samples: points, occlusion: -1, halved: false, total };
+  return { first, samples: points, occlusion: total, halved: samples < OCCLUSION.full, total: total + 4 };
 }
 
 /** @param {number} lights of which each has one bit a pixel */

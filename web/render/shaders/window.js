@@ -1,6 +1,8 @@
-// gpu/shaders/shade.glsl with its filter: the shares of area lights and of ambient light, averaged over the pixels around
-// that show the same surface.
+// gpu/shaders/shade.glsl where pixels around have a say, those that show the same surface: with its filter, which averages
+// the shares of area lights and of ambient light; and where not every pixel counts what occludes its ambient light.
 export const WINDOW = `
+uniform bool filtered;    // false: counts are taken as they are
+uniform bool halved;      // pixels of even column and row alone count occlusion
 uniform int window_step;  // how far apart a window's pixels are
 uniform usampler2D sources;  // as sources.js makes them of the view
 uniform ivec2 seen_size;
@@ -31,10 +33,12 @@ float weight_in_window(int i) {
 // Those pixels of the window that show the same surface, as bits: of a normal within 8 degrees, and near its plane.
 uint same_surface(SurfacePoint surface, ivec2 pixel) {
   uint like = 1u << kOwn;
+  int reach = filtered ? 2 : 1;  // those next to the pixel are enough to find a count of occlusion
   float room = 0.004 * distance(surface.position, camera);
   for (int i = 0; i < kWindow; ++i) {
-    ivec2 at = pixel_in_window(pixel, i);
-    if (i == kOwn || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(ids, 0)))) continue;
+    ivec2 at = pixel_in_window(pixel, i), off = abs(step_in_window(i));
+    if (i == kOwn || max(off.x, off.y) > reach) continue;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(ids, 0)))) continue;
     uint id = texelFetch(ids, at, 0).x;
     if (id == 0u) continue;
     SurfacePoint other = surface_of(triangle_of(id - 1u), at);
@@ -52,7 +56,7 @@ Place place_of(SurfacePoint surface, ivec2 pixel) {
 // own count.
 float visible(int light, Place place) {
   float own = share_at(light, place.source);
-  if (samples_of(light) == 1) return own;
+  if (!filtered || samples_of(light) == 1) return own;
   float sum = 0.0, weights = 0.0;
   bool lit = false, dark = false;
   for (int i = 0; i < kWindow; ++i) {
@@ -66,16 +70,21 @@ float visible(int light, Place place) {
   return lit && dark ? own : sum / weights;
 }
 
+bool counts_occlusion(ivec2 source) { return source.x >= 0 && (!halved || ((source.x | source.y) & 1) == 0); }
+
+// A pixel without a count takes the mean of those next to it that show the same surface; where none of them has one, as at
+// a twig thinner than two pixels, it is open.
 float openness(Place place) {
   if (place.source.x < 0 || occlusion_plane < 0) return 1.0;
+  if (!filtered && counts_occlusion(place.source)) return open_share(place.source);
   float sum = 0.0, weights = 0.0;
   for (int i = 0; i < kWindow; ++i) {
     if ((place.like >> i & 1u) == 0u) continue;
     ivec2 source = source_at(pixel_in_window(place.pixel, i));
-    if (source.x < 0) continue;
+    if (!counts_occlusion(source)) continue;
     sum += weight_in_window(i) * open_share(source);
     weights += weight_in_window(i);
   }
-  return sum / weights;
+  return weights > 0.0 ? sum / weights : 1.0;
 }
 `;
