@@ -24,6 +24,7 @@ Result<ClientRenderer> ClientRenderer::create(const scenes::ScenePtr& scene, con
   own.size_ = size;
   own.samples_ = options.samples;
   own.soft_filter_ = options.soft_filter;
+  own.soft_accumulate_ = options.soft_accumulate;
   return own;
 }
 
@@ -69,8 +70,10 @@ Result<PictureView> ClientRenderer::render(const Showing& showing, gpu::ShadeOpt
     return PictureView{image.width, image.height, size_t{4} * image.width,
                        reinterpret_cast<const uint8_t*>(image.rgba.data())};
   };
-  // Samples beside a pixel's centre need the masks looked up, as those of another camera do.
-  if (showing.reprojected || options.samples == gpu::Samples::four) {
+  // Samples beside a pixel's centre need the masks looked up, as those of another camera do; so do shares that accumulate,
+  // which are those of masks that were seen.
+  const bool accumulates = soft_accumulate_ && !masks_->mask.planes.is_hard();
+  if (showing.reprojected || accumulates || options.samples == gpu::Samples::four) {
     const auto masks = seen();
     if (!masks) return masks.error();
     const auto shown = view_->show_predicted(gpu::from_wire(shown_part(showing.camera, size_)), size_.width,
@@ -87,6 +90,7 @@ Result<PictureView> ClientRenderer::render(const Showing& showing, gpu::ShadeOpt
 
 Result<void> ClientRenderer::take(const ReceivedPtr& received) {
   if (masks_ && masks_->index == received->index) return {};
+  const bool same_lights = received->lights.empty() || received->lights == lights_;
   if (auto taken = take_lights(received->lights); !taken) return taken;
   ReceivedPtr next = received;
   if (!received->mask.complete()) {
@@ -94,9 +98,22 @@ Result<void> ClientRenderer::take(const ReceivedPtr& received) {
     if (auto covered = cover(*completed); !covered) return covered;
     next = std::move(completed);
   }
+  keep_for_later(next->mask, same_lights);
   masks_ = std::move(next);
   seen_.reset();
   return {};
+}
+
+// Before `next` takes the place of the newest masks, which then count as earlier ones if they are of the same lights.
+void ClientRenderer::keep_for_later(const AssembledFrame& next, bool same_lights) {
+  if (!same_lights || !masks_ || masks_->mask.grid != next.grid || masks_->mask.planes != next.planes) {
+    earlier_.clear();
+    return;
+  }
+  if (!soft_accumulate_ || !seen_) return;
+  seen_->shares.reset();
+  earlier_.insert(earlier_.begin(), std::move(*seen_));
+  if (earlier_.size() > gpu::kMostEarlierMasks) earlier_.pop_back();
 }
 
 Result<void> ClientRenderer::take_lights(const std::vector<protocol::LightInfo>& given) {
@@ -141,6 +158,9 @@ Result<const gpu::SeenMasks*> ClientRenderer::seen() {
                   ->see(gpu::from_wire(masks_->camera), masks_->mask.mask(),
                         scenes::SceneTime(masks_->mask.moment.scene_time_us), masks_->mask.planes);
   if (!seen) return seen.error();
+  if (soft_accumulate_) {
+    if (auto done = (*reprojection)->accumulate(*seen, earlier_); !done) return done.error();
+  }
   seen_ = std::move(*seen);
   return &*seen_;
 }

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/media/png.h"
 #include "client/thin_client.h"
@@ -20,6 +21,7 @@ class ClientRenderer {
     std::string device;                        // as gpu::RendererOptions::device; empty: the best one
     gpu::Samples samples = gpu::Samples::one;  // of each pixel of shade()
     bool soft_filter = false;                  // gpu::ShadeOptions::soft_filter
+    bool soft_accumulate = false;  // shows counts as means over the newest masks and up to three before them
   };
   static Result<ClientRenderer> create(const scenes::ScenePtr& scene, const ViewSize& size, const Options& options);
 
@@ -53,16 +55,19 @@ class ClientRenderer {
   Result<void> take(const ReceivedPtr& received);
   Result<void> take_lights(const std::vector<protocol::LightInfo>& lights);
   Result<void> cover(ReceivedMasks& received);
+  void keep_for_later(const AssembledFrame& next, bool same_lights);
   Result<const gpu::SeenMasks*> seen();
 
   std::unique_ptr<gpu::ReferenceView> view_;
   ViewSize size_;
   gpu::Samples samples_ = gpu::Samples::one;
   bool soft_filter_ = false;
+  bool soft_accumulate_ = false;
   std::vector<protocol::LightInfo> lights_;  // in use by the view; empty: the scene's own
   std::optional<float> exposure_;
-  ReceivedPtr masks_;                   // the newest, their missing tiles reprojected
-  std::optional<gpu::SeenMasks> seen_;  // of masks_, rasterised when needed
+  ReceivedPtr masks_;                    // the newest, their missing tiles reprojected
+  std::optional<gpu::SeenMasks> seen_;   // of masks_, rasterised when needed
+  std::vector<gpu::SeenMasks> earlier_;  // before masks_, the newest first, of the same lights and planes
   std::optional<Trial> trial_;
   uint64_t covered_words_ = 0;
 };

@@ -44,7 +44,7 @@ struct Arguments {
   std::string transport = "auto";
   uint32_t samples = 1;
   Occlusion occlusion = Occlusion::none;
-  bool soft_filter = false;
+  bool soft_filter = false, soft_accumulate = false;
   uint32_t frames = 60;
   uint32_t pictures = 4;
   double rate_hz = 0;
@@ -68,6 +68,8 @@ void declare(CLI::App& app, Arguments& a) {
   declare_occlusion(app, a.occlusion);
   app.add_flag("--soft-filter", a.soft_filter,
                "of soft shadows and occlusion: averages over the pixels around, where they show the same surface");
+  app.add_flag("--soft-accumulate", a.soft_accumulate,
+               "likewise: averages over the last four masks that came, where they show the same surface");
   app.add_option(
          "--mode", a.mode,
          "sequential; queued: several cameras in flight; predicted: shows cameras whose masks have not come; "
@@ -152,7 +154,8 @@ Result<ClientRenderer::Options> drawing_options(const Arguments& a) {
   const std::string kept = a.out.empty() && a.record.empty() ? "none" : "4x";
   const std::string& wanted = a.antialias.empty() ? kept : a.antialias;
   if (wanted != "4x" && wanted != "none") return Error{"--antialias " + wanted + ": 4x or none is"};
-  return ClientRenderer::Options{a.device, wanted == "4x" ? gpu::Samples::four : gpu::Samples::one, a.soft_filter};
+  return ClientRenderer::Options{a.device, wanted == "4x" ? gpu::Samples::four : gpu::Samples::one, a.soft_filter,
+                                 a.soft_accumulate};
 }
 
 // As flight_options(), and of what is only used later.

@@ -56,6 +56,7 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, PlanK
       {"keep_ids", {[&] { return make_ids_pass(device, true); }}},
       {"readback_ids", {read("readback_ids", kIds, kHostIds)}},
       {"predict", {[&] { return make_predict_pass(device); }}},
+      {"accumulate", {[&] { return make_accumulate_pass(device); }}},
       {"readback_sources", {read("readback_sources", kSources, kHostSources)}},
       {"shade_predicted", {[&] { return make_shade_predicted_pass(device); }}},
       {"average", {[&] { return make_average_pass(device); }}},

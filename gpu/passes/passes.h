@@ -46,8 +46,11 @@
 //   keep_ids  as ids, into a given buffer: what a client keeps of a view
 //   predict   ids (of this frame or given), seen_ids of another view (given), and from the host seen_view -> sources
 //             (uint32 for each pixel: 0, or 1 + the pixel of that view that shows the same surface)
+//   accumulate  ids and given_masks of the newest masks' view, earlier_ids and earlier_masks of up to three others (all
+//             given), and from the host accumulation and earlier_views -> shares (given): what the masks count, as means
+//             over those of them that show the same surface (gpu/passes/accumulation.h)
 //   shade_predicted  as shade, with given_masks (given) of the seen view, looked up through sources; all lights shine
-//             where the source is 0
+//             where the source is 0; instead of counts the shares (given), where the host says so
 //   average   color, shaded at 2x2 samples a pixel -> averaged (RGBA8, half as wide and half as high)
 //   readback_masks  masks -> host_masks  readback_valid_bits    valid_bits -> host_valid_bits
 //   readback_color  color -> host_color  readback_surface  surface -> host_surface
@@ -55,6 +58,8 @@
 //   readback_ids  ids -> host_ids  readback_sources  sources -> host_sources
 //   readback_draws  occluder_draws, draws -> host_occluder_draws, host_draws (VkDrawIndirectCommand for each chunk)
 #pragma once
+
+#include <array>
 
 #include "gpu/passes/pass.h"
 
@@ -104,6 +109,12 @@ inline constexpr std::string_view kSeenView = "seen_view";
 inline constexpr std::string_view kSeenIds = "seen_ids";
 inline constexpr std::string_view kSources = "sources";
 inline constexpr std::string_view kHostSources = "host_sources";
+inline constexpr std::string_view kAccumulation = "accumulation";
+inline constexpr std::string_view kEarlierViews = "earlier_views";
+inline constexpr std::array<std::string_view, 3> kEarlierIds{"earlier_ids_1", "earlier_ids_2", "earlier_ids_3"};
+inline constexpr std::array<std::string_view, 3> kEarlierMasks{"earlier_masks_1", "earlier_masks_2",
+                                                               "earlier_masks_3"};
+inline constexpr std::string_view kShares = "shares";
 }  // namespace resource
 
 // One pixel's surface as the tracers see it. triangle: as in triangle_id.
@@ -152,6 +163,7 @@ Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_ids_pass(const DevicePtr& device, bool kept);
 Result<std::unique_ptr<Pass>> make_predict_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_accumulate_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_predicted_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_average_pass(const DevicePtr& device);
 // Of the averaged picture of a frame of that size.

@@ -29,6 +29,7 @@ class ShadePass : public Pass {
     if (predicted_) {
       ports.push_back({resource::kSeenView, Use::storage_read});
       ports.push_back({resource::kSources, Use::storage_read});
+      ports.push_back({resource::kShares, Use::storage_read, given_buffer()});
     }
     return ports;
   }

@@ -13,6 +13,7 @@ struct LightColour {
   float cone_scale = 0.0f, cone_offset = 1.0f;  // KHR_lights_punctual's lightAngleScale and lightAngleOffset
   uint32_t first_plane = 0;                     // of the masks, and
   uint32_t samples = 1;                         // see common/light_planes.h
+  uint32_t number = 0;                          // of an area light, among all that masks count
 };
 
 inline constexpr uint32_t kEveryLight = 0xffffffff;
@@ -34,9 +35,11 @@ struct ShadingUniforms {
   uint32_t window_step = 1;      // how far apart the pixels of a window are
   uint32_t occlusion = 0;        // Occlusion, of the masks, and
   uint32_t occlusion_plane = 0;  // the first of its planes
+  uint32_t occlusion_number = 0;
+  uint32_t whole_share = 0;  // kWholeShare if shares are given, gpu/passes/accumulation.h
   LightColour lights[kMaxLights];
 };
-static_assert(sizeof(LightColour) == 28);
-static_assert(offsetof(ShadingUniforms, lights) == 112);
+static_assert(sizeof(LightColour) == 32);
+static_assert(offsetof(ShadingUniforms, lights) == 120);
 
 }  // namespace gnomon::gpu

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "gpu/passes/accumulation.h"
 #include "gpu/passes/passes.h"
 #include "gpu/passes/shading_uniforms.h"
 #include "gpu/picture/blocking_frame.h"
@@ -49,6 +50,8 @@ ShadingUniforms uniforms_of(const ResidentScene& scene, const ShadeOptions& opti
   for (uint32_t light = 0; light < planes.light_count(); ++light) {
     out.lights[light].first_plane = planes.first(light);
     out.lights[light].samples = planes.samples(light);
+    out.lights[light].number = out.occlusion_number;
+    out.occlusion_number += planes.samples(light) > 1;
   }
   out.occlusion = static_cast<uint32_t>(planes.occlusion());
   out.occlusion_plane = planes.first_of_occlusion();
@@ -138,7 +141,8 @@ Result<RgbaView> ReferenceView::show_predicted(const CameraView& camera, uint32_
   if (auto fits = check_planes(shader_->scene(), seen.grid, options); !fits) return fits.error();
   const auto reprojected = reprojection();
   if (!reprojected) return reprojected.error();
-  const auto shading = uniforms_of(shader_->scene(), options);
+  auto shading = uniforms_of(shader_->scene(), options);
+  if (seen.shares) shading.whole_share = kWholeShare;
   const auto pixels =
       (*reprojected)->shade(camera, width, height, seen, std::as_bytes(std::span(&shading, 1)), options.samples);
   if (!pixels) return pixels.error();

@@ -1,6 +1,7 @@
 #include "gpu/picture/reprojection.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -10,7 +11,7 @@
 namespace gnomon::gpu {
 namespace {
 
-constexpr size_t kBuffersKept = 12;
+constexpr size_t kBuffersKept = 16;
 
 void copy_into(std::span<std::byte> target, std::span<const std::byte> source) {
   if (!source.empty()) std::memcpy(target.data(), source.data(), source.size());
@@ -27,6 +28,34 @@ void give_seen(BlockingFrame& frame, const RasterView& seen, bool from_same_eye 
   view.same_eye = from_same_eye;
   copy_into(frame.host(resource::kSeenView), std::as_bytes(std::span(&view, 1)));
   frame.give(resource::kSeenIds, *seen.ids);
+}
+
+// `scene`: whose lights the planes are of.
+Accumulation accumulation_of(const LightPlanes& planes, const ResidentScene& scene, uint32_t earlier) {
+  Accumulation made;
+  made.earlier = earlier;
+  made.resting_triangles = scene.triangle_count();
+  for (uint32_t light = 0; light < planes.light_count(); ++light) {
+    if (planes.samples(light) == 1) continue;
+    const bool rests = scene.scene().lights[light].moved_by == scenes::kNone;
+    made.counted[made.numbers++] = {planes.first(light), planes.samples(light), 1, rests};
+  }
+  if (const Occlusion occlusion = planes.occlusion(); occlusion != Occlusion::none)
+    made.counted[made.numbers++] = {planes.first_of_occlusion(), kOcclusionSegments,
+                                    occlusion == Occlusion::half ? 2u : 1u, 1};
+  return made;
+}
+
+// What is left without an earlier mask is bound to the newest, and not looked at.
+void give_earlier(BlockingFrame& frame, const SeenMasks& newest, std::span<const SeenMasks> earlier) {
+  std::array<SeenView, kMostEarlierMasks> views;
+  for (size_t i = 0; i < kMostEarlierMasks; ++i) {
+    const SeenMasks& masks = i < earlier.size() ? earlier[i] : newest;
+    views[i] = SeenView(masks.raster.camera, masks.raster.width, masks.raster.height);
+    frame.give(resource::kEarlierIds[i], *masks.raster.ids);
+    frame.give(resource::kEarlierMasks[i], *masks.words);
+  }
+  copy_into(frame.host(resource::kEarlierViews), std::as_bytes(std::span(views)));
 }
 
 }  // namespace
@@ -127,7 +156,43 @@ Result<SeenMasks> Reprojection::see(const CameraView& camera, const TileMaskView
   copy_into(seer_->host(resource::kUploadedMasks), std::as_bytes(masks.words));
   auto raster = rasterise(*seer_, *grid, camera, time);
   if (!raster) return raster.error();
-  return SeenMasks{std::move(*raster), masks.grid, std::move(*words)};
+  return SeenMasks{std::move(*raster), masks.grid, std::move(*words), planes};
+}
+
+Result<void> Reprojection::accumulate(SeenMasks& newest, std::span<const SeenMasks> earlier) {
+  const uint32_t numbers = counted_numbers(newest.planes);
+  if (earlier.empty() || numbers == 0) return {};
+  if (earlier.size() > kMostEarlierMasks)
+    return Error{"more than " + std::to_string(kMostEarlierMasks) + " masks before the newest"};
+  for (const SeenMasks& masks : earlier)
+    if (masks.grid != newest.grid || masks.planes != newest.planes)
+      return Error{"masks of several shapes do not accumulate"};
+  const auto frame = when_needed(accumulator_, {"accumulate"});
+  if (!frame) return frame.error();
+  const TileGrid& size = newest.grid;
+  auto shares = buffer(share_bytes(size.width, size.height, numbers));
+  if (!shares) return shares.error();
+  const auto grid = (*frame)->reserve_given(size, newest.raster.time);
+  if (!grid) return grid.error();
+  const Accumulation accumulation =
+      accumulation_of(newest.planes, seer_->scene(), static_cast<uint32_t>(earlier.size()));
+  copy_into((*frame)->host(resource::kAccumulation), std::as_bytes(std::span(&accumulation, 1)));
+  (*frame)->give(resource::kIds, *newest.raster.ids);
+  (*frame)->give(resource::kGivenMasks, *newest.words);
+  (*frame)->give(resource::kShares, **shares);
+  give_earlier(**frame, newest, earlier);
+  if (auto begun = (*frame)->start(newest.raster.camera, *grid); !begun) return begun;
+  newest.shares = std::move(*shares);
+  return {};
+}
+
+Result<void> Reprojection::give_shares(SeenMasks& masks, std::span<const uint32_t> shares) {
+  if (shares.size_bytes() != share_bytes(masks.grid.width, masks.grid.height, counted_numbers(masks.planes)))
+    return Error{"shares of another number of pixels or of planes"};
+  auto buffer = upload(device_, std::as_bytes(shares));
+  if (!buffer) return buffer.error();
+  masks.shares = std::make_shared<Buffer>(std::move(*buffer));
+  return {};
 }
 
 Result<std::span<const uint32_t>> Reprojection::sources(const RasterView& view, const RasterView& seen) {
@@ -156,6 +221,7 @@ Result<std::span<const std::byte>> Reprojection::shade(const CameraView& camera,
   if (!grid) return grid.error();
   give_seen(frame, seen.raster, four && same_eye(camera, seen.raster.camera));
   frame.give(resource::kGivenMasks, *seen.words);
+  frame.give(resource::kShares, seen.shares ? *seen.shares : *seen.words);
   copy_into(frame.host(resource::kShading), shading);
   if (auto rendered = frame.render(camera, *grid); !rendered) return rendered.error();
   const auto pixels = frame.host(four ? resource::kHostAveraged : resource::kHostColor);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/light_planes.h"
+#include "gpu/passes/accumulation.h"
 #include "gpu/picture/blocking_frame.h"
 
 namespace gnomon::gpu {
@@ -31,7 +32,9 @@ struct RasterView {
 struct SeenMasks {
   RasterView raster;
   TileGrid grid;
-  std::shared_ptr<const Buffer> words;  // on the device, as common/tile_mask.h
+  std::shared_ptr<const Buffer> words;        // on the device, as common/tile_mask.h
+  LightPlanes planes = {};                    // of the grid's; without any: one for each light
+  std::shared_ptr<const Buffer> shares = {};  // on the device, gpu/passes/accumulation.h; null: counts as they are
 };
 
 // How many samples of a pixel are shaded.
@@ -60,6 +63,17 @@ class Reprojection {
   Result<SeenMasks> see(const CameraView& camera, const TileMaskView& masks, scenes::SceneTime time,
                         const LightPlanes& planes = {});
 
+  // Pictures that are shaded with `newest` then show means of what it and up to three earlier masks count: of area lights
+  // that no animation moves, and of ambient light. Each pixel takes the counts of those earlier ones that show its surface,
+  // if that rests, but none that lies farther than one point beyond the counts of the pixels around it in `newest`. No
+  // effect if `earlier` is empty or the masks count nothing. The lights' places and extents must be those of all masks.
+  // Error also: `earlier` has more masks, or masks of another grid or of other planes.
+  Result<void> accumulate(SeenMasks& newest, std::span<const SeenMasks> earlier);
+
+  // The same for shares that are known, as accumulate() makes them (gpu/passes/accumulation.h). Error also: there are not as
+  // many.
+  Result<void> give_shares(SeenMasks& masks, std::span<const uint32_t> shares);
+
   // For each pixel of `view`: 0 if it shows no surface or one that `seen` does not show, else 1 + the number of the
   // pixel of `seen`, counted row by row. The scene time is that of `seen`. Valid until the next call.
   Result<std::span<const uint32_t>> sources(const RasterView& view, const RasterView& seen);
@@ -81,8 +95,8 @@ class Reprojection {
 
   DevicePtr device_;
   std::unique_ptr<BlockingFrame> seer_, shader_;
-  std::unique_ptr<BlockingFrame> raster_, finder_, smoother_;  // made when needed
-  std::vector<std::shared_ptr<Buffer>> buffers_;               // in use elsewhere, or free if use_count() is 1
+  std::unique_ptr<BlockingFrame> raster_, finder_, smoother_, accumulator_;  // made when needed
+  std::vector<std::shared_ptr<Buffer>> buffers_;  // in use elsewhere, or free if use_count() is 1
 };
 
 }  // namespace gnomon::gpu

@@ -3,6 +3,7 @@
 // surface; surfaces that it did not find are lit by every light.
 #include "frame.glsl"
 #include "surface.glsl"
+#include "mask_counts.glsl"
 #ifdef PREDICTED
 #include "seen_view.glsl"
 #endif
@@ -13,6 +14,7 @@ struct LightColour {
   float cone_offset;
   uint first_plane;  // common/light_planes.h
   uint samples;
+  uint number;  // gpu/passes/accumulation.h
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Shading {
   vec3 ambient_above;  // radiance that reaches surfaces facing up, and those facing down
@@ -31,17 +33,19 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Sha
   uint window_step;  // how far apart a window's pixels are
   uint occlusion;    // common/sample_counts.h
   uint occlusion_plane;
+  uint occlusion_number;
+  uint whole_share;  // 0: counts are those of the masks; else the shares are shown instead, and this is a whole one
   LightColour lights[kMaxLights];
 };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TileWords { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Pixels { uint at[]; };
 layout(push_constant, scalar) uniform Push {
-  TileWords masks;
+  MaskWords masks;
   Shading shading;
   Pixels pixels;
 #ifdef PREDICTED
   SeenView seen;  // the view of the masks
   Uints sources;  // for each pixel, as predict.comp writes them
+  Uints shares;   // as accumulate.comp writes them, if there are any
 #endif
 } push;
 
@@ -100,22 +104,6 @@ vec3 base_colour(MaterialRecord m, uint triangle, SurfacePoint surface, vec3 wei
   return colour;
 }
 
-bool mask_bit(uint plane, uvec2 pixel, uint tiles_x, uint tile_count) {
-  uint tile = (pixel.y / 8u) * tiles_x + pixel.x / 8u;
-  uint bit = (pixel.y % 8u) * 8u + pixel.x % 8u;
-  uvec2 word = push.masks.at[plane * tile_count + tile];
-  return ((bit < 32u ? word.x >> bit : word.y >> (bit - 32u)) & 1u) != 0u;
-}
-
-// Which share of `most` the planes from there on say of that pixel of the masks (common/light_planes.h).
-float counted_share(uint plane, uint most, uvec2 pixel, uint tiles_x, uint tile_count) {
-  if (mask_bit(plane, pixel, tiles_x, tile_count)) return 1.0;
-  uint number = 0u;
-  for (int more = findMSB(most); more > 0; --more)
-    number = 2u * number + uint(mask_bit(++plane, pixel, tiles_x, tile_count));
-  return float(number) / float(most);
-}
-
 // The pixel of the masks that shows the surface of this pixel; none: no pixel does.
 const uvec2 kNone = uvec2(0xffffffffu);
 
@@ -128,19 +116,25 @@ uvec2 mask_pixel(uvec2 pixel) {
 #endif
 }
 
-float share_in(uint plane, uint most, uvec2 at) {
+// `number`: which of those that masks count, if `most` is more than 1.
+float share_in(uint plane, uint most, uint number, uvec2 at) {
 #ifdef PREDICTED
+  if (push.shading.whole_share != 0u && most > 1u) {
+    uint place = (number / 4u) * push.seen.width * push.seen.height + at.y * push.seen.width + at.x;
+    return float(push.shares.at[place] >> 8u * (number % 4u) & 0xffu) / float(push.shading.whole_share);
+  }
   uvec2 tiles = (uvec2(push.seen.width, push.seen.height) + 7u) / 8u;
-  return counted_share(plane, most, at, tiles.x, tiles.x * tiles.y);
+  return float(counted(push.masks, plane, most, at, tiles.x, tiles.x * tiles.y)) / float(most);
 #else
-  return counted_share(plane, most, at, frame.tiles_x, frame.tile_count);
+  return float(counted(push.masks, plane, most, at, frame.tiles_x, frame.tile_count)) / float(most);
 #endif
 }
 
 // The share of the light's sample points that the pixel sees: 0 or 1 of a light without extent.
 float share_at(uint light, uvec2 pixel) {
   uvec2 at = mask_pixel(pixel);
-  return at == kNone ? 1.0 : share_in(push.shading.lights[light].first_plane, push.shading.lights[light].samples, at);
+  LightColour of_light = push.shading.lights[light];
+  return at == kNone ? 1.0 : share_in(of_light.first_plane, of_light.samples, of_light.number, at);
 }
 
 // The filter's window, 5x5 pixels: the weights 1, 2, 2, 2, 1 in each direction are the mean of the four 4x4 windows that
@@ -161,20 +155,17 @@ int window_reach() {
   return push.shading.filter_step != 0u ? 2 : push.shading.occlusion == kHalf ? 1 : 0;
 }
 
-// Those pixels of the window that show the same surface, as bits: of a normal within 8 degrees, and near its plane.
+// Those pixels of the window that show the same surface, as bits.
 uint same_surface(SurfacePoint surface, uvec2 pixel) {
   uint like = 1u << kOwn;
   int reach = window_reach();
   if (reach == 0) return like;
-  float room = 0.004 * distance(surface.position, frame.camera);
   for (uint i = 0u; i < kWindow; ++i) {
     ivec2 at = window_pixel(pixel, i), off = abs(window_step(i));
     if (i == kOwn || max(off.x, off.y) > reach || any(lessThan(at, ivec2(0))) || at.x >= int(frame.width) || at.y >= int(frame.height)) continue;
     uint id = triangle_at(uvec2(at));
     if (id == 0u) continue;
-    SurfacePoint other = surface_of(id - 1u, uvec2(at));
-    bool on_plane = abs(dot(other.position - surface.position, surface.normal)) <= room;
-    if (on_plane && dot(other.normal, surface.normal) > 0.99) like |= 1u << i;
+    if (on_one_surface(surface, surface_of(id - 1u, uvec2(at)))) like |= 1u << i;
   }
   return like;
 }
@@ -202,7 +193,9 @@ bool counts_occlusion(uvec2 at) {
   return at != kNone && (push.shading.occlusion != kHalf || ((at.x | at.y) & 1u) == 0u);
 }
 
-float open_share(uvec2 at) { return share_in(push.shading.occlusion_plane, kOcclusionSegments, at); }
+float open_share(uvec2 at) {
+  return share_in(push.shading.occlusion_plane, kOcclusionSegments, push.shading.occlusion_number, at);
+}
 
 // The share of its ambient light that nothing near hides. A pixel without a count takes the mean of those next to it that
 // show the same surface; where none of them has one, as at a twig thinner than two pixels, it is open.

@@ -20,6 +20,12 @@ uint triangle_at(uvec2 pixel) {
   return texelFetch(triangle_ids, ivec2(pixel), 0).x;
 }
 
+// Whether the two points are of one surface, to blur over: normals within 8 degrees, and the other near the plane of `here`.
+bool on_one_surface(SurfacePoint here, SurfacePoint other) {
+  float room = 0.004 * distance(here.position, frame.camera);
+  return abs(dot(other.position - here.position, here.normal)) <= room && dot(other.normal, here.normal) > 0.99;
+}
+
 SurfacePoint surface_of(uint triangle, uvec2 pixel) {
   uvec3 corners = frame.triangles.at[triangle];
   return surface_point(frame.camera, frame.forward, pixel_ray(pixel), frame.positions.at[corners.x],
