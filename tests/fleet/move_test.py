@@ -4,10 +4,6 @@ Nothing here is timed but for a generous bound; what was measured is printed.
 
     move_test.py BUILD [SESSIONS]
 """
-import json
-import pathlib
-import signal
-import subprocess
 import sys
 import time
 import unittest
@@ -16,47 +12,16 @@ from namespaces import enter_own_network
 
 enter_own_network()
 
-from world import FLEET, NODES, World, eventually  # noqa: E402
+from under_load import WARM_UP_S, Load  # noqa: E402
+from world import World, eventually  # noqa: E402
 
 BUILD = sys.argv.pop(1)
 SESSIONS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 200
-SIZE = "32x32"
 # More than one interval between frames. Who opens a session only after the former one has ended waits for longer.
 GENEROUS_MS = 1_000
 GENEROUS_AFTER_LOSS_MS = 10_000
 SCENES_UNDER_LOAD = 6
-LONG_S, WARM_UP_S, CALM_S = 3600, 2, 5
-
-
-class Load:
-    """gnomon-load through a door, until land()."""
-
-    def __init__(self, world, scene, clients, rate, *more):
-        self.scene, self.clients = pathlib.Path(scene).name, clients
-        self.name = pathlib.Path(scene).stem
-        self.file = world.folder / f"load-{self.name}.json"
-        host, port = world.doors["east"].where
-        self.log = open(world.folder / f"load-{self.name}.log", "w+")
-        self.process = subprocess.Popen(
-            [str(part) for part in (world.bin / "gnomon-load", "--server", f"{host}:{port}", "--fleet", FLEET, "--ca",
-             world.authority, "--scene", scene, "--size", SIZE, "--clients", clients, "--rate", rate, "--seconds", LONG_S,
-             "--warm-up", WARM_UP_S, "--transport", "udp", "--may-miss", "100", "--json", self.file, *more)],
-            stdout=self.log, stderr=subprocess.STDOUT)
-
-    def land(self):
-        """What was measured, in all."""
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(120)
-        self.log.seek(0)
-        if self.process.returncode:
-            raise AssertionError(f"gnomon-load, {self.name}: {self.log.read()}")
-        return next(row for row in json.loads(self.file.read_text())["rows"] if row["scope"] == "total")
-
-    def end(self):
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        self.log.close()
+CALM_S = 5
 
 
 class Moves(unittest.TestCase):
@@ -91,8 +56,7 @@ class Moves(unittest.TestCase):
     def node_with(self, load):
         """The one that serves it, once it serves all of it."""
         def found():
-            if load.process.poll() is not None:
-                raise AssertionError(f"gnomon-load has ended: {load.land()}")
+            load.must_fly()
             return [node for node in self.world.nodes.values() if self.sessions(node, load.scene) == load.clients]
         return eventually(found, f"a node serves {load.clients} sessions of {load.name}")[0]
 

@@ -105,6 +105,8 @@ class Door:
 
 
 class World:
+    fleet = FLEET
+
     def __init__(self, build):
         open_bridge()
         self.bin = pathlib.Path(build).resolve() / "bin"
