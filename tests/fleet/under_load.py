@@ -12,14 +12,17 @@ class Load:
     """gnomon-load until land(). `world`: where its programs are, where it may write, who has signed the fleet's
     certificates and what its name is; `where`: a door. Clients are of the tenant `default`, or of what `tenant` says."""
 
+    made = 0
+
     def __init__(self, world, scene, clients, rate, *more, where=None, tenant=None):
+        Load.made += 1
         self.scene, self.clients = pathlib.Path(scene).name, clients
         self.name = pathlib.Path(scene).stem
-        self.file = world.folder / f"load-{self.name}.json"
+        self.file = world.folder / f"load-{Load.made}-{self.name}.json"
         host, port = where or world.doors["east"].where
         who = ("--tenant", f"{tenant}:{clients}") if tenant else ("--clients", clients)
         pace = ("--rate", rate) if rate else ("--still",)
-        self.log = open(world.folder / f"load-{self.name}.log", "w+")
+        self.log = open(self.file.with_suffix(".log"), "w+")
         self.process = subprocess.Popen(
             [str(part) for part in (world.bin / "gnomon-load", "--server", f"{host}:{port}", "--fleet", world.fleet, "--ca",
              world.authority, "--scene", scene, "--size", SIZE, *who, *pace, "--seconds", LONG_S,

@@ -152,6 +152,11 @@ class InstallPackages(unittest.TestCase):
         self.assertEqual(self.installs("--missing", "run").split(), ["libglm-dev", "libasio-dev"])
         self.assertEqual((self.folder / "calls").read_text(), "dpkg-query\n")
 
+    def test_a_kubernetes_is_beside_what_containers_need(self):
+        containers, more = (set(self.installs("--missing", purpose).split()) for purpose in ("containers", "kubernetes"))
+        self.assertLess(containers, more)
+        self.assertLessEqual({"golang-1.19-go", "etcd-server", "containerd"}, more - containers)
+
     def test_asks_no_network_when_all_is_there(self):
         self.have_all("tests")
         self.assertIn("all present", self.installs("tests"))
