@@ -33,8 +33,8 @@ let viewIsSet = false;
 let speed = 2;
 
 /** Of a link, what is counted, and how it is shown. @param {import('./ui/permalink.js').Place} said */
-function countingOf({ samples, occlusion, filter }) {
-  return { samples, occlusion, filter };
+function countingOf({ samples, occlusion, filter, accumulate }) {
+  return { samples, occlusion, filter, accumulate };
 }
 
 /** What the viewer tells. @type {Record<string, (event: any) => void>} */
@@ -180,6 +180,7 @@ window.addEventListener('hashchange', () => {
   /** @type {HTMLSelectElement} */ (element('samples')).value = String(said.samples);
   /** @type {HTMLSelectElement} */ (element('occlusion')).value = said.occlusion;
   /** @type {HTMLInputElement} */ (element('filter')).checked = said.filter;
+  /** @type {HTMLInputElement} */ (element('accumulate')).checked = said.accumulate;
 });
 window.addEventListener('pagehide', () => viewer.close());
 

@@ -41,6 +41,7 @@ export class Eye {
     this.order = new ShowOrder(this.balance);
     /** @type {any} the newest whole frame */
     this.masks = null;
+    this.session = 0; // counts them, and the scenes of each
     /** @type {{masks: any, until: number} | null} masks whose prediction is to be judged */
     this.trial = null;
   }
@@ -84,8 +85,10 @@ export class Eye {
 
   /** @param {any} event */
   on(event) {
+    if (event.is === 'open' || event.is === 'sceneChanged') ++this.session;
     if (event.is === 'frame') {
       if (!this.order.answered(event.index)) return;
+      event.session = this.session;
       this.masks = event;
     }
     this.emit(event);

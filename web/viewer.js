@@ -19,8 +19,9 @@ const STEPS_AHEAD = 4; // pictures by which the border goes before the turn
  * @typedef {import('./render/picture.js').Shadows} Shadows
  * @typedef {{shadows: Shadows, split: {at: number, left: Shadows, right: Shadows} | null, lightsOn: Uint8Array | null,
  *   codec: 'tiles_lz4' | 'tiles_context', samples: 1 | 4 | 16, occlusion: import('./wire/planes.js').Occlusion,
- *   filter: boolean, smooth: boolean}} PictureOptions samples: points of each area light (soft shadows); occlusion: of
- *   ambient light; filter: of what is counted, see Wish; smooth: with four samples a pixel at rest
+ *   filter: boolean, accumulate: boolean, smooth: boolean}} PictureOptions samples: points of each area light (soft
+ *   shadows); occlusion: of ambient light; filter and accumulate: of what is counted, see Wish; smooth: with four
+ *   samples a pixel at rest
  */
 
 export class Viewer {
@@ -36,7 +37,7 @@ export class Viewer {
     /** @type {PictureOptions} */
     this.picture = {
       ...{ shadows: 'exact', split: null, lightsOn: null, codec: 'tiles_lz4', smooth: true },
-      ...{ samples: 1, occlusion: 'none', filter: false },
+      ...{ samples: 1, occlusion: 'none', filter: false, accumulate: false },
     };
     this.eye = new Eye(this.base, (event) => this.on(event));
     /** @type {import('./eye.js').Wanted | null} */
@@ -253,7 +254,7 @@ export class Viewer {
     const { width, height } = this.eye.size;
     const camera = this.eye.shownCamera(shown);
     this.exposure ??= renderer.suggestExposure(camera);
-    const { split, lightsOn, filter } = this.picture;
+    const { split, lightsOn, filter, accumulate } = this.picture;
     return {
       camera,
       width,
@@ -261,6 +262,7 @@ export class Viewer {
       sceneTimeUs: masks?.sceneTimeUs ?? 0,
       lightsOn,
       filter,
+      accumulate,
       shadows: masks || this.isLocal ? this.picture.shadows : /** @type {Shadows} */ ('none'),
       split: masks ? split : null,
       exposure: this.exposure,

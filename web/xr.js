@@ -171,6 +171,7 @@ export class Headset {
       sceneTimeUs: eye.masks?.sceneTimeUs ?? 0,
       lightsOn: this.viewer.picture.lightsOn,
       filter: this.viewer.picture.filter,
+      accumulate: this.viewer.picture.accumulate,
       shadows: /** @type {'exact' | 'none'} */ (eye.masks ? 'exact' : 'none'),
       exposure: this.viewer.exposure ?? 1,
       eye: view.eye,

@@ -9,7 +9,7 @@ globalThis.crypto ??= webcrypto; // which Node 18 of Debian 12 has, though not a
 
 const FLEET = 'gnomon.example';
 const TEMPLE = 's-67425801bf1a60fe.gnomon.example'; // of protocol/WIRE.md
-const HARD = { samples: 1, occlusion: 'none', filter: false };
+const HARD = { samples: 1, occlusion: 'none', filter: false, accumulate: false };
 const place = (more) => ({ scene: 'temple', tenant: '', token: '', ...HARD, view: null, ...more });
 const at = (href) => ({ href, hostname: new URL(href).hostname });
 
@@ -33,7 +33,7 @@ test('from one scene it goes on to another', async () => {
 test('what a link says goes along, and the token is taken out of the address at once', async () => {
   const view = { position: [1, 2, 3], yaw: 0.5, pitch: 0.25, verticalFov: 0.9 };
   for (const occlusion of ['none', 'half', 'full']) {
-    const soft = { samples: 4, occlusion, filter: occlusion === 'half' };
+    const soft = { samples: 4, occlusion, filter: occlusion === 'half', accumulate: occlusion !== 'half' };
     const said = place({ scene: 'halls & more', tenant: 'studio', token: 's&cr=t#', ...soft, view });
     const address = await addressOf(said, at('https://gnomon.example/'), FLEET);
     const kept = new Map();

@@ -113,6 +113,11 @@ export class Checks {
     return { camera, width, height, sceneTimeUs, exposure, shadows: 'exact', ...more };
   }
 
+  async softMasks(i) {
+    const words = new Uint32Array(await bytes(`${this.inputs}/${i}.soft.words`));
+    return { words, planes: planesOf(this.plan.areas, this.plan.soft_samples) };
+  }
+
   /** As wish(), with masks that count points of area lights. `kind`: soft or half. */
   async countedWish(i, kind, more = {}) {
     const { width, height, scene_time_us: sceneTimeUs, views, areas } = this.plan;
@@ -121,6 +126,72 @@ export class Checks {
     const planes = planesOf(areas, this.plan[`${kind}_samples`]);
     this.renderer.takeMasks({ camera, width, height, words, planes, sceneTimeUs });
     return { camera, width, height, sceneTimeUs, exposure, shadows: 'exact', ...more };
+  }
+
+  /** Masks of view 0, with the picture shifted by some pixels. */
+  async shiftedMasks(shift) {
+    const { width, height, scene_time_us: sceneTimeUs, shifted, areas, shifted_samples: samples } = this.plan;
+    const words = new Uint32Array(await bytes(`${this.inputs}/0.shifted.${shift}.words`));
+    return { camera: shifted[shift], width, height, words, planes: planesOf(areas, samples), sceneTimeUs };
+  }
+
+  /** The picture of a wish once the renderer has taken these masks, one after the other. */
+  after(masks, wish) {
+    this.renderer.stage.dropAccumulation();
+    for (const each of masks.slice(0, -1)) {
+      this.renderer.takeMasks(each);
+      this.renderer.draw(wish);
+    }
+    this.renderer.takeMasks(masks.at(-1));
+    this.renderer.wish = wish;
+    return this.renderer.readPixels(); // which draws
+  }
+
+  /** Of pictures of view 0 with masks accumulated: how many numbers differ from those of the newest masks alone. */
+  async accumulated() {
+    const { width, height, views, lights, areas } = this.plan;
+    const [{ camera, exposure, predicted }] = views;
+    const plain = { camera, width, height, exposure, shadows: 'exact' };
+    const wish = { ...plain, accumulate: true };
+    const shifts = await Promise.all([3, 2, 1, 0].map((shift) => this.shiftedMasks(shift)));
+    const newest = shifts.at(-1);
+    const again = () => ({ ...newest, words: newest.words.slice() });
+    const filled = (make) => ({ ...newest, words: newest.words.map(make) });
+    const differ = (masks, more = {}) => {
+      const alone = this.after([masks.at(-1)], { ...plain, ...more });
+      const together = this.after(masks, { ...wish, ...more });
+      return together.reduce((count, value, at) => count + (value === alone[at] ? 0 : 1), 0);
+    };
+    let seed = 1;
+    const noise = () => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0);
+    const noisy = [0, 1, 2].map(() => filled(noise));
+    const same = [again(), again(), again(), again()];
+    const halfPlanes = planesOf(areas, this.plan.half_samples);
+    const half = new Uint32Array(await bytes(`${this.inputs}/0.half.words`));
+    const halves = [0, 1, 2].map(() => ({ ...newest, words: half.slice(), planes: halfPlanes }));
+    const off = {
+      same: differ(same),
+      samePredicted: differ(same.slice(1), { camera: predicted }),
+      sameFiltered: differ(same.slice(2), { filter: true }),
+      sameHalf: differ(halves),
+      shifted: differ(shifts),
+      otherLights: differ([...shifts.slice(0, 3), { ...newest, lightsVersion: 1 }]),
+      otherSession: differ([...shifts.slice(0, 3), { ...newest, session: 1 }]),
+      darkBefore: differ([filled(() => 0), filled(() => 0), filled(() => 0xffffffff)]),
+      afterNoise: [1, 2, 3, 4].map((masks) => differ([...noisy, ...same.slice(0, masks)])),
+    };
+    // Beside the picture of four times as many points.
+    const reference = { ...newest, ...(await this.softMasks(0)) };
+    let [alone, together] = [0, 0];
+    for (let light = 0; light < lights.length; ++light) {
+      if (!areas[light]) continue;
+      const more = { view: 'material', onlyLight: light };
+      const many = this.after([reference], { ...plain, ...more });
+      const errorOf = (picture) => picture.reduce((sum, value, at) => sum + (value - many[at]) ** 2, 0);
+      alone += errorOf(this.after([newest], { ...plain, ...more }));
+      together += errorOf(this.after(shifts, { ...wish, ...more }));
+    }
+    return { ...off, error: together / alone, glError: this.renderer.gl.getError() };
   }
 
   /** Draws and compares with the picture of that name; with `keep` the pixels come along. */

@@ -9,7 +9,8 @@
 // in views.json is the share of them that was predicted wrongly). I.soft.words and I.soft.rgba count kSoft: points of
 // each area light, which `areas` in views.json names, and I.soft.predicted.rgba of the later camera. 0.soft.filtered.rgba,
 // 0.soft.filtered.predicted.rgba and 0.soft.filtered.smooth.rgba are filtered. 0.half.words counts kHalf, and there are the
-// same pictures of it.
+// same pictures of it. 0.shifted.J.words counts kShifted, with the camera of `shifted` in views.json: that of view 0, with
+// the picture shifted by kShifts[J] pixels.
 //
 // AT_MS: the scene time; posed.positions and posed.normals are the vertices that move, `posed_lights` in views.json the
 // lights at their places.
@@ -39,6 +40,8 @@ namespace {
 constexpr uint32_t kViews = 3;
 constexpr SampleCounts kSoft{16, Occlusion::full};
 constexpr SampleCounts kHalf{4, Occlusion::half};
+constexpr SampleCounts kShifted{4, Occlusion::full};
+constexpr glm::ivec2 kShifts[] = {{0, 0}, {1, 0}, {2, 1}, {3, 2}};
 constexpr uint32_t kTrialStep = 4;    // as web/render/outcome.js
 constexpr double kStepSeconds = 0.1;  // from the camera of the masks to the one that is predicted
 
@@ -100,6 +103,8 @@ class Inputs {
         {"areas", areas},
         {"soft_samples", to_byte(kSoft)},
         {"half_samples", to_byte(kHalf)},
+        {"shifted_samples", to_byte(kShifted)},
+        {"shifted", shifted(client::view_of(path.at(0), size_))},
         {"views", views}}.dump(1);
   }
 
@@ -166,6 +171,22 @@ class Inputs {
     write_pictures(name + ".filtered", camera, later, frame.mask(), seen, options);
     options.samples = gpu::Samples::four;
     write(name + ".filtered.smooth", must(view_->predict(camera, size_.width, size_.height, seen, options)));
+  }
+
+  nlohmann::json shifted(const protocol::CameraView& unshifted) {
+    nlohmann::json cameras;
+    const float pixel = (unshifted.tan_left + unshifted.tan_right) / static_cast<float>(size_.width);
+    for (const auto& shift : kShifts) {
+      protocol::CameraView camera = unshifted;
+      camera.tan_left += pixel * static_cast<float>(shift.x);
+      camera.tan_right -= pixel * static_cast<float>(shift.x);
+      camera.tan_up += pixel * static_cast<float>(shift.y);
+      camera.tan_down -= pixel * static_cast<float>(shift.y);
+      const auto frame = must(probe_.render(gpu::from_wire(camera), size_.width, size_.height, time_, kShifted));
+      write("0.shifted." + std::to_string(cameras.size()) + ".words", frame.words);
+      cameras.push_back(json_of(camera));
+    }
+    return cameras;
   }
 
   void write_pictures(const std::string& name, const gpu::CameraView& camera, const gpu::CameraView& later,

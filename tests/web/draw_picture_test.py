@@ -119,14 +119,6 @@ class Pictures(unittest.TestCase):
         for view in range(VIEWS):
             self.are_like_the_clients(f"{view}.soft")
 
-    def test_filtered_pictures_are_the_clients(self):
-        self.are_like_the_clients("0.soft.filtered", ", filter: true")
-        self.is_like_the_clients("smooth", self.picture("0.soft.filtered.smooth", ", filter: true, antialias: true"))
-
-    def test_occlusion_of_half_size_is_filled_in_as_the_client_does(self):
-        self.are_like_the_clients("0.half")
-        self.are_like_the_clients("0.half.filtered", ", filter: true")
-
     def test_bits_are_the_servers(self):
         for view in range(VIEWS):
             off = self.figures(f"{view} bits", self.browser.run(f"return checks.lights({view})"))
@@ -178,6 +170,26 @@ class Temple(Pictures):
 
 class LivingRoom(Pictures):
     name = "living_room"
+
+    def test_filtered_pictures_are_the_clients(self):
+        self.are_like_the_clients("0.soft.filtered", ", filter: true")
+        self.is_like_the_clients("smooth", self.picture("0.soft.filtered.smooth", ", filter: true, antialias: true"))
+
+    def test_occlusion_of_half_size_is_filled_in_as_the_client_does(self):
+        self.are_like_the_clients("0.half")
+        self.are_like_the_clients("0.half.filtered", ", filter: true")
+
+    def test_masks_are_averaged_where_the_newest_agree(self):
+        got = self.figures("accumulated", self.browser.run("return checks.accumulated()"))
+        for same in ("same", "samePredicted", "sameFiltered", "sameHalf"):
+            self.assertEqual(got[same], 0, same)
+        self.assertGreater(got["shifted"], 1000)
+        self.assertLess(got["error"], 0.6)  # squares; as of four times as many points, but where masks are left out
+        self.assertEqual((got["otherLights"], got["otherSession"]), (0, 0), "what is over is not averaged")
+        self.assertEqual(got["darkBefore"], 0, "a shadow is gone where the newest masks are lit all around")
+        self.assertGreater(min(got["afterNoise"][:3]), 1000)
+        self.assertEqual(got["afterNoise"][3], 0, "nothing is seen for longer than four masks")
+        self.assertEqual(got["glError"], 0)
 
 
 class Moving(Pictures):

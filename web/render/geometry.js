@@ -54,6 +54,11 @@ export class Geometry {
     return true;
   }
 
+  /** The first so many triangles never move. */
+  get restingTriangles() {
+    return this.pack.info.resting.triangles;
+  }
+
   /** Whether instances move: lights alone leave the picture's surfaces where they are. */
   get surfacesMove() {
     return this.motion.instances.length > 0;

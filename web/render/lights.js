@@ -1,6 +1,6 @@
 // The lights as shaders read them: gpu::traced_light and light_colour. Five texels for each: position and reach;
 // direction and the cosine of the outer cone; colour times intensity; scale and offset of the cone, kind, first layer
-// of its shadow maps; first plane of the masks and sample points (wire/planes.js).
+// of its shadow maps; first plane of the masks and sample points (wire/planes.js), layer of accumulated shares.
 import { texture2d } from './gl.js';
 
 const f = Math.fround;
@@ -38,8 +38,9 @@ export class Lights {
    * @param {Uint8Array | null} on null: all
    * @param {number[]} mapLayers first layer of each light's shadow maps; -1: none
    * @param {import('../wire/planes.js').Planes} planes of the masks
+   * @param {number[]} shareLayers of each light's accumulated shares; -1: none
    */
-  put(lights, on, mapLayers, planes) {
+  put(lights, on, mapLayers, planes, shareLayers = []) {
     const rows = new Float32Array(4 * TEXELS * Math.max(1, lights.length));
     lights.forEach((light, i) => {
       const shines = on === null || on[i] !== 0;
@@ -59,6 +60,7 @@ export class Lights {
           mapLayers[i] ?? -1,
           planes.first[i],
           planes.samples[i],
+          shareLayers[i] ?? -1,
         ],
         4 * TEXELS * i,
       );

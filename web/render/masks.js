@@ -3,8 +3,9 @@ import { textureArray } from './gl.js';
 
 /**
  * @typedef {{camera: import('./view.js').Camera, width: number, height: number, words: Uint32Array,
- *   sceneTimeUs: number, planes?: import('../wire/planes.js').Planes}} Masks the newest whole frame; two words per tile
- *   and plane, the low one first. Without `planes` each light has one.
+ *   sceneTimeUs: number, planes?: import('../wire/planes.js').Planes, lightsVersion?: number, session?: number}} Masks the
+ *   newest whole frame; two words per tile and plane, the low one first. Without `planes` each light has one. The last two
+ *   say which masks may be averaged.
  */
 
 export class MaskTexture {

@@ -47,7 +47,7 @@ export async function sourcesOf(stage, seen, shown) {
   const shownView = stage.idsOf('outcome', few.camera, few.columns, few.rows, true);
   const target = texture2d(gl, gl.R32UI, few.columns, few.rows);
   const buffer = framebuffer(gl, target, null);
-  findSources(stage, shownView, seenView, false, buffer);
+  findSources(stage, shownView, seenView, { into: buffer });
   const sources = new Uint32Array(few.columns * few.rows);
   await readLater(gl, few.columns, few.rows, sources);
   gl.deleteFramebuffer(buffer);

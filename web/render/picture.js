@@ -12,8 +12,9 @@ import { placeWithin, sameEye, seenUniforms } from './view.js';
  * @typedef {{camera: Camera, width: number, height: number, sceneTimeUs?: number, lightsOn?: Uint8Array | null,
  *   shadows?: Shadows, split?: {at: number, left: Shadows, right: Shadows} | null, exposure?: number,
  *   ambient?: number | number[], tonemap?: 'filmic' | 'clamp', view?: 'shaded' | 'material' | 'normals',
- *   onlyLight?: number, antialias?: boolean, filter?: boolean, eye?: string}} Wish what to draw; `view` and `onlyLight`
- *   are for tests; filter: what is counted is averaged over the pixels around that show the same surface, an estimate
+ *   onlyLight?: number, antialias?: boolean, filter?: boolean, accumulate?: boolean, eye?: string}} Wish what to draw;
+ *   `view` and `onlyLight` are for tests; filter: what is counted is averaged over the pixels around that show the same
+ *   surface, accumulate: over the masks before, both estimates
  * @typedef {{framebuffer: WebGLFramebuffer | null, flipped: boolean}} Output where to
  */
 
@@ -58,11 +59,11 @@ export class Picture {
   /**
    * @param {Wish} wish
    * @param {import('./masks.js').Masks | null} masks that fit the lights; already on the device
-   * @param {number} lightCount
+   * @param {{count: number, layers: number[] | null}} lights layers: of their accumulated shares; null: there are none
    * @param {Output} output of the wish's size
    * @returns {boolean} whether masks of another camera were used
    */
-  draw(wish, masks, lightCount, output) {
+  draw(wish, masks, lights, output) {
     const each = wish.antialias ? 2 : 1;
     const width = each * wish.width,
       height = each * wish.height;
@@ -71,12 +72,13 @@ export class Picture {
     const exact = halves.some((half) => half.shadows === 'exact') && masks !== null;
     const direct = exact && place !== null;
     const { stage } = this;
-    const shared = this.shared(wish, masks, lightCount, exact);
+    const shared = this.shared(wish, masks, lights.count, exact);
     const shown =
       masks && direct
         ? this.seenIds(wish, masks)
         : this.stage.idsOf(`shown ${wish.eye ?? ''}`, wish.camera, width, height, false);
     const window = masks !== null && exact && looksAround(wish, masks);
+    const shares = masks && exact && lights.layers ? this.accumulated(wish, masks, lights.layers) : null;
     const into = wish.antialias ? this.samplesOf(width, height) : output;
     stage.timing.measure('shade', () => {
       const sources = masks && window && !direct ? this.found(wish, masks, shown) : null;
@@ -84,9 +86,9 @@ export class Picture {
         const masked = half.shadows === 'exact' && exact;
         const lookup = half.shadows === 'maps' ? LOOKUPS.MAPS : masked && !direct ? LOOKUPS.SEEN : LOOKUPS.MASKS;
         const first = place && direct ? place : [0, 0];
-        const program = stage.programs.shade(lookup, window && masked);
+        const program = stage.programs.shade(lookup, { window: window && masked, shares: shares !== null && masked });
         const { ids, view } = shown;
-        const uniforms = { ...shared, ...view, ids, masked, first_pixel: first, window_step: each, sources };
+        const uniforms = { ...shared, ...shares, ...view, ids, masked, first_pixel: first, window_step: each, sources };
         this.shade(program, half, width, height, into, uniforms);
       }
     });
@@ -128,6 +130,16 @@ export class Picture {
     return this.stage.idsOf(`seen ${eye}`, masks.camera, masks.width, masks.height, true);
   }
 
+  /** @private */
+  accumulated(
+    /** @type {Wish} */ wish,
+    /** @type {import('./masks.js').Masks} */ masks,
+    /** @type {number[]} */ layers,
+  ) {
+    const shares = this.stage.accumulationOf(wish.eye).sharesOf(this.seenIds(wish, masks), layers);
+    return { shares, occlusion_layer: shares.layers - 1 };
+  }
+
   /** Where each pixel of the shown view finds its masks. @private */
   found(
     /** @type {Wish} */ wish,
@@ -136,7 +148,8 @@ export class Picture {
   ) {
     const { texture, framebuffer } = this.sources.sized(shown.view.width, shown.view.height);
     const eye = Boolean(wish.antialias) && sameEye(wish.camera, masks.camera);
-    findSources(this.stage, shown, this.seenIds(wish, masks), eye, framebuffer); // the seen ids are there: see seen()
+    const seen = this.seenIds(wish, masks); // they are there: see seen()
+    findSources(this.stage, shown, seen, { into: framebuffer, sameEye: eye });
     return texture;
   }
 

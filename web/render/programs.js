@@ -88,10 +88,16 @@ export class Programs {
     };
   }
 
-  /** The shading pass for a value of LOOKUPS; `window`: where pixels around have a say. */
-  shade(/** @type {number} */ lookup, window = false) {
-    const name = window ? 'shade window' : 'shade';
-    return this.fullScreen(`${name} ${lookup}`, () => shadeFragment(lookup, window), { LOOKUP: lookup });
+  /**
+   * The shading pass for a value of LOOKUPS.
+   * @param {number} lookup
+   * @param {{window?: boolean, shares?: boolean}} more window: where pixels around have a say; shares: with those that
+   *   were accumulated in the place of what the masks say
+   */
+  shade(lookup, { window = false, shares = false } = {}) {
+    const name = `shade ${lookup}${window ? ' window' : ''}${shares ? ' shares' : ''}`;
+    const fragment = () => shadeFragment(lookup, window, shares);
+    return this.fullScreen(name, fragment, { LOOKUP: lookup, SHARES: Number(shares) });
   }
 
   /** Of the levels of textures. */

@@ -1,5 +1,6 @@
 // The renderer: the scene's own picture, shaded with the masks that arrive (gpu/picture/reference_view.h in a browser).
 // Materials that blend are not drawn: packs leave their triangles out.
+import { layersOf } from './accumulation.js';
 import { contextOf, framebuffer, RenderError, texture2d } from './gl.js';
 import { suggestExposure } from './exposure.js';
 import { MOST_LIGHTS } from './lights.js';
@@ -8,7 +9,7 @@ import { Picture } from './picture.js';
 import { Programs } from './programs.js';
 import { Stage } from './stage.js';
 import { warmUp } from './warm_up.js';
-import { hardPlanes } from '../wire/planes.js';
+import { countsPoints, hardPlanes } from '../wire/planes.js';
 
 export { RenderError };
 
@@ -177,13 +178,23 @@ export class Renderer {
     const wish = { antialias: this.antialias, ...given };
     const asked = wish.split ? [wish.split.left, wish.split.right] : [wish.shadows ?? 'exact'];
     const masks = asked.includes('exact') ? this.masksOfLights(wish.eye ?? '') : null;
-    if (masks) stage.masksOf(wish.eye).put(masks);
-    const time = masks ? masks.sceneTimeUs : (wish.sceneTimeUs ?? 0);
     const planes = masks?.planes ?? hardPlanes(this.lights.length);
-    const lights = this.pose(time, wish.lightsOn ?? null, asked.includes('maps'), planes);
-    const predicted = /** @type {Picture} */ (this.picture).draw(wish, masks, lights.length, output);
+    const accumulates = masks !== null && Boolean(wish.accumulate) && countsPoints(planes);
+    if (masks) this.upload(masks, wish.eye ?? '', accumulates);
+    const layers = accumulates ? layersOf(planes, stage.geometry.motion.lightNodes) : null;
+    const time = masks ? masks.sceneTimeUs : (wish.sceneTimeUs ?? 0);
+    const lights = this.pose(time, wish.lightsOn ?? null, asked.includes('maps'), planes, layers ?? []);
+    const predicted = /** @type {Picture} */ (this.picture).draw(wish, masks, { count: lights.length, layers }, output);
     stage.timing.collect();
     return predicted;
+  }
+
+  /** @private */
+  upload(/** @type {Masks} */ masks, /** @type {string} */ eye, /** @type {boolean} */ accumulates) {
+    const stage = /** @type {Stage} */ (this.stage);
+    if (accumulates) stage.accumulationOf(eye).take(masks);
+    else stage.dropAccumulation(eye);
+    stage.masksOf(eye).put(masks);
   }
 
   /** The newest masks of an eye, if they are of as many lights as there are. @private */
@@ -201,9 +212,10 @@ export class Renderer {
    * @param {Uint8Array | null} on
    * @param {boolean} maps
    * @param {import('../wire/planes.js').Planes} planes of the masks
+   * @param {number[]} shareLayers as Lights.put() takes them
    * @private
    */
-  pose(time, on, maps, planes) {
+  pose(time, on, maps, planes, shareLayers = []) {
     const stage = /** @type {Stage} */ (this.stage);
     const { geometry, raster } = stage;
     geometry.pose(time);
@@ -212,7 +224,7 @@ export class Renderer {
     const layers = maps
       ? stage.maps.update(lights, scene, (camera, toClip) => raster.drawDepths(camera, toClip, stage.sceneUniforms))
       : [];
-    stage.lights.put(lights, on, layers, planes);
+    stage.lights.put(lights, on, layers, planes, shareLayers);
     return lights;
   }
 
@@ -261,11 +273,12 @@ export class Renderer {
   /** What the last pictures took: milliseconds of the device, where the browser tells. */
   get stats() {
     const ms = this.stage?.timing.ms ?? {};
+    const accumulate = this.wish?.accumulate ? (ms.accumulate ?? 0) : 0;
     return {
       triangles: this.pack.triangleCount,
       rasterMs: ms.raster ?? null,
       shadeMs: ms.shade ?? null,
-      gpuMs: ms.shade === undefined ? null : ms.shade + (ms.raster ?? 0),
+      gpuMs: ms.shade === undefined ? null : ms.shade + (ms.raster ?? 0) + accumulate,
     };
   }
 

@@ -12,12 +12,14 @@ const FIND =
   PREDICT +
   `
 uniform usampler2D ids;
+uniform uint resting;  // the highest id of what may be found
 out uint source;  // 1 + the seen view's pixel, counted row by row; 0: none
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint id = texelFetch(ids, pixel, 0).x;
-  ivec2 found = id == 0u ? kNowhere : source_of(surface_of(triangle_of(id - 1u), pixel));
+  ivec2 found = id == 0u || id > resting ? kNowhere : source_of(surface_of(triangle_of(id - 1u), pixel));
+  if (found.x >= 0 && texelFetch(seen_ids, found, 0).x > resting) found = kNowhere;
   source = found.x < 0 ? 0u : 1u + uint(found.y * seen_size.x + found.x);
 }
 `;
@@ -28,10 +30,12 @@ void main() {
  * @param {import('./stage.js').Stage} stage
  * @param {Seen} shown
  * @param {Seen} seen
- * @param {boolean} sameEye whether the two differ in the places of their samples alone
- * @param {WebGLFramebuffer} into of the shown view's size
+ * @param {object} how
+ * @param {WebGLFramebuffer} how.into of the shown view's size
+ * @param {boolean} [how.sameEye] whether the two differ in the places of their samples alone
+ * @param {number} [how.resting] of the first so many triangles alone
  */
-export function findSources(stage, shown, seen, sameEye, into) {
+export function findSources(stage, shown, seen, { into, sameEye = false, resting = 0xffffffff }) {
   const { gl } = stage;
   const { ids, view } = shown;
   gl.bindFramebuffer(gl.FRAMEBUFFER, into);
@@ -39,6 +43,6 @@ export function findSources(stage, shown, seen, sameEye, into) {
   const { sceneUniforms } = stage;
   stage.programs
     .fullScreen('sources', () => FIND)
-    .use({ ...sceneUniforms, ...view, ids, ...seenUniforms(seen.view), seen_ids: seen.ids, same_eye: sameEye });
+    .use({ ...sceneUniforms, ...view, ids, ...seenUniforms(seen.view), seen_ids: seen.ids, same_eye: sameEye, resting });
   fill(gl, view.width, view.height);
 }

@@ -1,4 +1,5 @@
 // Everything that lives as long as a context: the scene on the device, the passes and their targets.
+import { Accumulation } from './accumulation.js';
 import { Geometry } from './geometry.js';
 import { Lights } from './lights.js';
 import { MaskTexture } from './masks.js';
@@ -30,6 +31,8 @@ export class Stage {
     this.lights = new Lights(gl, pack.info.bounds);
     /** @type {Map<string, MaskTexture>} of each eye */
     this.masks = new Map();
+    /** @type {Map<string, Accumulation>} of each eye */
+    this.accumulations = new Map();
     this.maps = new ShadowMaps(gl, pack.info.bounds);
     this.timing = new Timing(gl);
     /** @type {Map<string, IdTarget>} */
@@ -46,6 +49,18 @@ export class Stage {
     let masks = this.masks.get(eye);
     if (!masks) this.masks.set(eye, (masks = new MaskTexture(this.gl)));
     return masks;
+  }
+
+  /** Where the shares of an eye's masks are averaged. */
+  accumulationOf(eye = '') {
+    let accumulation = this.accumulations.get(eye);
+    if (!accumulation) this.accumulations.set(eye, (accumulation = new Accumulation(this, eye)));
+    return accumulation;
+  }
+
+  dropAccumulation(eye = '') {
+    this.accumulations.get(eye)?.dispose();
+    this.accumulations.delete(eye);
   }
 
   /**
@@ -88,7 +103,7 @@ export class Stage {
     this.geometry.dispose(gl);
     this.materials.dispose(gl);
     gl.deleteTexture(this.lights.texture.texture);
-    for (const masks of this.masks.values()) masks.dispose();
+    for (const part of [...this.masks.values(), ...this.accumulations.values()]) part.dispose();
     gl.deleteVertexArray(this.array);
   }
 }

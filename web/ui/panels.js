@@ -102,8 +102,10 @@ export function attachPanels(find, viewer, { link, setSpeed }) {
   find('samples').onchange = (event) => viewer.set({ samples: Number(event.target.value) });
   find('occlusion').value = viewer.picture.occlusion;
   find('occlusion').onchange = (event) => viewer.set({ occlusion: event.target.value });
-  find('filter').checked = viewer.picture.filter;
-  find('filter').onchange = (event) => viewer.set({ filter: event.target.checked });
+  for (const estimate of ['filter', 'accumulate']) {
+    find(estimate).checked = viewer.picture[estimate];
+    find(estimate).onchange = (event) => viewer.set({ [estimate]: event.target.checked });
+  }
   find('sharpness').onchange = (event) => {
     viewer.quality.automatic = event.target.value === 'auto';
     viewer.quality.become(viewer.quality.automatic ? 0 : Number(event.target.value));

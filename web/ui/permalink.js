@@ -1,6 +1,7 @@
 // What a link to this page says: behind the #, so that no server and no log sees any of it.
 //
-//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&occlusion=1|half][&filter=1][&tenant=NAME][&token=SECRET]
+//   #scene=temple&cam=x,y,z,yaw,pitch,fov[&soft=4|16][&occlusion=1|half][&filter=1][&accumulate=1]
+//   [&tenant=NAME][&token=SECRET]
 //
 // A token is taken out of the address at once and kept for this tab alone.
 
@@ -15,6 +16,7 @@ const DIGITS = 4;
  * @property {1 | 4 | 16} samples points of each area light
  * @property {import('../wire/planes.js').Occlusion} occlusion of ambient light
  * @property {boolean} filter of what is counted
+ * @property {boolean} accumulate over masks
  * @property {{position: number[], yaw: number, pitch: number, verticalFov: number} | null} view radians
  */
 
@@ -37,6 +39,7 @@ export function parse(hash) {
     samples: /** @type {1 | 4 | 16} */ ([4, 16].find((samples) => said.get('soft') === String(samples)) ?? 1),
     occlusion: said.get('occlusion') === '1' ? 'full' : said.get('occlusion') === 'half' ? 'half' : 'none',
     filter: said.get('filter') === '1',
+    accumulate: said.get('accumulate') === '1',
     view: parseView(said.get('cam')),
   };
 }
@@ -48,6 +51,7 @@ export function format(place) {
   if (place.samples > 1) said.set('soft', String(place.samples));
   if (place.occlusion !== 'none') said.set('occlusion', place.occlusion === 'full' ? '1' : 'half');
   if (place.filter) said.set('filter', '1');
+  if (place.accumulate) said.set('accumulate', '1');
   if (place.view) {
     const { position, yaw, pitch, verticalFov } = place.view;
     said.set('cam', [...position, yaw, pitch, verticalFov].map((part) => +part.toFixed(DIGITS)).join(','));

@@ -1,7 +1,8 @@
 // gpu/shaders/shade.glsl: the picture's own surfaces, lit by the lights that are visible. LOOKUP says what is asked for
 // that: MASKS of the very view, or none at all; masks of another view that was SEEN before; or shadow MAPS. WINDOW: with
-// masks, pixels around have a say (window.js).
+// masks, pixels around have a say (window.js). SHARES: with masks, those before them have (accumulate.js).
 import { OPEN_SEGMENTS } from '../../wire/planes.js';
+import { SHARE_OF_PARTS } from './accumulate.js';
 import { EXACT } from './exact.js';
 import { ALPHA, SCENE, VIEW } from './frame.js';
 import { MAPS } from './maps.js';
@@ -135,11 +136,21 @@ int samples_of(int light) { return int(texelFetch(lights, ivec2(4, light), 0).y)
 // The share of the light's points that is seen there: 0 or 1 of a light without an extent.
 float share_at(int light, ivec2 source) {
   if (source.x < 0) return 1.0;
+#if SHARES
+  int layer = int(texelFetch(lights, ivec2(4, light), 0).z);
+  if (layer >= 0) return share_of(layer, source);
+#endif
   return counted_share(int(texelFetch(lights, ivec2(4, light), 0).x), samples_of(light), source);
 }
 
 // The share of ambient light that nothing near hides there.
-float open_share(ivec2 source) { return counted_share(occlusion_plane, ${OPEN_SEGMENTS}, source); }
+float open_share(ivec2 source) {
+#if SHARES
+  return share_of(occlusion_layer, source);
+#else
+  return counted_share(occlusion_plane, ${OPEN_SEGMENTS}, source);
+#endif
+}
 `;
 
 // Without a window, each pixel stands for itself.
@@ -256,8 +267,12 @@ void main() {
 `;
 
 /** The fragment shader for a value of LOOKUPS. */
-export function shadeFragment(/** @type {number} */ lookup, /** @type {boolean} */ window) {
+export function shadeFragment(
+  /** @type {number} */ lookup,
+  /** @type {boolean} */ window,
+  /** @type {boolean} */ shares,
+) {
   const found = lookup === LOOKUPS.SEEN && !window ? PREDICT : lookup === LOOKUPS.MAPS ? MAPS : '';
-  const asked = [found, LIGHT, window ? WINDOW : ALONE, SHADED];
+  const asked = [found, shares ? SHARE_OF_PARTS : '', LIGHT, window ? WINDOW : ALONE, SHADED];
   return [EXACT, SCENE, VIEW, ALPHA, LIGHTS, UNIFORMS, TEXTURES, SKY, COLOUR, SURFACE, ...asked, MAIN].join('');
 }

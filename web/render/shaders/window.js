@@ -1,6 +1,34 @@
 // gpu/shaders/shade.glsl where pixels around have a say, those that show the same surface: with its filter, which averages
 // the shares of area lights and of ambient light; and where not every pixel counts what occludes its ambient light.
-export const WINDOW = `
+export const SAME_SURFACE = `
+// 5x5 pixels: the weights 1, 2, 2, 2, 1 in each direction are the mean of the four 4x4 windows that contain the pixel, of
+// which each has every sample point.
+const int kWindow = 25, kOwn = 12;  // \`kOwn\`: the pixel itself
+
+ivec2 step_in_window(int i) { return ivec2(i % 5, i / 5) - 2; }
+
+// Those pixels of the window that show the same surface, as bits: of a normal within 8 degrees, and near its plane.
+// \`reach\`: how many steps are looked at; \`apart\`: pixels between them.
+uint same_surface(SurfacePoint surface, ivec2 pixel, int reach, int apart) {
+  uint like = 1u << kOwn;
+  float room = 0.004 * distance(surface.position, camera);
+  for (int i = 0; i < kWindow; ++i) {
+    ivec2 at = pixel + step_in_window(i) * apart, off = abs(step_in_window(i));
+    if (i == kOwn || max(off.x, off.y) > reach) continue;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(ids, 0)))) continue;
+    uint id = texelFetch(ids, at, 0).x;
+    if (id == 0u) continue;
+    SurfacePoint other = surface_of(triangle_of(id - 1u), at);
+    bool on_plane = abs(dot(other.position - surface.position, surface.normal)) <= room;
+    if (on_plane && dot(other.normal, surface.normal) > 0.99) like |= 1u << i;
+  }
+  return like;
+}
+`;
+
+export const WINDOW =
+  SAME_SURFACE +
+  `
 uniform bool filtered;    // false: counts are taken as they are
 uniform bool halved;      // pixels of even column and row alone count occlusion
 uniform int window_step;  // how far apart a window's pixels are
@@ -17,12 +45,6 @@ ivec2 source_at(ivec2 pixel) {
 #endif
 }
 
-// 5x5 pixels: the weights 1, 2, 2, 2, 1 in each direction are the mean of the four 4x4 windows that contain the pixel, of
-// which each has every sample point.
-const int kWindow = 25, kOwn = 12;  // \`kOwn\`: the pixel itself
-
-ivec2 step_in_window(int i) { return ivec2(i % 5, i / 5) - 2; }
-
 ivec2 pixel_in_window(ivec2 pixel, int i) { return pixel + step_in_window(i) * window_step; }
 
 float weight_in_window(int i) {
@@ -30,26 +52,9 @@ float weight_in_window(int i) {
   return (off.x == 2 ? 1.0 : 2.0) * (off.y == 2 ? 1.0 : 2.0);
 }
 
-// Those pixels of the window that show the same surface, as bits: of a normal within 8 degrees, and near its plane.
-uint same_surface(SurfacePoint surface, ivec2 pixel) {
-  uint like = 1u << kOwn;
-  int reach = filtered ? 2 : 1;  // those next to the pixel are enough to find a count of occlusion
-  float room = 0.004 * distance(surface.position, camera);
-  for (int i = 0; i < kWindow; ++i) {
-    ivec2 at = pixel_in_window(pixel, i), off = abs(step_in_window(i));
-    if (i == kOwn || max(off.x, off.y) > reach) continue;
-    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, textureSize(ids, 0)))) continue;
-    uint id = texelFetch(ids, at, 0).x;
-    if (id == 0u) continue;
-    SurfacePoint other = surface_of(triangle_of(id - 1u), at);
-    bool on_plane = abs(dot(other.position - surface.position, surface.normal)) <= room;
-    if (on_plane && dot(other.normal, surface.normal) > 0.99) like |= 1u << i;
-  }
-  return like;
-}
-
 Place place_of(SurfacePoint surface, ivec2 pixel) {
-  return Place(pixel, source_at(pixel), same_surface(surface, pixel));
+  int reach = filtered ? 2 : 1;  // those next to the pixel are enough to find a count of occlusion
+  return Place(pixel, source_at(pixel), same_surface(surface, pixel, reach, window_step));
 }
 
 // Where wholly lit and wholly dark pixels lie side by side, the edge is sharper than the window, and the pixel keeps its
