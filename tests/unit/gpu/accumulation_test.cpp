@@ -240,6 +240,16 @@ TEST(Accumulation, LightsThatMoveHaveTheNewestAlone) {
   }
 }
 
+TEST(Accumulation, SharesThatAreKnownAreShown) {
+  Given given;
+  const SeenMasks half = given.see([](auto, auto) { return kMost / 2; });
+  SeenMasks known = given.see(dark);
+  Reprojection& reprojection = **given.view->reprojection();
+  EXPECT_FALSE(reprojection.give_shares(known, std::vector<uint32_t>(kWidth)));
+  ASSERT_TRUE(reprojection.give_shares(known, std::vector<uint32_t>(kWidth * kHeight, kWholeShare / 2)));
+  EXPECT_EQ(given.picture(known).rgba, given.picture(half).rgba);
+}
+
 TEST(Accumulation, RefusesMasksOfOtherShapes) {
   Given given;
   SeenMasks newest = given.see(grain), other = given.see(grain);
