@@ -42,6 +42,11 @@ int main(int argc, char** argv) {
       {"queries", "what the queries of light buffers cost, counted", gnomon::bench::make_queries_suite()});
   commands.push_back({"soft", "shadow stages with 1, 4 and 16 sample points of each area light",
                       gnomon::bench::make_soft_suite()});
+  commands.push_back(
+      {"soft_pictures",
+       "one view with hard shadows, soft ones, ambient occlusion, and by a reference: what they cost and "
+       "how far they are from it",
+       gnomon::bench::make_soft_pictures_suite()});
   commands.push_back({"scheduler", "what a pick costs as sessions grow, and how close shares come to the promise",
                       gnomon::bench::make_scheduler_suite()});
   commands.push_back(

@@ -1,14 +1,16 @@
 // Suite "occlusion": how far ambient occlusion of n segments a pixel is from a reference of 1,024, of all pixels and at
 // half size, with and without the clients' filter. Embree answers all of it, so that the figures are those of the
-// segments and of what clients fill in, not of a tracer.
+// segments and of what clients fill in, not of a tracer; but what accumulates over frames is traced on the device and read
+// back from the client's pictures.
 #include <cmath>
 
 #include "scenes/light_samples.h"
 #include "tests/bench/bench_scenes.h"
+#include "tests/bench/client_shares.h"
+#include "tests/bench/embree_shares.h"
 #include "tests/bench/parallel_rows.h"
 #include "tests/bench/penumbra_filter.h"
 #include "tests/bench/suites.h"
-#include "tests/unit/gpu/embree_oracle.h"
 #include "tests/unit/gpu/surface_probe.h"
 
 namespace gnomon::bench {
@@ -27,9 +29,26 @@ struct Error {
   double rmse() const { return pixels ? std::sqrt(squares / static_cast<double>(pixels)) : 0; }
 };
 
-// What clients shade with, in the order of shaders/shade.glsl.
-enum Shown : size_t { all_pixels, all_filtered, half_size, half_filtered, kShown };
-constexpr std::array<const char*, kShown> kNames{"full", "full, filtered", "half", "half, filtered"};
+// What clients shade with.
+enum Shown : size_t {
+  all_pixels,
+  all_filtered,
+  half_size,
+  half_filtered,
+  all_accumulated,
+  all_accumulated_filtered,
+  half_accumulated,
+  half_accumulated_filtered,
+  kShown
+};
+constexpr std::array<const char*, kShown> kNames{"full",
+                                                 "full, filtered",
+                                                 "half",
+                                                 "half, filtered",
+                                                 "full, accumulated",
+                                                 "full, accumulated, filtered",
+                                                 "half, accumulated",
+                                                 "half, accumulated, filtered"};
 
 // The share of open segments of each pixel that shows a surface, and of the reference.
 struct Shares {
@@ -43,6 +62,9 @@ class OcclusionSuite : public Suite {
     command.add_option("--size", size_text_, "pixels of the traced picture")->capture_default_str();
     command.add_option("--device", device_, "index, type or part of the name");
     command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
+    command.add_option("--step", step_, "columns and rows from one pixel that is compared to the next")
+        ->check(CLI::Range(1u, 64u))
+        ->capture_default_str();
   }
 
   Result<Report> run() override {
@@ -50,6 +72,7 @@ class OcclusionSuite : public Suite {
     if (!size) return size.error();
     size_ = *size;
     report_.suite = "occlusion";
+    frames_ = std::max(1u, frames_);
     for (const std::string& name : scenes_) {
       const auto scene = open_scene(name);
       if (!scene) return scene.error();
@@ -66,15 +89,20 @@ class OcclusionSuite : public Suite {
     auto probe = gpu::SurfaceProbe::create(options, scene);
     if (!probe) return probe.error();
     const test::EmbreeOracle oracle(scene, true);
+    auto client = ClientShares::create(device_, scene);
+    if (!client) return client.error();
     std::array<Error, kShown> errors{};
     double open = 0;
-    for (const gpu::CameraView& camera : cameras_along_path(*scene, std::max(1u, frames_), size_)) {
+    for (uint32_t i = 0; i < frames_; ++i) {
       say("  " + scene->name + ": a camera");
+      const double seconds = path_seconds(*scene) * (i + 0.5) / frames_;
+      const gpu::CameraView camera = camera_on_path(*scene, seconds, size_);
       const auto frame = probe->render(camera, size_.width, size_.height);
       if (!frame) return frame.error();
       const Shares shares = trace(*scene, camera, *frame, oracle);
       for (uint32_t y = 0; y < size_.height; ++y)
         for (uint32_t x = 0; x < size_.width; ++x) add_errors(camera, *frame, shares, x, y, errors, open);
+      if (auto added = add_accumulated(*client, *probe, seconds, *frame, shares, errors); !added) return added;
     }
     for (size_t shown = 0; shown < kShown; ++shown) {
       report_.rows.push_back({{"scene", scene->name},
@@ -99,18 +127,12 @@ class OcclusionSuite : public Suite {
       for (uint32_t x = 0; x < size_.width; ++x) {
         const gpu::SurfaceSample& sample = frame.surface_at(x, y);
         if (sample.triangle == 0) continue;
-        const glm::vec3 origin = gpu::exact::segment_origin(camera.position, {sample.position, sample.normal});
         const auto share = [&](std::span<const glm::vec3> points) {
-          uint32_t free = 0;
-          for (const glm::vec3& point : points) {
-            const auto segment = gpu::exact::occlusion_segment(origin, sample.normal, point, radius);
-            free += !segment.traced || !oracle.occluded(origin, origin + segment.direction);
-          }
-          return static_cast<float>(free) / static_cast<float>(points.size());
+          return open_share(oracle, camera, sample, points, radius);
         };
         const size_t first = size_t{scenes::sample_pattern(x, y)} * kOcclusionSegments;
         shares.own[size_t{y} * size_.width + x] = share(std::span(own).subspan(first, kOcclusionSegments));
-        shares.reference[size_t{y} * size_.width + x] = share(all);
+        if (compared(x, y)) shares.reference[size_t{y} * size_.width + x] = share(all);
       }
     });
     return shares;
@@ -142,7 +164,7 @@ class OcclusionSuite : public Suite {
 
   void add_errors(const gpu::CameraView& camera, const gpu::ProbedFrame& frame, const Shares& shares, uint32_t x,
                   uint32_t y, std::array<Error, kShown>& errors, double& open) const {
-    if (frame.surface_at(x, y).triangle == 0) return;
+    if (frame.surface_at(x, y).triangle == 0 || !compared(x, y)) return;
     const size_t pixel = size_t{y} * size_.width + x;
     const float reference = shares.reference[pixel], own = shares.own[pixel];
     const bool counts = ((x | y) & 1) == 0;
@@ -153,9 +175,29 @@ class OcclusionSuite : public Suite {
     errors[half_filtered].add(filled(camera, frame, shares, x, y, 2, true), reference);
   }
 
+  bool compared(uint32_t x, uint32_t y) const { return x % step_ == 0 && y % step_ == 0; }
+
+  Result<void> add_accumulated(ClientShares& client, gpu::SurfaceProbe& probe, double seconds,
+                               const gpu::ProbedFrame& frame, const Shares& shares,
+                               std::array<Error, kShown>& errors) const {
+    for (const Occlusion occlusion : {Occlusion::full, Occlusion::half}) {
+      if (auto seen = client.see(probe, seconds, size_, {1, occlusion}); !seen) return seen;
+      for (const bool filtered : {false, true}) {
+        const auto shown = client.of_ambient({.accumulated = true, .filtered = filtered});
+        if (!shown) return shown.error();
+        const size_t first = occlusion == Occlusion::full ? all_accumulated : half_accumulated;
+        for (size_t pixel = 0; pixel < shown->size(); ++pixel)
+          if (frame.samples[pixel].triangle != 0 &&
+              compared(static_cast<uint32_t>(pixel % size_.width), static_cast<uint32_t>(pixel / size_.width)))
+            errors[first + filtered].add((*shown)[pixel], shares.reference[pixel]);
+      }
+    }
+    return {};
+  }
+
   std::vector<std::string> scenes_{"living_room", "temple"};
   std::string size_text_ = "480x270", device_;
-  uint32_t frames_ = 3;
+  uint32_t frames_ = 3, step_ = 1;
   PictureSize size_;
   Report report_;
 };

@@ -1,14 +1,15 @@
 // Suite "penumbra": how far soft shadows of k sample points are from a reference of 1,024, with and without the
 // clients' filter. Embree answers all of it, so that the figures are those of the points and of the filter, not of a
-// tracer.
+// tracer; but what accumulates over frames is traced on the device and read back from the client's pictures.
 #include <cmath>
 
 #include "scenes/light_samples.h"
 #include "tests/bench/bench_scenes.h"
+#include "tests/bench/client_shares.h"
+#include "tests/bench/embree_shares.h"
 #include "tests/bench/parallel_rows.h"
 #include "tests/bench/penumbra_filter.h"
 #include "tests/bench/suites.h"
-#include "tests/unit/gpu/embree_oracle.h"
 #include "tests/unit/gpu/surface_probe.h"
 
 namespace gnomon::bench {
@@ -18,6 +19,7 @@ using nlohmann::ordered_json;
 
 constexpr uint32_t kReference = 1024;
 constexpr std::array<uint32_t, 4> kCounts{1, 4, 16, 64};  // of the points of a pixel
+constexpr std::array<size_t, 2> kServed{1, 2};            // those of them that masks have
 
 // The shares of one light's points that each pixel sees, for each of kCounts, and of the reference.
 struct LightShares {
@@ -44,6 +46,13 @@ struct Errors {
   }
 };
 
+// Of one of kCounts.
+struct CountErrors {
+  Errors plain, filtered;
+  Errors accumulated, accumulated_filtered;  // of kServed alone
+};
+using AllErrors = std::array<CountErrors, kCounts.size()>;
+
 class PenumbraSuite : public Suite {
  public:
   void add_options(CLI::App& command) override {
@@ -52,6 +61,9 @@ class PenumbraSuite : public Suite {
     command.add_option("--size", size_text_, "pixels of the traced picture")->capture_default_str();
     command.add_option("--device", device_, "index, type or part of the name");
     command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
+    command.add_option("--step", step_, "columns and rows from one pixel that is compared to the next")
+        ->check(CLI::Range(1u, 64u))
+        ->capture_default_str();
   }
 
   Result<Report> run() override {
@@ -59,6 +71,7 @@ class PenumbraSuite : public Suite {
     if (!size) return size.error();
     size_ = *size;
     report_.suite = "penumbra";
+    frames_ = std::max(1u, frames_);
     for (const std::string& name : scenes_) {
       const auto scene = open_scene(name);
       if (!scene) return scene.error();
@@ -75,26 +88,68 @@ class PenumbraSuite : public Suite {
     auto probe = gpu::SurfaceProbe::create(options, scene);
     if (!probe) return probe.error();
     const test::EmbreeOracle oracle(scene, true);
-    std::array<Errors, kCounts.size()> plain{}, filtered{};
-    for (const gpu::CameraView& camera : cameras_along_path(*scene, std::max(1u, frames_), size_)) {
+    std::vector<ClientShares> clients;  // of kServed
+    for (size_t i = 0; i < kServed.size(); ++i) {
+      auto client = ClientShares::create(device_, scene);
+      if (!client) return client.error();
+      clients.push_back(std::move(*client));
+    }
+    AllErrors errors{};
+    for (uint32_t i = 0; i < frames_; ++i) {
       say("  " + scene->name + ": a camera");
+      const double seconds = path_seconds(*scene) * (i + 0.5) / frames_;
+      const gpu::CameraView camera = camera_on_path(*scene, seconds, size_);
       const auto frame = probe->render(camera, size_.width, size_.height);
       if (!frame) return frame.error();
-      for (const scenes::Light& light : scene->lights) {
-        if (light.area.shape == scenes::LightShape::point) continue;
-        add_errors(camera, *frame, trace(*scene, light, camera, *frame, oracle), plain, filtered);
+      for (size_t served = 0; served < kServed.size(); ++served)
+        if (auto seen = clients[served].see(*probe, seconds, size_, kCounts[kServed[served]]); !seen) return seen;
+      for (uint32_t light = 0; light < scene->lights.size(); ++light) {
+        if (scene->lights[light].area.shape == scenes::LightShape::point) continue;
+        const LightShares shares = trace(*scene, scene->lights[light], camera, *frame, oracle);
+        add_errors(camera, *frame, shares, errors);
+        if (auto added = add_accumulated(clients, light, shares, errors); !added) return added;
       }
     }
+    add_rows(*scene, errors);
+    return {};
+  }
+
+  void add_rows(const scenes::Scene& scene, const AllErrors& errors) {
     for (size_t k = 0; k < kCounts.size(); ++k) {
-      report_.rows.push_back(
-          {{"scene", scene->name},
-           {"size", size_text_},
-           {"k", kCounts[k]},
-           {"rmse", plain[k].rmse()},
-           {"rmse_filtered", filtered[k].rmse()},
-           {"penumbra_rmse", plain[k].penumbra_rmse()},
-           {"penumbra_rmse_filtered", filtered[k].penumbra_rmse()},
-           {"penumbra_share", static_cast<double>(plain[k].penumbra_pairs) / static_cast<double>(plain[k].pairs)}});
+      const CountErrors& of = errors[k];
+      ordered_json row{
+          {"scene", scene.name},
+          {"size", size_text_},
+          {"k", kCounts[k]},
+          {"rmse", of.plain.rmse()},
+          {"rmse_filtered", of.filtered.rmse()},
+          {"rmse_accumulated", nullptr},
+          {"rmse_accumulated_filtered", nullptr},
+          {"penumbra_rmse", of.plain.penumbra_rmse()},
+          {"penumbra_rmse_filtered", of.filtered.penumbra_rmse()},
+          {"penumbra_share", static_cast<double>(of.plain.penumbra_pairs) / static_cast<double>(of.plain.pairs)}};
+      if (of.accumulated.pairs > 0) {
+        row["rmse_accumulated"] = of.accumulated.rmse();
+        row["rmse_accumulated_filtered"] = of.accumulated_filtered.rmse();
+      }
+      report_.rows.push_back(std::move(row));
+    }
+  }
+
+  bool compared(uint32_t x, uint32_t y) const { return x % step_ == 0 && y % step_ == 0; }
+
+  Result<void> add_accumulated(std::vector<ClientShares>& clients, uint32_t light, const LightShares& shares,
+                               AllErrors& errors) const {
+    for (size_t served = 0; served < kServed.size(); ++served) {
+      CountErrors& of = errors[kServed[served]];
+      for (const bool filtered : {false, true}) {
+        const auto shown = clients[served].of_light(light, {.accumulated = true, .filtered = filtered});
+        if (!shown) return shown.error();
+        for (size_t pixel = 0; pixel < shown->size(); ++pixel)
+          if (shares.cares[pixel] &&
+              compared(static_cast<uint32_t>(pixel % size_.width), static_cast<uint32_t>(pixel / size_.width)))
+            (filtered ? of.accumulated_filtered : of.accumulated).add((*shown)[pixel], shares.reference[pixel]);
+      }
     }
     return {};
   }
@@ -120,32 +175,27 @@ class PenumbraSuite : public Suite {
         if (!hard.traced) continue;
         shares.cares[pixel] = 1;
         const auto share = [&](std::span<const glm::vec3> points) {
-          uint32_t seen = 0;
-          for (const glm::vec3& offset : points) {
-            const glm::vec3 point = middle.position + offset;
-            seen += glm::dot(surface.normal, point - hard.origin) > 0.0f && !oracle.occluded(hard.origin, point);
-          }
-          return static_cast<float>(seen) / static_cast<float>(points.size());
+          return seen_share(oracle, surface.normal, hard.origin, middle.position, points);
         };
         shares.of_count[0][pixel] = oracle.occluded(hard.origin, middle.position) ? 0.0f : 1.0f;
         for (size_t k = 1; k < kCounts.size(); ++k) {
           const size_t first = size_t{scenes::sample_pattern(x, y)} * kCounts[k];
           shares.of_count[k][pixel] = share(std::span(offsets[k]).subspan(first, kCounts[k]));
         }
-        shares.reference[pixel] = share(all);
+        if (compared(x, y)) shares.reference[pixel] = share(all);
       }
     });
     return shares;
   }
 
   void add_errors(const gpu::CameraView& camera, const gpu::ProbedFrame& frame, const LightShares& shares,
-                  std::array<Errors, kCounts.size()>& plain, std::array<Errors, kCounts.size()>& filtered) const {
+                  AllErrors& errors) const {
     for (size_t k = 0; k < kCounts.size(); ++k) {
       for (uint32_t y = 0; y < size_.height; ++y) {
         for (uint32_t x = 0; x < size_.width; ++x) {
           const size_t pixel = size_t{y} * size_.width + x;
-          if (!shares.cares[pixel]) continue;
-          plain[k].add(shares.of_count[k][pixel], shares.reference[pixel]);
+          if (!shares.cares[pixel] || !compared(x, y)) continue;
+          errors[k].plain.add(shares.of_count[k][pixel], shares.reference[pixel]);
           const auto neighbour = [&](int dx, int dy) -> PenumbraPixel {
             const int64_t nx = int64_t{x} + dx, ny = int64_t{y} + dy;
             if (nx < 0 || ny < 0 || nx >= size_.width || ny >= size_.height) return {};
@@ -154,7 +204,7 @@ class PenumbraSuite : public Suite {
             return {sample.triangle != 0, shares.cares[at] != 0, sample.position, sample.normal,
                     shares.of_count[k][at]};
           };
-          filtered[k].add(filtered_share(camera.position, neighbour), shares.reference[pixel]);
+          errors[k].filtered.add(filtered_share(camera.position, neighbour), shares.reference[pixel]);
         }
       }
     }
@@ -162,7 +212,7 @@ class PenumbraSuite : public Suite {
 
   std::vector<std::string> scenes_{"living_room", "temple"};
   std::string size_text_ = "480x270", device_;
-  uint32_t frames_ = 3;
+  uint32_t frames_ = 3, step_ = 1;
   PictureSize size_;
   Report report_;
 };

@@ -19,6 +19,7 @@ class Suite {
 std::unique_ptr<Suite> make_tracers_suite();
 std::unique_ptr<Suite> make_queries_suite();
 std::unique_ptr<Suite> make_soft_suite();
+std::unique_ptr<Suite> make_soft_pictures_suite();
 std::unique_ptr<Suite> make_scheduler_suite();
 std::unique_ptr<Suite> make_growth_suite();
 std::unique_ptr<Suite> make_codec_suite();
