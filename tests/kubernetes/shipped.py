@@ -123,7 +123,8 @@ def for_this_machine(documents, maps, scenes, door_image):
     if own == nodes["gnomond.yaml"]:
         raise AssertionError("the example has another scene")
     changed(f"{len(scenes)} scenes of one triangle are on the volume")
-    nodes["gnomond.yaml"] = own
+    changed("nodes admit whatever comes (scheduler.admit_percent: 0): their devices are processors that others use too")
+    nodes["gnomond.yaml"] = own + "scheduler: {admit_percent: 0}\n"
 
 
 def volume(folder):
