@@ -133,7 +133,10 @@ class Fleet:
 
     def complaints(self):
         """What Kubernetes says of pods that do not come up."""
-        said = self.cluster.kubectl("get", "events,pods", "--all-namespaces", "-o", "wide")
+        said = "\n".join(self.cluster.kubectl(
+            "get", "events", "--sort-by=.lastTimestamp", "-o",
+            "custom-columns=LAST:.lastTimestamp,OF:.involvedObject.name,SAYS:.message").splitlines()[-40:])
+        said += "\n" + self.cluster.kubectl("get", "pods", "-o", "wide")
         for pod in self.api.pods("gnomon") + self.api.pods("gnomon-door"):
             name = pod["metadata"]["name"]
             try:
