@@ -67,7 +67,8 @@ uint like_pixels(SurfacePoint surface, uvec2 pixel, uint step) {
 }
 
 // An earlier count is rejected if it lies farther than one point beyond all counts around it in the newest mask: a shadow
-// that has gone, or not come yet, does not linger.
+// that has gone, or not come yet, does not linger. Where wholly lit and wholly dark pixels are around, the edge is sharper
+// than these pixels and lies elsewhere between those of each mask: the newest stands alone.
 uint mean_share(CountedNumber number, uvec2 pixel, uvec3 sources, uint like) {
   uint own = count_at(push.masks, number, pixel);
   uint least = own, most = own;
@@ -77,9 +78,10 @@ uint mean_share(CountedNumber number, uvec2 pixel, uvec3 sources, uint like) {
     least = min(least, count);
     most = max(most, count);
   }
+  bool sharp = least == 0u && most == number.most;
   uint sum = own, masks = 1u;
   for (uint e = 0u; e < kEarlier; ++e) {
-    if (sources[e] == 0u) continue;
+    if (sharp || sources[e] == 0u) continue;
     uvec2 at = uvec2((sources[e] - 1u) % frame.width, (sources[e] - 1u) / frame.width);
     if (!has_number(number, at)) continue;
     uint count = count_at(push.earlier_masks[e], number, at);

@@ -212,7 +212,7 @@ std::string label_of(const Drawn& drawn) {
   std::string label = drawn.name;
   char figures[64];
   if (drawn.trace_ms && drawn.bytes_referring) {
-    std::snprintf(figures, sizeof figures, "  %.0f ms  %.1f kB", *drawn.trace_ms,
+    std::snprintf(figures, sizeof figures, "  %.2f ms  %.1f kB", *drawn.trace_ms,
                   static_cast<double>(*drawn.bytes_referring) / 1e3);
     label += figures;
   }

@@ -172,6 +172,21 @@ TEST(Accumulation, OfMasksThatSawOtherPointsIsNearerToTheirMean) {
   EXPECT_LT(before, 0.7 * own) << "half of it if they were independent";
 }
 
+// At an edge sharper than the pixels around, other masks say what lies a fraction of a pixel beside it.
+TEST(Accumulation, NextToASharpEdgeTheNewestStandsAlone) {
+  Given given;
+  const auto edge = [](uint32_t x, auto) { return x < kWidth / 2 ? 0u : kMost; };
+  const auto beside = [](uint32_t x, auto) { return x < kWidth / 2 + 1 ? 0u : kMost; };
+  const SeenMasks alone = given.see(edge);
+  SeenMasks newest = given.see(edge);
+  given.accumulate(newest, {given.see(beside)});
+  EXPECT_EQ(given.picture(newest).rgba, given.picture(alone).rgba);
+  const auto soft = [](uint32_t x, auto) { return x < kWidth / 2 ? 1u : kMost; };  // no pixel is wholly dark
+  SeenMasks softer = given.see(soft);
+  given.accumulate(softer, {given.see(beside)});
+  EXPECT_NE(given.picture(softer).rgba, given.picture(given.see(soft)).rgba);
+}
+
 // A shadow that has gone, and one that has come.
 TEST(Accumulation, WhatTheNewestMaskContradictsIsRejected) {
   Given given;

@@ -97,11 +97,13 @@ void main() {
       int parts = parts_in(masks, pixel + off);
       range = ivec2(min(range.x, parts), max(range.y, parts));
     }
+    // An edge sharper than these pixels lies elsewhere between the pixels of each mask.
+    int used = range == ivec2(0, ${PARTS}) ? 0 : earlier;
     range += ivec2(-1, 1) * (${PARTS} / samples);
     int width = textureSize(sources_0, 0).x;
-    if (earlier > 0) add(earlier_masks_0, sources_0, pixel, width);
-    if (earlier > 1) add(earlier_masks_1, sources_1, pixel, width);
-    if (earlier > 2) add(earlier_masks_2, sources_2, pixel, width);
+    if (used > 0) add(earlier_masks_0, sources_0, pixel, width);
+    if (used > 1) add(earlier_masks_1, sources_1, pixel, width);
+    if (used > 2) add(earlier_masks_2, sources_2, pixel, width);
   }
   share = uint(sum / masks_counted);
 }
