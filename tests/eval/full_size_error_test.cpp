@@ -47,7 +47,7 @@ struct Look {
 class Eye {
  public:
   explicit Eye(const scenes::ScenePtr& scene) {
-    gpu::RendererOptions options = test::device_options();
+    gpu::RendererOptions options = test::full_size_options();
     options.tracer_options.cache_folder = GNOMON_TEST_CACHE;
     frame_ = gpu::BlockingFrame::create(options,
                                         {"gbuffer", "ids", "surface", "trace", "readback_ids", "readback_surface",
