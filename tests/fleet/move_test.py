@@ -18,7 +18,7 @@ from world import World, eventually  # noqa: E402
 BUILD = sys.argv.pop(1)
 SESSIONS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 200
 # More than one interval between frames. Who opens a session only after the former one has ended waits for longer.
-GENEROUS_MS = 1_000
+GENEROUS_MS = 3_000
 GENEROUS_AFTER_LOSS_MS = 10_000
 SCENES_UNDER_LOAD = 6
 CALM_S = 5
@@ -33,6 +33,16 @@ class Moves(unittest.TestCase):
 
     def setUp(self):
         self.all_are_up()
+        self.addCleanup(self.bring_back)
+
+    def bring_back(self):
+        """What a test that has failed leaves behind is not for the next one to find."""
+        for node in self.world.nodes.values():
+            node.machine.plug_cable()
+            if node.process.poll() is not None:
+                node.start()
+            elif node.status()["draining"]:
+                node.ctl("undrain")
 
     def all_are_up(self):
         eventually(lambda: not any(self.sessions(node) for node in self.world.nodes.values()), "nobody is left of before")
@@ -53,12 +63,25 @@ class Moves(unittest.TestCase):
     def sessions(self, node, scene=None):
         return sum(scene in (None, session["scene"]) for session in node.sessions())
 
-    def node_with(self, load):
-        """The one that serves it, once it serves all of it."""
+    def served(self, load, *, without=None):
+        """How many of its sessions each node has, once all are there. As a rule one node has all; those who come to one
+        that has become full go to another (door_test has the rule), and that depends on the machine."""
+        counts = {}
+
         def found():
             load.must_fly()
-            return [node for node in self.world.nodes.values() if self.sessions(node, load.scene) == load.clients]
-        return eventually(found, f"a node serves {load.clients} sessions of {load.name}")[0]
+            counts.update({node.name: self.sessions(node, load.scene) for node in self.world.nodes.values()})
+            return sum(counts.values()) == load.clients and not (without and counts[without.name])
+        try:
+            eventually(found, f"{load.clients} sessions of {load.name} are served")
+        except AssertionError as error:
+            raise AssertionError(f"{error}, but {counts}; doors: "
+                                 f"{[self.world.states(door) for door in self.world.doors.values()]}") from None
+        return {self.world.nodes[name]: count for name, count in counts.items() if count}
+
+    def most_of(self, load):
+        """The node that has most of its sessions, and how many these are."""
+        return max(self.served(load).items(), key=lambda entry: entry[1])
 
     def flies(self, node):
         """Frames come of it all the time."""
@@ -79,7 +102,7 @@ class Moves(unittest.TestCase):
     def test_nothing_happens_at_60_hz(self):
         """What the others are to be compared with, on the machine that this runs on."""
         load = self.load(4, 60)
-        self.flies(self.node_with(load))
+        self.flies(self.most_of(load)[0])
         time.sleep(CALM_S)
         self.held("nothing happened at 60 Hz", load.land(), 4, moves=0)
 
@@ -87,24 +110,23 @@ class Moves(unittest.TestCase):
         """Twice: the other node has to load the scene, and has it."""
         for known in ("that the other node does not know", "that the other node knows"):
             load = self.load(4, 60, scene=self.scenes_made if known.endswith("knows") else None)
-            node = self.node_with(load)
+            node, here = self.most_of(load)
             self.flies(node)
             left = node.metric("gnomon_session_moves_total", outcome="left")
             self.assertEqual(node.ctl("drain")[0], 0)
-            eventually(lambda: self.sessions(node) == 0, "all have left")
-            self.assertIsNot(self.node_with(load), node)
-            self.assertEqual(node.metric("gnomon_session_moves_total", outcome="left"), left + 4)
+            self.served(load, without=node)
+            self.assertEqual(node.metric("gnomon_session_moves_total", outcome="left"), left + here)
             self.assertEqual(node.ctl("undrain")[0], 0)
-            self.held(f"drained at 60 Hz, a scene {known}", load.land(), 4, moves=4)
+            self.held(f"drained at 60 Hz, a scene {known}", load.land(), 4, moves=here)
             self.all_are_up()
 
     def test_a_node_stops_while_it_is_asked(self):
         load = self.load(4, 60)
-        node = self.node_with(load)
+        node, here = self.most_of(load)
         self.flies(node)
         self.assertEqual(node.stop(), 0)
-        self.assertIsNot(self.node_with(load), node)
-        self.held("stopped at 60 Hz", load.land(), 4, moves=4)
+        self.served(load, without=node)
+        self.held("stopped at 60 Hz", load.land(), 4, moves=here)
         node.start()
 
     def test_three_nodes_are_restarted_one_by_one(self):
@@ -112,18 +134,18 @@ class Moves(unittest.TestCase):
         loads = [self.load(each + (number < SESSIONS % SCENES_UNDER_LOAD), 1) for number in range(SCENES_UNDER_LOAD)]
         moves = {load.name: 0 for load in loads}
         for load in loads:
-            self.flies(self.node_with(load))
+            self.flies(self.most_of(load)[0])
         for node in self.world.nodes.values():
-            here = [load for load in loads if self.node_with(load) is node]
+            here = {load: self.served(load).get(node, 0) for load in loads}
             self.assertEqual(node.stop(), 0)
             self.assertIn("the client said Bye", node.log_text())
             self.assertNotIn("the server is stopping", self.closings(node))
-            for load in here:
-                moves[load.name] += load.clients
-                self.assertIsNot(self.node_with(load), node)
+            for load, count in here.items():
+                moves[load.name] += count
+                self.served(load, without=node)
             node.start()
             self.doors_know()
-            print(f"{node.name} was restarted: {sum(load.clients for load in here)} sessions had moved", flush=True)
+            print(f"{node.name} was restarted: {sum(here.values())} sessions had moved", flush=True)
         self.assertGreater(sum(moves.values()), 0)
         for load in loads:
             self.held(f"three nodes restarted, {load.name}", load.land(), load.clients, moves=moves[load.name])
@@ -134,15 +156,16 @@ class Moves(unittest.TestCase):
 
     def fails(self, what, end, mend):
         load = self.load(20, 5, "--reopen")
-        node = self.node_with(load)
+        node, here = self.most_of(load)
         self.flies(node)
         end(node)
         self.others_have(load, node)
         mend(node)
         self.doors_know()
-        self.held(what, load.land(), 20, moves=0, reopened=20)
+        self.held(what, load.land(), 20, moves=0, reopened=here)
 
     def others_have(self, load, node):
+        """The one whose cable is pulled keeps its sessions until it has waited long enough."""
         others = [other for other in self.world.nodes.values() if other is not node]
         eventually(lambda: sum(self.sessions(other, load.scene) for other in others) == load.clients, "others have it")
 
