@@ -20,6 +20,7 @@ for key in ("hostNetwork", "dnsPolicy", "tolerations"):
     pod.pop(key)
 secret, = (volume["secret"] for volume in pod["volumes"] if "secret" in volume)
 secret["optional"] = False  # the default; this podman falls over its own feet where it is not said
+pod["restartPolicy"] = "OnFailure"  # this podman would start again what prepares the pod, too, each time that it has ended
 template["metadata"]["name"] = "gnomon"
 
 config = manifest.load((manifest.BASE / "gnomond.yaml").read_text())
