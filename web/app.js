@@ -8,6 +8,7 @@ import { Gaze } from './ui/gaze.js';
 import { Hud } from './ui/hud.js';
 import { attachDivider, attachPanels, listLights } from './ui/panels.js';
 import { Poster } from './ui/poster.js';
+import { attachSides } from './ui/sides.js';
 import { format, takeFromAddress } from './ui/permalink.js';
 import { Viewer } from './viewer.js';
 import { canBeUsed, Headset } from './xr.js';
@@ -167,6 +168,7 @@ attachPanels(element, viewer, {
     controls.speed = speed * factor;
   },
 });
+attachSides(element, viewer, () => gaze.pose);
 window.addEventListener('hashchange', () => {
   const said = takeFromAddress(location, history, sessionStorage);
   if (said.view) Object.assign(gaze, said.view);

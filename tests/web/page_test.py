@@ -5,6 +5,7 @@
 """
 import hashlib
 import http.server
+import re
 import signal
 import sys
 import threading
@@ -140,6 +141,35 @@ class Viewer(unittest.TestCase):
         self.assertGreater(page.viewer("viewer.renderer.stage.accumulationOf().earlier.length"), 0)
         self.assertEqual(page.viewer("viewer.welcome.samples"), 4 + 64)
         self.assertEqual(page.viewer("viewer.masks.planes.first.length"), lights)
+        self.assertEqual(page.browser.errors, [])
+
+    def test_hard_soft_and_a_reference_stand_side_by_side(self):
+        node = web_node(BUILD, scheduler={"admit_percent": 0}, tenants=[{"name": "studio", "least_samples": 16}])
+        self.addCleanup(node.__exit__)
+        node.start()
+        page = Page(node, width=240, height=160)
+        self.addCleanup(page.close)
+        page.wait_fresh()
+        page.click("#sides-button")
+        captions = "[...document.querySelectorAll('#sides figcaption')].map((caption) => caption.textContent)"
+        said = lambda: page.text("#sides-text")
+        eventually(lambda: len(page.evaluate(captions)) == 4 or "trace" not in said(), "four pictures", patience=400)
+        found = page.evaluate(captions)
+        self.assertEqual(len(found), 4, said())
+        points = [re.search(r"(\w+) points? of each lamp", caption).group(1) for caption in found]
+        self.assertEqual(points, ["one", "16", "16", "256"])
+        self.assertEqual(["ambient occlusion" in caption.split(":", 1)[1] for caption in found], [False, False, True, True])
+        eventually(lambda: "from the reference" in page.evaluate(captions)[0], "differences")
+        apart = [float(re.search(r"([\d.]+) of 255", caption).group(1)) for caption in page.evaluate(captions)[:3]]
+        self.assertGreater(apart[0], apart[2], "one point is farther from all points than 16 are")
+        self.assertGreater(apart[1], apart[2], "without ambient occlusion it is farther from a picture that has it")
+        self.assertGreater(apart[2], 0, "16 points leave some grain")
+        if PICTURE:
+            page.browser.picture(PICTURE.replace(".png", "_sides.png"))
+        page.click("#sides-close")
+        page.drag((120, 80), (100, 80))
+        page.wait_fresh()
+        self.assertEqual(page.viewer("viewer.masks.planes.total"), page.viewer("viewer.welcome.scene.lights.length"))
         self.assertEqual(page.browser.errors, [])
 
     def test_the_daemon_comes_back_and_so_does_the_picture(self):

@@ -12,9 +12,10 @@ import { placeWithin, sameEye, seenUniforms } from './view.js';
  * @typedef {{camera: Camera, width: number, height: number, sceneTimeUs?: number, lightsOn?: Uint8Array | null,
  *   shadows?: Shadows, split?: {at: number, left: Shadows, right: Shadows} | null, exposure?: number,
  *   ambient?: number | number[], tonemap?: 'filmic' | 'clamp', view?: 'shaded' | 'material' | 'normals',
- *   onlyLight?: number, antialias?: boolean, filter?: boolean, accumulate?: boolean, eye?: string}} Wish what to draw;
+ *   onlyLight?: number, antialias?: boolean, filter?: boolean, accumulate?: boolean,
+ *   gathered?: import('./gathering.js').Gathered, eye?: string}} Wish what to draw;
  *   `view` and `onlyLight` are for tests; filter: what is counted is averaged over the pixels around that show the same
- *   surface, accumulate: over the masks before, both estimates
+ *   surface, accumulate: over the masks before, both estimates; gathered: shares that stand for those of the masks
  * @typedef {{framebuffer: WebGLFramebuffer | null, flipped: boolean}} Output where to
  */
 
@@ -78,7 +79,7 @@ export class Picture {
         ? this.seenIds(wish, masks)
         : this.stage.idsOf(`shown ${wish.eye ?? ''}`, wish.camera, width, height, false);
     const window = masks !== null && exact && looksAround(wish, masks);
-    const shares = masks && exact && lights.layers ? this.accumulated(wish, masks, lights.layers) : null;
+    const shares = masks && exact && lights.layers ? this.sharesOf(wish, masks, lights.layers) : null;
     const into = wish.antialias ? this.samplesOf(width, height) : output;
     stage.timing.measure('shade', () => {
       const sources = masks && window && !direct ? this.found(wish, masks, shown) : null;
@@ -130,13 +131,16 @@ export class Picture {
     return this.stage.idsOf(`seen ${eye}`, masks.camera, masks.width, masks.height, true);
   }
 
-  /** @private */
-  accumulated(
+  /** Instead of what the masks alone count. @private */
+  sharesOf(
     /** @type {Wish} */ wish,
     /** @type {import('./masks.js').Masks} */ masks,
     /** @type {number[]} */ layers,
   ) {
-    const shares = this.stage.accumulationOf(wish.eye).sharesOf(this.seenIds(wish, masks), layers);
+    const { stage } = this;
+    const shares = wish.gathered
+      ? stage.gathered.put(wish.gathered)
+      : stage.accumulationOf(wish.eye).sharesOf(this.seenIds(wish, masks), layers);
     return { shares, occlusion_layer: shares.layers - 1 };
   }
 

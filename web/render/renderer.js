@@ -179,9 +179,11 @@ export class Renderer {
     const asked = wish.split ? [wish.split.left, wish.split.right] : [wish.shadows ?? 'exact'];
     const masks = asked.includes('exact') ? this.masksOfLights(wish.eye ?? '') : null;
     const planes = masks?.planes ?? hardPlanes(this.lights.length);
-    const accumulates = masks !== null && Boolean(wish.accumulate) && countsPoints(planes);
+    const gathered = masks ? (wish.gathered ?? null) : null;
+    const accumulates = masks !== null && !gathered && Boolean(wish.accumulate) && countsPoints(planes);
     if (masks) this.upload(masks, wish.eye ?? '', accumulates);
-    const layers = accumulates ? layersOf(planes, stage.geometry.motion.lightNodes) : null;
+    const own = accumulates ? layersOf(planes, stage.geometry.motion.lightNodes) : null;
+    const layers = gathered?.layers ?? own;
     const time = masks ? masks.sceneTimeUs : (wish.sceneTimeUs ?? 0);
     const lights = this.pose(time, wish.lightsOn ?? null, asked.includes('maps'), planes, layers ?? []);
     const predicted = /** @type {Picture} */ (this.picture).draw(wish, masks, { count: lights.length, layers }, output);

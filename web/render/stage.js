@@ -1,5 +1,6 @@
 // Everything that lives as long as a context: the scene on the device, the passes and their targets.
 import { Accumulation } from './accumulation.js';
+import { SharesTexture } from './gathering.js';
 import { Geometry } from './geometry.js';
 import { Lights } from './lights.js';
 import { MaskTexture } from './masks.js';
@@ -33,6 +34,7 @@ export class Stage {
     this.masks = new Map();
     /** @type {Map<string, Accumulation>} of each eye */
     this.accumulations = new Map();
+    this.gathered = new SharesTexture(gl);
     this.maps = new ShadowMaps(gl, pack.info.bounds);
     this.timing = new Timing(gl);
     /** @type {Map<string, IdTarget>} */
@@ -99,7 +101,7 @@ export class Stage {
   dispose() {
     const { gl } = this;
     for (const target of this.targets.values()) target.dispose();
-    for (const part of [this.raster, this.maps]) part.dispose();
+    for (const part of [this.raster, this.maps, this.gathered]) part.dispose();
     this.geometry.dispose(gl);
     this.materials.dispose(gl);
     gl.deleteTexture(this.lights.texture.texture);
