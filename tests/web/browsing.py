@@ -32,15 +32,15 @@ def web_node(build, **config):
 
 class Page:
     """The page in a browser of its own. `fragment`: behind the #; `before`: a script that runs before those of the page;
-    `host`: of a relay, if not the node itself."""
+    `host`: of a relay, if not the node itself; `browser`: another one than Chromium."""
 
     def __init__(self, node, fragment="scene=living_room&tenant=studio", program=None, arguments=chromium.LLVMPIPE, before="",
-                 host=None, **size):
+                 host=None, browser=None, **size):
         own, port = node.control.rsplit(":", 1)
         host = host or own
         self.url = f"https://{host}:{port}/"
-        self.browser = chromium.Chromium(program or chromium.find(),
-                                         (*arguments, chromium.trusting(chromium.key_hash(host, port))))
+        self.browser = browser or chromium.Chromium(
+            program or chromium.find(), (*arguments, chromium.trusting(chromium.key_hash(host, port))))
         if before:
             self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=before)
         self.open(fragment, **size)
