@@ -8,10 +8,8 @@ import { Gaze } from './ui/gaze.js';
 import { Hud } from './ui/hud.js';
 import { attachDivider, attachPanels, listLights } from './ui/panels.js';
 import { Poster } from './ui/poster.js';
-import { attachSides } from './ui/sides.js';
 import { format, takeFromAddress } from './ui/permalink.js';
 import { Viewer } from './viewer.js';
-import { canBeUsed, Headset } from './xr.js';
 import { shownPart } from './prediction/border.js';
 
 /** @template {HTMLElement} T @param {string} id @returns {T} */
@@ -136,6 +134,11 @@ async function copyLink() {
   setTimeout(() => hud.tell(''), 2500);
 }
 
+async function headsetIsThere() {
+  const { xr } = /** @type {any} */ (navigator);
+  return Boolean(xr && (await xr.isSessionSupported('immersive-vr').catch(() => false)));
+}
+
 async function fillScreen() {
   if (document.fullscreenElement) return document.exitFullscreen();
   await element('stage')
@@ -155,11 +158,26 @@ element('fly').onclick = () => {
 };
 element('link').onclick = copyLink;
 element('full').onclick = fillScreen;
-const headset = new Headset(viewer, gaze, (text) => hud.tell(text));
-element('headset').onclick = () => headset.enter().catch((error) => hud.tell(error.message));
-canBeUsed().then((usable) => {
-  element('headset').hidden = !usable;
+// What few need comes when they do.
+headsetIsThere().then(async (isThere) => {
+  if (!isThere) return;
+  const { Headset } = await import('./xr.js');
+  const headset = new Headset(viewer, gaze, (text) => hud.tell(text));
+  element('headset').onclick = () => headset.enter().catch((error) => hud.tell(error.message));
+  element('headset').hidden = false;
+  Object.assign(/** @type {any} */ (window).gnomon, { headset });
 });
+/** @type {Promise<import('./ui/sides.js').Sides> | null} */
+let sides = null;
+element('sides-button').onclick = async () => {
+  sides ??= import('./ui/sides.js').then(({ Sides }) => new Sides(element, viewer));
+  try {
+    (await sides).open(gaze.pose);
+  } catch (error) {
+    sides = null;
+    hud.tell(`what shows them cannot be had: ${/** @type {Error} */ (error).message}`);
+  }
+};
 attachStick(element('stick'), element('knob'), controls);
 attachDivider(element, (split) => viewer.set({ split }));
 attachPanels(element, viewer, {
@@ -168,7 +186,6 @@ attachPanels(element, viewer, {
     controls.speed = speed * factor;
   },
 });
-attachSides(element, viewer, () => gaze.pose);
 window.addEventListener('hashchange', () => {
   const said = takeFromAddress(location, history, sessionStorage);
   if (said.view) Object.assign(gaze, said.view);
@@ -206,4 +223,4 @@ requestAnimationFrame(turn);
 open(place);
 
 // For tests, and for the curious with a console.
-Object.assign(window, { gnomon: { viewer, gaze, figures, controls, setFlying, headset } });
+Object.assign(window, { gnomon: { viewer, gaze, figures, controls, setFlying } });

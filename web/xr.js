@@ -16,12 +16,6 @@ const OVER_CAPACITY = 9; // a code of Refused
 const COARSER = 0.75; // of the pixels each way, where the server has no room for more
 const NEAR = 0.05; // metres
 
-/** Whether a headset can be used. */
-export async function canBeUsed() {
-  const { xr } = /** @type {any} */ (navigator);
-  return Boolean(xr && (await xr.isSessionSupported('immersive-vr').catch(() => false)));
-}
-
 /**
  * The four tangents of a frustum, of a projection matrix column by column.
  * @param {ArrayLike<number>} p

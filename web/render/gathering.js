@@ -2,7 +2,6 @@
 // of views that are shifted by 0 to 3 pixels either way every pixel gets the counts of all 16: 256 points of a light that
 // has 16 in each mask, and 128 segments of the ambient light. A reference, for pictures of what rests. No estimate: every
 // count is one that the server traced for this very surface.
-import { textureArray } from './gl.js';
 import { PARTS } from './shaders/accumulate.js';
 import { OPEN_SEGMENTS } from '../wire/planes.js';
 
@@ -86,36 +85,5 @@ export class Gathering {
           shares[layer * size + (y + top) * masks.width + x + left] = Math.round((sums[i] * PARTS) / whole);
     });
     return { width: masks.width, height: masks.height, layers, shares };
-  }
-}
-
-/** Gathered shares on the device. */
-export class SharesTexture {
-  constructor(/** @type {WebGL2RenderingContext} */ gl) {
-    this.gl = gl;
-    /** @type {(import('./gl.js').Texture & {layers: number}) | null} */
-    this.texture = null;
-    /** @type {Gathered | null} what the texture holds */
-    this.held = null;
-  }
-
-  /** @param {Gathered} gathered */
-  put(gathered) {
-    if (this.texture && this.held === gathered) return this.texture;
-    this.dispose();
-    const { gl } = this;
-    const { width, height, shares } = gathered;
-    const layers = shares.length / (width * height);
-    this.texture = textureArray(gl, gl.R8UI, width, height, layers);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    const [format, type] = [gl.RED_INTEGER, gl.UNSIGNED_BYTE];
-    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, 0, width, height, layers, format, type, shares);
-    this.held = gathered;
-    return this.texture;
-  }
-
-  dispose() {
-    if (this.texture) this.gl.deleteTexture(this.texture.texture);
-    this.texture = this.held = null;
   }
 }

@@ -1,6 +1,5 @@
 // Everything that lives as long as a context: the scene on the device, the passes and their targets.
 import { Accumulation } from './accumulation.js';
-import { SharesTexture } from './gathering.js';
 import { Geometry } from './geometry.js';
 import { Lights } from './lights.js';
 import { MaskTexture } from './masks.js';
@@ -8,6 +7,7 @@ import { Materials } from './materials.js';
 import { Programs } from './programs.js';
 import { IdTarget, Raster } from './raster.js';
 import { ShadowMaps } from './shadow_maps.js';
+import { SharesTexture } from './shares_texture.js';
 import { Timing } from './timing.js';
 import { viewOf } from './view.js';
 

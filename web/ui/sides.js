@@ -10,62 +10,71 @@ export function captionOf({ name, points, occlusion, views, gpuMs }) {
   return `${name}: ${lights}${occlusion ? ' and ambient occlusion' : ''}${of}, ${gpuMs.toFixed(1)} ms a mask`;
 }
 
-/**
- * @param {(id: string) => any} find
- * @param {import('../viewer.js').Viewer} viewer
- * @param {() => import('../prediction/border.js').Pose} pose of now
- */
-export function attachSides(find, viewer, pose) {
-  const [section, button, text, grid] = ['sides', 'sides-button', 'sides-text', 'sides-grid'].map(find);
-  const sideBySide = new SideBySide(viewer);
-  let round = 0;
+export class Sides {
+  /** @param {(id: string) => any} find @param {import('../viewer.js').Viewer} viewer */
+  constructor(find, viewer) {
+    this.section = find('sides');
+    this.button = find('sides-button');
+    this.text = find('sides-text');
+    this.grid = find('sides-grid');
+    this.viewer = viewer;
+    this.sideBySide = new SideBySide(viewer);
+    this.round = 0; // what comes of an earlier one is of no use
+    find('sides-close').onclick = () => this.close();
+    document.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') this.close();
+    });
+  }
 
-  /** @param {Side} side */
-  const figureOf = (side) => {
-    const canvas = Object.assign(document.createElement('canvas'), viewer.size);
+  /** @param {import('../prediction/border.js').Pose} pose */
+  async open(pose) {
+    const round = ++this.round;
+    const tell = (/** @type {string} */ text) => {
+      if (round === this.round) this.text.textContent = text;
+    };
+    this.section.hidden = false;
+    this.grid.replaceChildren();
+    /** @type {{side: Side, caption: HTMLElement}[]} */
+    const shown = [];
+    tell('the first of four pictures is traced');
+    try {
+      await this.sideBySide.open(pose, (side) => {
+        if (round !== this.round) return;
+        shown.push({ side, caption: this.show(side) });
+        tell(shown.length < 3 ? `picture ${shown.length + 1} of 4 is traced` : 'the reference is traced, in 16 views');
+      });
+      this.compare(shown);
+      tell('one view, each picture as the server traced it; the difference is the root mean square of the bytes');
+    } catch (error) {
+      tell(error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  /** @private @param {Side} side @returns {HTMLElement} its caption */
+  show(side) {
+    const canvas = Object.assign(document.createElement('canvas'), this.viewer.size);
     side.draw(/** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d')));
     const caption = Object.assign(document.createElement('figcaption'), { textContent: captionOf(side) });
     const figure = document.createElement('figure');
     figure.onclick = () => figure.toggleAttribute('data-large');
     figure.append(canvas, caption);
-    return { figure, caption };
-  };
+    this.grid.append(figure);
+    return caption;
+  }
 
-  const open = async () => {
-    const mine = ++round;
-    section.hidden = false;
-    grid.replaceChildren();
-    /** @type {{side: Side, caption: HTMLElement}[]} */
-    const shown = [];
-    text.textContent = 'the first of four pictures is traced';
-    try {
-      await sideBySide.open(pose(), (side) => {
-        if (mine !== round) return;
-        const { figure, caption } = figureOf(side);
-        shown.push({ side, caption });
-        grid.append(figure);
-        text.textContent = shown.length < 3 ? `picture ${shown.length + 1} of 4 is traced` : 'the reference is traced, in 16 views';
-      });
-      if (mine !== round) return;
-      const reference = shown[shown.length - 1].side;
-      for (const { side, caption } of shown.slice(0, -1))
-        caption.textContent += `; ${difference(side.pixels, reference.pixels).toFixed(1)} of 255 from the reference`;
-      text.textContent = 'one view, each picture as the server traced it; the difference is the root mean square of the bytes';
-    } catch (error) {
-      if (mine === round) text.textContent = error instanceof Error ? error.message : String(error);
-    }
-  };
-  const close = () => {
-    if (section.hidden) return;
-    ++round;
-    section.hidden = true;
-    grid.replaceChildren();
-    sideBySide.close();
-    button.focus();
-  };
-  button.onclick = open;
-  find('sides-close').onclick = close;
-  document.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') close();
-  });
+  /** @private @param {{side: Side, caption: HTMLElement}[]} shown the reference is the last one */
+  compare(shown) {
+    const reference = shown[shown.length - 1].side;
+    for (const { side, caption } of shown.slice(0, -1))
+      caption.textContent += `; ${difference(side.pixels, reference.pixels).toFixed(1)} of 255 from the reference`;
+  }
+
+  close() {
+    if (this.section.hidden) return;
+    ++this.round;
+    this.section.hidden = true;
+    this.grid.replaceChildren();
+    this.sideBySide.close();
+    this.button.focus();
+  }
 }
