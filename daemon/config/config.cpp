@@ -242,6 +242,12 @@ std::vector<Error> find_files(Config& config, const std::filesystem::path& confi
   return missing;
 }
 
+bool is_address(const std::string& text) {
+  asio::error_code error;
+  asio::ip::make_address(text, error);
+  return !error;
+}
+
 bool is_loopback(const AdminConfig& admin) { return is_loopback(admin.listen); }
 
 std::string strangers_access(const ServerConfig& server, const std::vector<TenantConfig>& tenants) {

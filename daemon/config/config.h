@@ -254,6 +254,9 @@ Result<void> check_access(const ServerConfig& server, const std::vector<TenantCo
 // Why server.insecure_listen is needed: the error that check_access would give without it; "" if it is not.
 std::string strangers_access(const ServerConfig& server, const std::vector<TenantConfig>& tenants);
 
+// Whether the text is a numeric IP address.
+bool is_address(const std::string& text);
+
 // Error if the admin server would listen on another address than loopback without a token or without TLS.
 Result<void> check_admin(const AdminConfig& admin);
 

@@ -57,9 +57,7 @@ std::optional<std::filesystem::path> parse_path_or_none(const YAML::Node& node) 
 
 std::optional<std::string> parse_address(const YAML::Node& node) {
   auto text = any_scalar(node);
-  asio::error_code error;
-  if (text) asio::ip::make_address(*text, error);
-  return text && !error ? text : std::nullopt;
+  return text && is_address(*text) ? text : std::nullopt;
 }
 
 std::optional<std::string> parse_address_or_network(const YAML::Node& node) {

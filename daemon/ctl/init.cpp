@@ -8,6 +8,7 @@
 #include <ostream>
 #include <sstream>
 
+#include "daemon/config/config.h"
 #include "daemon/ctl/init_config.h"
 #include "daemon/ctl/new_file.h"
 #include "daemon/ctl/secrets.h"
@@ -307,6 +308,13 @@ Result<void> check_init(const InitRequest& request) {
     return Error{"--proxies is missing: the addresses of the fleet's doors"};
   for (const std::string& host : request.hosts) {
     if (!is_host(host)) return Error{"--host " + host + ": a name or an address is needed"};
+  }
+  const std::pair<const char*, const std::string&> addresses[] = {{"--listen", request.listen},
+                                                                  {"--public-address", request.public_address},
+                                                                  {"--door-listen", request.door_listen}};
+  for (const auto& [option, text] : addresses) {
+    if (!text.empty() && !daemon::is_address(text))
+      return Error{std::string(option) + " " + text + ": an IP address is needed"};
   }
   for (const std::string& tenant : request.tenants) {
     if (!is_plain_name(tenant)) return Error{"--tenant " + tenant + ": allowed: letters, digits, '_', '-' and '.'"};

@@ -138,7 +138,8 @@ class ExitStatuses(unittest.TestCase):
         for arguments in (("--admin", "nowhere", "status"), ("--fleet", "n1", "sessions"), ("--fleet", "=x", "status"),
                           ("--fleet", "n1=http://127.0.0.1:1", "drain", "--node", "n2"), ("scene", "light", "a", "0"),
                           ("scene", "lights", "--file", "x"), ("fleet", "haproxy", "--node", "n1"), ("init",),
-                          ("init", "--host", "edge", "--tenant", "a/b"), ("init", "--host", "edge", "--scene", "nowhere")):
+                          ("init", "--host", "edge", "--tenant", "a/b"), ("init", "--host", "edge", "--scene", "nowhere"),
+                          ("init", "--host", "edge", "--listen", "everywhere")):
             status, text = run("gnomonctl", *arguments)
             self.assertEqual(status, 2, f"{arguments}: {text}")
         for program in ("gnomon-client", "gnomon-load"):
