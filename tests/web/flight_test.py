@@ -19,7 +19,7 @@ if draw_pictures.chromium.find() is None:
     print("web_flight: skipped, there is no Chromium (deploy/install-packages tests)")
     sys.exit(77)
 BUILD = pathlib.Path(sys.argv[1])
-WIDTH, HEIGHT, CAMERAS = 320, 184, 90
+WIDTH, HEIGHT, CAMERAS = 320, 184, 48
 POINT = 0.001  # a tenth of a point of a hundred
 
 
