@@ -76,6 +76,7 @@ class Building {
 
   LightBuffer run() {
     LightBuffer buffer;
+    buffer.grid.reserve(cell_bytes(0) / sizeof(uint32_t));
     Assembly assembly(buffer);
     const DetailSurvey survey = surveyed();
     const Detail detail = survey.fitting();

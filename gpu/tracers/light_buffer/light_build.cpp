@@ -78,20 +78,34 @@ std::vector<Piece> LightBuild::pieces(const Detail& detail, const std::function<
 }
 
 void LightBuild::shrink(std::vector<Piece>& pieces, Detail detail, uint64_t bytes) const {
-  constexpr size_t kAtOnce = 64;
   constexpr double kCoarser = 2.0, kCoarsest = 1e3;  // at which nothing is divided
   uint64_t size = size_of(pieces).bytes;
-  while (size > bytes && detail.cost_per_byte < kCoarsest) {
+  for (bool first = true; size > bytes && detail.cost_per_byte < kCoarsest; first = false) {
     detail.cost_per_byte *= kCoarser;
-    for (size_t first = 0; first < order_.size() && size > bytes && !stopped(); first += kAtOnce) {
-      const size_t count = std::min(kAtOnce, order_.size() - first);
-      for (size_t n = first; n < first + count; ++n) size -= bytes_of(pieces[order_[n]]);
-      parallel_for(count, threads_,
-                   [&](size_t n) { pieces[order_[first + n]] = piece(roots_[order_[first + n]], detail); });
-      for (size_t n = first; n < first + count; ++n) size += bytes_of(pieces[order_[n]]);
-    }
+    size = rebuild(pieces, detail, size, bytes);
     if (stopped()) return;
+    if (!first || size <= bytes) continue;
+    // Once a step was not enough: where not even the last one will be, there is no need to go step by step.
+    Detail last = detail;
+    last.cost_per_byte = kCoarsest;
+    std::vector<Piece> coarsest = this->pieces(last);
+    if (stopped() || size_of(coarsest).bytes <= bytes) continue;
+    pieces = std::move(coarsest);
+    return;
   }
+}
+
+uint64_t LightBuild::rebuild(std::vector<Piece>& pieces, const Detail& detail, uint64_t size,
+                             uint64_t bytes) const {
+  constexpr size_t kAtOnce = 64;
+  for (size_t first = 0; first < order_.size() && size > bytes && !stopped(); first += kAtOnce) {
+    const size_t count = std::min(kAtOnce, order_.size() - first);
+    for (size_t n = first; n < first + count; ++n) size -= bytes_of(pieces[order_[n]]);
+    parallel_for(count, threads_,
+                 [&](size_t n) { pieces[order_[first + n]] = piece(roots_[order_[first + n]], detail); });
+    for (size_t n = first; n < first + count; ++n) size += bytes_of(pieces[order_[n]]);
+  }
+  return size;
 }
 
 PiecesSize LightBuild::expected_size(const Detail& detail) const {

@@ -55,6 +55,8 @@ class LightBuild {
   };
 
   bool reaches(const std::array<glm::dvec3, 3>& corners) const;
+  // Pieces with many footprints first, until those of `size` bytes have at most `bytes`; what they have then.
+  uint64_t rebuild(std::vector<Piece>& pieces, const Detail& detail, uint64_t size, uint64_t bytes) const;
   std::vector<Chunk> footprints(const Face& face) const;
   void add_roots(size_t face);
   Piece piece(const Root& root, const Detail& detail) const;
