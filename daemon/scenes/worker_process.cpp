@@ -67,7 +67,9 @@ pid_t spawn(const std::filesystem::path& program, int exchange, int progress) {
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   std::string name = program.string();
   char* const arguments[] = {name.data(), nullptr};
-  char* const environment[] = {nullptr};
+  // A worker's memory is all new and in large arrays: touched by huge pages where the kernel gives them on request.
+  std::string pages = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
+  char* const environment[] = {pages.data(), nullptr};
   pid_t child = -1;
   errno = posix_spawn(&child, name.c_str(), &actions, &attributes, arguments, environment);
   posix_spawnattr_destroy(&attributes);

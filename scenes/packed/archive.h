@@ -8,10 +8,13 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <iterator>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -107,8 +110,10 @@ class PackReader {
   template <class T>
   void bulk(std::vector<T>& values) {
     static_assert(kPlain<T>);
-    values.resize(count(sizeof(T)));
-    bytes(values.data(), values.size() * sizeof(T));
+    const size_t size = count(sizeof(T)) * sizeof(T);
+    const std::byte* const from = left_.data();
+    values = std::vector<T>(Unaligned<T>(from), Unaligned<T>(from + size));
+    left_ = left_.subspan(size);
   }
   // Elements are made one by one, so that a count without its elements costs nothing.
   template <class T, class Visit>
@@ -119,6 +124,35 @@ class PackReader {
   }
 
  private:
+  // Values that lie anywhere. A vector that is made of them touches its memory once; resized and then filled, twice.
+  template <class T>
+  class Unaligned {
+   public:
+    using iterator_category = std::random_access_iterator_tag;
+    using value_type = T;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const T*;
+    using reference = T;
+
+    explicit Unaligned(const std::byte* at) : at_(at) {}
+    T operator*() const {
+      T value;
+      std::memcpy(&value, at_, sizeof value);
+      return value;
+    }
+    Unaligned& operator++() {
+      at_ += sizeof(T);
+      return *this;
+    }
+    friend difference_type operator-(const Unaligned& a, const Unaligned& b) {
+      return (a.at_ - b.at_) / static_cast<difference_type>(sizeof(T));
+    }
+    friend bool operator==(const Unaligned& a, const Unaligned& b) { return a.at_ == b.at_; }
+
+   private:
+    const std::byte* at_;
+  };
+
   // A number of elements of at least `least` bytes each; 0 after an error.
   size_t count(size_t least) {
     uint64_t n = 0;

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """WebTransport in headless Chromium beside a real daemon: the page uses it, gets the same masks as over its WebSocket and
 as a native client, goes back to the WebSocket where UDP is cut, and comes again.
 

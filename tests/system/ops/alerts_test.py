@@ -151,7 +151,8 @@ class Alerts(Happens):
             node.order("refuse_submits")
             eventually(lambda: node.metric("gnomon_frames_dropped_total", reason="submit_failed") > 5, "refused frames")
             time.sleep(1)  # for frames that are under way
-        self.raises("GnomonNodeStalled", refuse, settled=True)
+        # Cameras that nothing answers replace each other, more of them on a busy machine.
+        self.raises("GnomonNodeStalled", refuse, also=("GnomonTenantFloods",), settled=True)
 
     def test_clients_whose_datagrams_are_lost(self):
         self.start(server={"silence_timeout_ms": 60000})

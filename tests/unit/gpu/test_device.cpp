@@ -1,9 +1,11 @@
 #include "tests/unit/gpu/test_device.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
+#include <iterator>
 
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_light_buffer_128_emulated.h"
@@ -73,6 +75,10 @@ std::vector<std::string> tracers() {
     std::vector<std::string> names;
     const auto device = gpu::Device::create({device_options().device, {}});
     const char* only = std::getenv("GNOMON_TEST_TRACERS");
+    if (only && std::ranges::find(gpu::kTracers, std::string_view(only)) == std::end(gpu::kTracers)) {
+      std::fprintf(stderr, "GNOMON_TEST_TRACERS: there is no tracer %s\n", only);  // a test of no tracer is true
+      std::abort();
+    }
     for (const std::string_view tracer : gpu::kTracers) {
       const std::string name(tracer);
       if (only && name != only) continue;
