@@ -185,6 +185,12 @@ class VulkanRenderer : public Renderer {
 
 namespace {
 
+// Whether one of the passes uses the graphics pipeline.
+bool draws(const std::vector<std::string>& passes) {
+  return std::any_of(passes.begin(), passes.end(),
+                     [](const std::string& pass) { return pass == "gbuffer" || pass == "gbuffer_all"; });
+}
+
 Result<void> check_device(const RendererOptions& options) {
   const auto instance = Instance::create(options.validation);
   if (!instance) return instance.error();
@@ -209,10 +215,14 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};
   auto device = Device::create({options.device, options.validation, options.queues});
   if (!device) return device.error();
-  auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
-  if (!tracer) return tracer.error();
   const auto raster = choose_raster(*device, options.raster);
   if (!raster) return raster.error();
+  if (!draws(with_raster(options.passes, *raster))) {
+    device = Device::create({options.device, options.validation, options.queues, true}, *device);
+    if (!device) return device.error();
+  }
+  auto tracer = make_tracer(options.tracer, *device, options.tracer_options);
+  if (!tracer) return tracer.error();
   auto variants =
       PlanVariants::create(*device, with_raster(options.passes, *raster), tracer->get(), options.frames_in_flight);
   if (!variants) return variants.error();

@@ -127,7 +127,7 @@ struct RenderConfig {
   uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by the number of lights
   bool wait_for_light_buffers = false;  // before a scene is served
   uint32_t frames_in_flight = 6;
-  uint32_t queues = 1;  // of the device, on which frames overlap
+  uint32_t queues = 0;  // of the device, on which frames overlap; 0: gpu::RendererOptions
   uint16_t max_width = 3840;
   uint16_t max_height = 2160;
   uint32_t max_samples = kMostSamples;  // of an area light; 1: hard shadows alone

@@ -272,7 +272,7 @@ Keys<RenderConfig> render_keys() {
       integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
       choice("wait_for_light_buffers", &R::wait_for_light_buffers, {{"false", false}, {"true", true}}),
       integer("frames_in_flight", &R::frames_in_flight, 1, 16),
-      integer("queues", &R::queues, 1, 16),
+      integer("queues", &R::queues, 0, 16),
       integer("max_width", &R::max_width, 8, protocol::kMaxSide),
       integer("max_height", &R::max_height, 8, protocol::kMaxSide),
       choice("max_samples", &R::max_samples, samples()),

@@ -153,6 +153,7 @@ Result<FrameTiming> FrameSlot::timing(const FramePlan& plan, VkQueryPool band) c
     return static_cast<uint64_t>(static_cast<double>(to - from) * device_->features().timestamp_period_ns);
   };
   FrameTiming timing;
+  timing.begin_ns = ns(0, ticks.front());
   timing.total_ns = ns(ticks.front(), ticks.back());
   for (size_t pass = 0; pass < plan.pass_count(); ++pass)
     timing.stages.push_back({plan.pass_name(pass), ns(ticks[pass], ticks[pass + 1])});

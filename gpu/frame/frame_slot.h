@@ -11,6 +11,7 @@
 namespace gnomon::gpu {
 
 struct FrameTiming {
+  uint64_t begin_ns = 0;  // of the device's clock
   uint64_t total_ns = 0;
   std::vector<StageTime> stages;
 };

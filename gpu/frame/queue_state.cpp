@@ -84,7 +84,7 @@ FrameDone QueueState::finish(const Started& started) {
       [&] { timing = passed ? slot.timing(plan, submit.band.timestamps) : Result<FrameTiming>(passed.error()); });
   done.completed_at = Clock::now();
   if (timing) {
-    done.gpu_ns = timing->total_ns;
+    done.gpu_ns = pool_->device_ns(timing->begin_ns, timing->begin_ns + timing->total_ns);
     done.frame_gpu_ns = frame_gpu_ns += done.gpu_ns;
     add_stages(done, std::move(timing->stages));
   } else {

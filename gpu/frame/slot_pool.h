@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "gpu/frame/overlap.h"
 #include "gpu/frame/plan_variants.h"
 #include "gpu/tracers/tracer.h"
 
@@ -29,6 +30,11 @@ class SlotPool {
   // `freed` is called whenever a lease has given its slot back, on the thread that dropped the lease. Precondition: no
   // lease was made yet.
   void on_freed(std::function<void()> freed) { freed_ = std::move(freed); }
+
+  // Any thread. The device time of what ran between these times on one of its queues; see Overlap.
+  uint64_t device_ns(uint64_t begin_ns, uint64_t end_ns) {
+    return device_->queue_count() > 1 ? overlap_.device_ns(begin_ns, end_ns) : end_ns - begin_ns;
+  }
 
   // Any thread.
   uint32_t free_count() const {
@@ -60,6 +66,7 @@ class SlotPool {
   std::unique_ptr<Tracer> tracer_;
   PlanVariants variants_;
   std::function<void()> freed_;
+  Overlap overlap_;
   mutable std::mutex mutex_;
   std::vector<size_t> free_;  // guarded by mutex_
 };

@@ -1,6 +1,7 @@
 // Rasterises the world mesh into triangle ids by compute shaders only, for devices that have few graphics units beside
 // their compute units. Clusters that may show become runs of triangles; each small triangle is drawn by one invocation,
 // each tile of a large one by a workgroup (shaders/raster.glsl names the sources of the method).
+#include <algorithm>
 #include <array>
 
 #include "gpu/passes/passes.h"
@@ -16,7 +17,8 @@ namespace {
 // As shaders/raster.glsl declares them: what precedes a list's entries, and an entry of each list.
 constexpr uint32_t kRunsHead = 16, kLargeHead = 24;
 constexpr uint64_t kEntryBytes = 8;
-constexpr uint32_t kRunTriangles = 64;
+constexpr uint32_t kRunTriangles = 64, kTilesAtATime = 8;
+constexpr uint32_t kMostWorkgroups = 65535;  // of a dispatch that every device allows
 constexpr uint32_t kDoubleSided = 0x80000000u, kMasked = 0x40000000u;
 
 struct CullPush {
@@ -40,6 +42,13 @@ std::span<const std::byte> bytes_of(const auto& push) { return std::as_bytes(std
 
 void dispatch_indirect(const FrameContext& frame, const Buffer& list) {
   vkCmdDispatchIndirect(frame.commands, list.handle(), 0);
+}
+
+// Dispatches a pass over the whole picture. Workgroups take turns, so that any number of them processes all tiles.
+void dispatch_picture(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
+  bind(frame, step, push);
+  const uint32_t workgroups = (frame.grid.tile_count() + kTilesAtATime - 1) / kTilesAtATime;
+  vkCmdDispatch(frame.commands, std::min(workgroups, kMostWorkgroups), 1, 1);
 }
 
 // Clears the picture and empties every list.
@@ -197,7 +206,7 @@ class VisibilityTilesPass : public ComputePass {
   }
   void record(const FrameContext& frame) const override {
     const std::array push{frame.ports[0].buffer->address(), frame.ports[1].buffer->address()};
-    dispatch_tiles(frame, step_, bytes_of(push));
+    dispatch_picture(frame, step_, bytes_of(push));
   }
 };
 
@@ -210,7 +219,7 @@ class ResolvePass : public ComputePass {
   }
   void record(const FrameContext& frame) const override {
     const VkDeviceAddress visibility = frame.ports[0].buffer->address();
-    dispatch_tiles(frame, step_, bytes_of(visibility));
+    dispatch_picture(frame, step_, bytes_of(visibility));
   }
 };
 

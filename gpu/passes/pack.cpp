@@ -3,8 +3,7 @@
 
 #include "common/packed_mask.h"
 #include "gpu/passes/passes.h"
-#include "spirv/pack_classes_comp.h"
-#include "spirv/pack_places_comp.h"
+#include "spirv/pack_comp.h"
 #include "spirv/readback_comp.h"
 
 namespace gnomon::gpu {
@@ -15,13 +14,13 @@ constexpr uint32_t kWorkgroup = 64;
 uint32_t words_of(const FrameContext& frame) { return static_cast<uint32_t>(frame.grid.word_count()); }
 uint64_t groups_of(const Capacity& c) { return PackedMaskView::class_words(c.grid()); }
 uint64_t classes_bytes(const Capacity& c) { return groups_of(c) * sizeof(uint32_t); }
-uint64_t places_bytes(const Capacity& c) { return (groups_of(c) + 1) * sizeof(uint32_t); }
+uint64_t workgroups_of(const Capacity& c) { return (groups_of(c) + kWorkgroup - 1) / kWorkgroup; }
+uint64_t places_bytes(const Capacity& c) { return (groups_of(c) + workgroups_of(c)) * sizeof(uint32_t); }
 uint64_t mixed_bytes(const Capacity& c) { return c.grid().word_count() * sizeof(uint64_t); }
 
 // Dispatches an invocation for each group of words, and at least one workgroup.
 void dispatch_groups(const FrameContext& frame) {
-  const auto groups = static_cast<uint32_t>(groups_of(frame.size()));
-  vkCmdDispatch(frame.commands, std::max(1u, (groups + kWorkgroup - 1) / kWorkgroup), 1, 1);
+  vkCmdDispatch(frame.commands, std::max(1u, static_cast<uint32_t>(workgroups_of(frame.size()))), 1, 1);
 }
 
 class ComputePass : public Pass {
@@ -34,10 +33,10 @@ class ComputePass : public Pass {
   ComputeStep step_;
 };
 
-class PackClassesPass : public ComputePass {
+class PackPass : public ComputePass {
  public:
   using ComputePass::ComputePass;
-  std::string_view name() const override { return "pack_classes"; }
+  std::string_view name() const override { return "pack"; }
   std::vector<Port> ports() const override {
     return {{resource::kMasks, Use::storage_read},
             {resource::kValidBits, Use::storage_read},
@@ -46,7 +45,7 @@ class PackClassesPass : public ComputePass {
   }
   void record(const FrameContext& frame) const override {
     struct {
-      VkDeviceAddress masks, valid_bits, classes, mixed_counts;
+      VkDeviceAddress masks, valid_bits, classes, mixed_places;
       uint32_t words, words_of_light;
       uint32_t any_untraced;
       uint32_t untraced[kMaxLights / 32];
@@ -63,21 +62,6 @@ class PackClassesPass : public ComputePass {
     }
     bind(frame, step_, std::as_bytes(std::span(&push, 1)));
     dispatch_groups(frame);
-  }
-};
-
-class PackPlacesPass : public ComputePass {
- public:
-  using ComputePass::ComputePass;
-  std::string_view name() const override { return "pack_places"; }
-  std::vector<Port> ports() const override { return {{resource::kMixedPlaces, Use::storage_write}}; }
-  void record(const FrameContext& frame) const override {
-    const struct {
-      VkDeviceAddress counts;
-      uint32_t words;
-    } push{frame.ports[0].buffer->address(), words_of(frame)};
-    bind(frame, step_, std::as_bytes(std::span(&push, 1)));
-    vkCmdDispatch(frame.commands, 1, 1, 1);
   }
 };
 
@@ -108,11 +92,8 @@ class ReadbackPackedPass : public ComputePass {
 
 }  // namespace
 
-Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device) {
-  return pass_of<PackClassesPass>(make_compute_step(device, 0, pack_classes_comp));
-}
-Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device) {
-  return pass_of<PackPlacesPass>(make_compute_step(device, 0, pack_places_comp));
+Result<std::unique_ptr<Pass>> make_pack_pass(const DevicePtr& device) {
+  return pass_of<PackPass>(make_compute_step(device, 0, pack_comp));
 }
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device) {
   return pass_of<ReadbackPackedPass>(make_compute_step(device, 0, readback_comp));

@@ -42,7 +42,7 @@ std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, PlanK
       {"gbuffer_all", {[&] { return make_gbuffer_all_pass(device); }}},
       {"pose", {[] { return make_pose_pass(); }}},
       {"trace", trace_steps},
-      {"pack", {[&] { return make_pack_classes_pass(device); }, [&] { return make_pack_places_pass(device); }}},
+      {"pack", {[&] { return make_pack_pass(device); }}},
       {"readback", {[&] { return make_readback_packed_pass(device); }}},
       {"readback_masks", {read("readback_masks", kMasks, kHostMasks)}},
       {"readback_valid_bits", {read("readback_valid_bits", kValidBits, kHostValidBits)}},

@@ -34,9 +34,8 @@
 //             in plans for frames with ambient occlusion, last:
 //     trace_occlusion  from the host occlusion_points, moving_bvh -> masks, valid_bits: the planes behind those of the
 //                    lights
-//   pack      in these steps, which common/packed_mask.h explains:
-//     pack_classes  masks, valid_bits -> classes, mixed_places (as counts)
-//     pack_places   mixed_places -> mixed_places (the place of each group's mixed words, then their total number)
+//   pack      masks, valid_bits -> classes, mixed_places, as common/packed_mask.h explains: the place of each group's
+//             mixed words within its workgroup, then the number of each workgroup
 //   readback  masks, valid_bits, classes, mixed_places -> host_classes, host_mixed, host_mixed_count
 //   surface   triangle_id -> surface (SurfaceSample for each pixel): what `trace` starts from, for tests
 //   upload_masks  from the host uploaded_masks -> given_masks
@@ -156,8 +155,7 @@ void write_soft(std::span<std::byte> into, const ResidentScene& scene, const Pos
 Result<std::unique_ptr<Pass>> make_trace_occlusion_pass(const DevicePtr& device, bool motion);
 // Writes what the pass `trace_occlusion` reads. `into`: the host memory of occlusion_points.
 void write_occlusion(std::span<std::byte> into, const scenes::Scene& scene);
-Result<std::unique_ptr<Pass>> make_pack_classes_pass(const DevicePtr& device);
-Result<std::unique_ptr<Pass>> make_pack_places_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_pack_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_readback_packed_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_surface_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_shade_pass(const DevicePtr& device);

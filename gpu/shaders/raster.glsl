@@ -20,6 +20,15 @@ uint place_of(uvec2 pixel) {
   return ((tile.y * frame.tiles_x + tile.x) * 8u + in_tile.y) * 8u + in_tile.x;
 }
 
+// Tiles of which passes over the whole picture read a pixel each before they go on, as they mostly wait for memory.
+// Tiles are numbered row by row.
+const uint kTilesAtATime = 8;
+uvec2 pixel_in(uint tile, uint place) {
+  return uvec2(tile % frame.tiles_x, tile / frame.tiles_x) * 8u + uvec2(place % 8u, place / 8u);
+}
+// False also for pixels of tiles behind the last.
+bool is_in_picture(uvec2 pixel) { return pixel.x < frame.width && pixel.y < frame.height; }
+
 const int kSubpixels = 256;
 // Grid points. Corners are clamped to this distance, so that edge values fit into 64 bits.
 const float kFarthest = 536870912.0;

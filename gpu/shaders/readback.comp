@@ -50,13 +50,25 @@ uvec2 filled(uvec2 lit, uvec2 care) {
   return value;
 }
 
+shared uint mixed_before;  // mixed words of all workgroups before
+
 void main() {
   uint group = gl_GlobalInvocationID.x, first = group * kClassesInWord;
-  if (group == 0u) push.host_mixed_count.at[0] = push.mixed_places.at[groups_of(push.words)];
+  uint groups = groups_of(push.words);
+  if (gl_LocalInvocationIndex == 0u) mixed_before = 0u;
+  barrier();
+  uint sum = 0u;
+  for (uint w = gl_LocalInvocationIndex; w < gl_WorkGroupID.x; w += INVOCATIONS) sum += push.mixed_places.at[groups + w];
+  if (sum != 0u) atomicAdd(mixed_before, sum);
+  barrier();
+  bool is_last_workgroup = gl_WorkGroupID.x == gl_NumWorkGroups.x - 1u;
+  if (is_last_workgroup && gl_LocalInvocationIndex == 0u)
+    push.host_mixed_count.at[0] =
+        push.words > 0u ? mixed_before + push.mixed_places.at[groups + gl_WorkGroupID.x] : 0u;
   if (first >= push.words) return;
   uint classes = push.classes.at[group];
   push.host_classes.at[group] = classes;
-  uint place = push.mixed_places.at[group];
+  uint place = mixed_before + push.mixed_places.at[group];
   // In `mixed`, bit 2i is set if word i is mixed (class 2).
   for (uint mixed = (classes >> 1) & ~classes & 0x55555555u; mixed != 0u; mixed &= mixed - 1u) {
     uint word = first + uint(findLSB(mixed)) / 2u;

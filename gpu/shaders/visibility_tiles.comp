@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 // Writes the farthest depth of each 8x8 tile of a picture that was rasterised in compute; 0 if some pixel of the tile
@@ -13,18 +14,24 @@ layout(push_constant, scalar) uniform Push {
   DepthTiles tiles;
 } push;
 
-shared uint farthest;  // bits of a float that is not negative
+shared uint farthest[kTilesAtATime];  // bits of floats that are not negative
 
 void main() {
   uint i = gl_LocalInvocationIndex;
-  if (i == 0u) farthest = floatBitsToUint(1.0);
-  barrier();
-  uvec2 pixel = gl_WorkGroupID.xy * 8u + uvec2(i % 8u, i / 8u);
-  uint tile = gl_WorkGroupID.y * frame.tiles_x + gl_WorkGroupID.x;
-  uint depth = floatBitsToUint(1.0);
-  if (pixel.x < frame.width && pixel.y < frame.height) depth = unpackUint2x32(push.visibility.at[place_of(pixel)]).y;
-  depth = subgroupMin(depth);
-  if (subgroupElect()) atomicMin(farthest, depth);
-  barrier();
-  if (i == 0u) push.tiles.at[tile] = farthest;
+  for (uint first = gl_WorkGroupID.x * kTilesAtATime; first < frame.tile_count;
+       first += gl_NumWorkGroups.x * kTilesAtATime) {
+    barrier();  // the tiles before are written
+    if (i < kTilesAtATime) farthest[i] = floatBitsToUint(1.0);
+    uint depth[kTilesAtATime];
+    [[unroll]] for (uint t = 0u; t < kTilesAtATime; ++t)
+      depth[t] = is_in_picture(pixel_in(first + t, i)) ? unpackUint2x32(push.visibility.at[(first + t) * 64u + i]).y
+                                                       : floatBitsToUint(1.0);
+    barrier();
+    [[unroll]] for (uint t = 0u; t < kTilesAtATime; ++t) {
+      uint least = subgroupMin(depth[t]);
+      if (subgroupElect()) atomicMin(farthest[t], least);
+    }
+    barrier();
+    if (i < kTilesAtATime && first + i < frame.tile_count) push.tiles.at[first + i] = farthest[i];
+  }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace gnomon::gpu {
@@ -10,18 +11,25 @@ namespace {
 struct QueueFamily {
   uint32_t index = 0;
   uint32_t queues = 0;
+  bool compute_only = false;
 };
 
-Result<QueueFamily> frame_queue_family(const PhysicalDevice& info) {
+Result<QueueFamily> frame_queue_family(const PhysicalDevice& info, bool compute_only) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(info.handle, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(info.handle, &count, families.data());
-  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  for (uint32_t i = 0; i < count; ++i)
-    if ((families[i].queueFlags & needed) == needed && families[i].timestampValidBits > 0)
-      return QueueFamily{i, families[i].queueCount};
-  return Error{"device '" + info.name + "' has no queue for graphics and compute with timestamps"};
+  constexpr VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto find = [&](VkQueueFlags wanted) -> std::optional<QueueFamily> {
+    for (uint32_t i = 0; i < count; ++i)
+      if ((families[i].queueFlags & both) == wanted && families[i].timestampValidBits > 0)
+        return QueueFamily{i, families[i].queueCount, wanted == VK_QUEUE_COMPUTE_BIT};
+    return {};
+  };
+  auto family = compute_only ? find(VK_QUEUE_COMPUTE_BIT) : std::nullopt;
+  if (!family) family = find(both);
+  if (!family) return Error{"device '" + info.name + "' has no queue for graphics and compute with timestamps"};
+  return *family;
 }
 
 }  // namespace
@@ -50,24 +58,28 @@ Error vulkan_error(VkResult result, std::string_view doing) {
   return {std::string(doing) + ": " + std::string(to_string(result)) + " (" + std::to_string(result) + ")"};
 }
 
-Result<DevicePtr> Device::create(const DeviceOptions& options) {
+Result<DevicePtr> Device::create(const DeviceOptions& options, const DevicePtr& beside) {
   DevicePtr device(new Device);
+  if (beside) device->instance_ = beside->instance_;
   if (auto opened = device->open(options); !opened) return opened.error();
   return device;
 }
 
 Result<void> Device::open(const DeviceOptions& options) {
-  auto instance = Instance::create(options.validation);
-  if (!instance) return instance.error();
-  instance_ = std::move(*instance);
+  if (!instance_) {
+    auto instance = Instance::create(options.validation);
+    if (!instance) return instance.error();
+    instance_ = std::move(*instance);
+  }
   auto chosen = choose_device(*instance_, options.device);
   if (!chosen) return chosen.error();
   info_ = *chosen;
   features_ = query_features(info_.handle);
-  const auto family = frame_queue_family(info_);
+  const auto family = frame_queue_family(info_, options.compute_only);
   if (!family) return family.error();
 
-  const uint32_t queue_count = std::clamp(options.queues, 1u, family->queues);
+  const uint32_t wanted = options.queues > 0 ? options.queues : family->compute_only ? 2 : 1;
+  const uint32_t queue_count = std::clamp(wanted, 1u, family->queues);
   const std::vector<float> priorities(queue_count, 1.0f);
   VkDeviceQueueCreateInfo queue{};
   queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;

@@ -19,7 +19,11 @@ namespace gnomon::gpu {
 struct DeviceOptions {
   std::string device;  // see choose_device
   ValidationOptions validation;
-  uint32_t queues = 1;  // for frames that overlap; at most as the device has
+  // For frames that overlap; at most as the device has. 0: two on queues for compute alone, else one.
+  uint32_t queues = 1;
+  // On queues for compute alone, if the device has some; nothing may be drawn then. Work on several of these shares the
+  // compute units, where that on several queues for graphics may take turns.
+  bool compute_only = false;
 };
 
 class Device;
@@ -28,7 +32,8 @@ using DevicePtr = std::shared_ptr<Device>;
 
 class Device {
  public:
-  static Result<DevicePtr> create(const DeviceOptions& options);
+  // `beside`: a device of the same physical one, whose instance it shares: a driver may load only so often in a process.
+  static Result<DevicePtr> create(const DeviceOptions& options, const DevicePtr& beside = nullptr);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -56,7 +61,7 @@ class Device {
   Device() = default;
   Result<void> open(const DeviceOptions& options);
 
-  std::unique_ptr<Instance> instance_;
+  std::shared_ptr<Instance> instance_;
   PhysicalDevice info_;
   DeviceFeatures features_;
   VkDevice device_ = VK_NULL_HANDLE;

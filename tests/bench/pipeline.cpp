@@ -297,7 +297,7 @@ class PipelineSuite : public Suite {
   double rate_hz_ = 0, seconds_ = 8;
   std::string device_, raster_ = "auto";
   std::filesystem::path cache_;
-  uint32_t queues_ = 1, frames_in_flight_ = daemon::RenderConfig{}.frames_in_flight;
+  uint32_t queues_ = daemon::RenderConfig{}.queues, frames_in_flight_ = daemon::RenderConfig{}.frames_in_flight;
   std::optional<int64_t> quantum_us_;
   uint32_t encode_threads_ = 1, net_threads_ = 1;
   size_t load_threads_ = 1;

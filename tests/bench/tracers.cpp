@@ -2,6 +2,7 @@
 // in the same run and over the same surface points with Embree's occluded16 with coherent packets on two threads.
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 
 #include "common/clock.h"
@@ -38,32 +39,39 @@ uint64_t differing_bits(const std::vector<uint64_t>& a, const std::vector<uint64
   return bits;
 }
 
-double stage_ms(const gpu::FrameTiming& timing, std::string_view pass) {
+std::map<std::string, double> stage_times(const gpu::FrameTiming& timing) {
+  std::map<std::string, double> ms;
   for (const gpu::StageTime& stage : timing.stages)
-    if (stage.pass == pass) return static_cast<double>(stage.gpu_ns) / 1e6;
-  return 0;
+    ms[std::string(stage.pass)] += static_cast<double>(stage.gpu_ns) / 1e6;
+  return ms;
 }
 
 struct SteadyTimes {
-  double shadow_stage_ms = 0, frame_ms = 0;
+  double frame_ms = 0;
+  std::map<std::string, double> stage_ms;  // by the pass; passes of one name are added
+
+  double shadow_stage_ms() const { return stage_ms.at("trace"); }
 };
 
 // Renders the camera's frame again and again until the device has been kept busy; medians of the second half. One frame, if
 // it takes that long.
 Result<SteadyTimes> steady_times(gpu::BlockingFrame& frame, const gpu::CameraView& camera, const TileGrid& grid) {
-  std::vector<double> shadow_stage, whole;
+  std::map<std::string, std::vector<double>> stages;
+  std::vector<double> whole;
   const TimePoint end = Clock::now() + kKeptBusy;
   do {
     const auto timing = frame.render(camera, grid);
     if (!timing) return timing.error();
-    shadow_stage.push_back(stage_ms(*timing, "trace"));
+    for (const auto& [pass, ms] : stage_times(*timing)) stages[pass].push_back(ms);
     whole.push_back(static_cast<double>(timing->total_ns) / 1e6);
   } while (Clock::now() < end);
   const auto steady = [](std::vector<double>& ms) {
     ms.erase(ms.begin(), ms.begin() + static_cast<ptrdiff_t>(ms.size() / 2));
     return median(ms);
   };
-  return SteadyTimes{steady(shadow_stage), steady(whole)};
+  SteadyTimes out{steady(whole), {}};
+  for (auto& [pass, ms] : stages) out.stage_ms[pass] = steady(ms);
+  return out;
 }
 
 // Medians over the cameras.
@@ -183,7 +191,7 @@ class TracersSuite : public Suite {
       if (!times) return times.error();
       const auto frame = probe->render(cameras[i], size_.width, size_.height);
       if (!frame) return frame.error();
-      series.add(times->shadow_stage_ms, peers[i]);
+      series.add(times->shadow_stage_ms(), peers[i]);
       series.differing += differing_bits(frame->words, peers[i].oracle);
     }
     ordered_json row = row_of(*scene, tracer, series);
@@ -241,11 +249,13 @@ class TracersSuite : public Suite {
     if (auto warm = (*frame)->render(cameras[0], *grid); !warm) return warm.error();
     Series series;
     std::vector<double> readback_bytes, to_shadow_stage;
+    std::map<std::string, std::vector<double>> stages;
     for (size_t i = 0; i < cameras.size(); ++i) {
       const auto times = steady_times(**frame, cameras[i], *grid);
       if (!times) return times.error();
       series.add(times->frame_ms, peers[i]);
-      to_shadow_stage.push_back(times->frame_ms / times->shadow_stage_ms);
+      to_shadow_stage.push_back(times->frame_ms / times->shadow_stage_ms());
+      for (const auto& [pass, ms] : times->stage_ms) stages[pass].push_back(ms);
       const PackedMaskView packed = (*frame)->packed(*grid);
       std::vector<uint64_t> words = unpacked(packed);
       for (size_t w = 0; w < words.size(); ++w) words[w] &= peers[i].valid_bits[w];
@@ -256,6 +266,7 @@ class TracersSuite : public Suite {
     row["readback_bytes"] = median(readback_bytes);
     row["ratio_to_shadow_stage"] = median(to_shadow_stage);
     row["memory_bytes"] = (*frame)->scene().memory_bytes();
+    for (const auto& [pass, ms] : stages) row["stages_ms"][pass] = median(ms);
     report_.rows.push_back(std::move(row));
     return {};
   }
