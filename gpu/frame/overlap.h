@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <mutex>
 
@@ -24,7 +25,8 @@ class Overlap {
     spans_ns_ = kKept * spans_ns_ + static_cast<double>(span_ns);
     passed_until_ns_ = std::max(passed_until_ns_, end_ns);
     if (spans_ns_ <= 0) return span_ns;
-    return static_cast<uint64_t>(static_cast<double>(span_ns) * passed_ns_ / spans_ns_);
+    return static_cast<uint64_t>(
+        std::llround(static_cast<double>(span_ns) * std::min(1.0, passed_ns_ / spans_ns_)));
   }
 
  private:
