@@ -154,7 +154,8 @@ class VulkanRenderer : public Renderer {
   QueueState& queue_of(size_t slot) { return *queues_[slot % queues_.size()]; }
 
   void pend(InFlight submit) {
-    queue_of(submit.slot).pend(std::move(submit));
+    QueueState& queue = queue_of(submit.slot);
+    queue.pend(std::move(submit));
     if (!batching_) start_pending();
   }
   void start_pending() {

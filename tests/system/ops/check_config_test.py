@@ -259,7 +259,7 @@ log: {level: loud}
         admin = {"port": 0, "socket": pick(["''", "admin.sock", "gone/admin.sock"]),
                  "token_file": pick(["token", "token", "short-token", "''"])}
         render = {"device": pick(["cpu", "auto", "0", "llvmpipe", "9"]), "tracer": pick(["bvh", "light_buffer", "auto", "no"]),
-                  "raster": pick(["auto", "hardware", "compute"]), "queues": pick([1, 4]), "frames_in_flight": pick([1, 6]),
+                  "raster": pick(["auto", "hardware", "compute"]), "queues": pick([0, 1, 4]), "frames_in_flight": pick([1, 6]),
                   "cache_folder": pick(["''", "cache", "text", "deep/er/cache"]),
                   "passes": pick(["[]", "[hard_shadows]", "[hard_shadows, soft_shadows]", "[gbuffer, trace, pack, readback]", "[gbuffer_all, trace, pack, readback]",
                                   "[gbuffer, pack, readback]", "[hard_shadows, fog]"])}
