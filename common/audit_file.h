@@ -26,7 +26,7 @@ class AuditFile {
 // Lines of the audit log since the process began that its file did not take, as on a full disk.
 struct UnwrittenAudit {
   uint64_t lines = 0;
-  std::string why;  // of the last line that was to be written, where that failed; empty: it was written
+  std::string why;  // of the last line that was to be written, where that failed; if empty, it was written
 };
 
 // Any thread.

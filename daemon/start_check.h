@@ -19,7 +19,7 @@ struct StartCheckOptions {
   std::filesystem::path share_folder;   // below which scenes are that are not there
   bool for_reload = false;              // leaves out what a daemon that runs has done already: ports, devices
   bool for_start = false;               // a certificate that is not valid yet is no error: time mends it
-  scenes::SceneReader read_scene = {};  // reads every configured scene; empty: as the caller does so itself
+  scenes::SceneReader read_scene = {};  // reads every configured scene; if empty, as the caller does so itself
   std::function<std::vector<Error>(const Config&)> check_renderers = {};  // of devices, tracer and passes
 };
 

@@ -20,7 +20,7 @@ struct FrameEncoder::Workspace {
   context::FrameTiles framed;   // of tiles_context
   context::UnitEncoder units;
 
-  void cut_context(size_t limit, EncodedFrame& out) {
+  void cut_context(size_t limit, EncodedMask& out) {
     for (const SliceRange& unit : context::plan_units(framed, limit)) {
       units.encode(framed, unit, limit, out);
       if (out.slices.size() > kMaxSlices) return;
@@ -28,14 +28,14 @@ struct FrameEncoder::Workspace {
   }
 };
 
-void EncodedFrame::begin(CodecId of) {
+void EncodedMask::begin(CodecId of) {
   codec = of;
   slices.clear();
   bytes.clear();
   offsets.assign(1, 0);
 }
 
-Result<void> EncodedFrame::number_slices() {
+Result<void> EncodedMask::number_slices() {
   if (slices.size() > kMaxSlices) {
     begin(codec);
     return Error{"the frame takes more than " + std::to_string(kMaxSlices) + " slices"};
@@ -76,7 +76,7 @@ FrameEncoder::~FrameEncoder() = default;
 FrameEncoder::FrameEncoder(FrameEncoder&&) noexcept = default;
 
 Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes,
-                                  EncodedFrame& out) {
+                                  EncodedMask& out) {
   assert(frame.words.size() == frame.grid.word_count() && max_payload_bytes >= kMinPayloadBytes);
   Workspace& work = *workspace_;
   out.begin(codec);
@@ -96,7 +96,7 @@ Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size
 }
 
 Result<void> FrameEncoder::encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes,
-                                  EncodedFrame& out, const MaskReference* reference,
+                                  EncodedMask& out, const MaskReference* reference,
                                   const std::optional<CameraView>& camera) {
   assert(max_payload_bytes >= kMinPayloadBytes);
   Workspace& work = *workspace_;

@@ -18,7 +18,7 @@ namespace gnomon::protocol {
 inline constexpr size_t kMaxSlices = 65'535;  // of a frame: what a slice's header can number
 
 // A frame cut into slices. The payload of slice i is bytes[offsets[i] .. offsets[i + 1]).
-struct EncodedFrame {
+struct EncodedMask {
   CodecId codec = CodecId::tiles_lz4;
   std::vector<SliceHeader> slices;  // the sender fills in frame, times, moment and size
   std::vector<uint8_t> bytes;
@@ -44,11 +44,11 @@ class FrameEncoder {
   // No payload is longer than `max_payload_bytes` (at least kMinPayloadBytes). `out`'s memory is reused.
   // Error, with `out` empty, if the frame would take more than kMaxSlices.
   // A frame without lights has no slices.
-  Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out);
+  Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedMask& out);
   // Equals encoding the unpacked frame, in less time; except that with tiles_context a free tile takes the likelier
   // class, which takes fewer bytes. `reference` and `camera` are used by tiles_context only: a frame of the same grid
   // that the decoder has (may be null), and the camera of this frame (nullopt if it is unknown).
-  Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedFrame& out,
+  Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedMask& out,
                       const MaskReference* reference = nullptr, const std::optional<CameraView>& camera = {});
 
  private:

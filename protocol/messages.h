@@ -26,17 +26,17 @@ struct Hello {
   uint16_t version_max = kVersion;
   uint64_t features = 0;          // unknown bits are ignored
   std::string client;             // program and version, for the log
-  std::string tenant;             // empty: the default tenant
+  std::string tenant;             // if empty, the default tenant
   std::string token;              // the tenant's secret
-  std::vector<CipherId> ciphers;  // of the data channel, in order of preference; empty: the server's choice
+  std::vector<CipherId> ciphers;  // of the data channel, in order of preference; if empty, the server's choice
   std::string scene;
   uint16_t width = 0;  // pixels of the traced buffer, border included
   uint16_t height = 0;
   uint16_t border_x = 0;  // pixels of the width that are prediction border, left and right together
   uint16_t border_y = 0;
   float rate_hz = 0;                // views a second that the client means to ask for; 0: as many as it gets
-  std::vector<CodecId> codecs;      // in order of preference; empty: the server's default
-  std::vector<std::string> passes;  // render passes in order; empty: the server's default
+  std::vector<CodecId> codecs;      // in order of preference; if empty, the server's default
+  std::vector<std::string> passes;  // render passes in order; if empty, the server's default
   uint8_t samples = 0;              // wanted at most, as to_byte(SampleCounts); 0: 1; on the wire with kFeatureSoft
   friend bool operator==(const Hello&, const Hello&) = default;
 };
@@ -181,7 +181,7 @@ struct Waiting {
 struct WebTransport {
   uint16_t port = 0;            // UDP, at the server's address
   std::string ticket;           // opens it once; letters and digits
-  std::vector<Bytes32> hashes;  // SHA-256 of the certificates that it may show; empty: one that browsers trust
+  std::vector<Bytes32> hashes;  // SHA-256 of the certificates that it may show; if empty, one that browsers trust
   friend bool operator==(const WebTransport&, const WebTransport&) = default;
 };
 

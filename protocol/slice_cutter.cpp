@@ -36,21 +36,21 @@ double weight_of(const CodedTiles& tiles, const TileGrid& grid, const SliceRange
 }  // namespace
 
 void SliceCutter::cut_tiles(const CodedTiles& tiles, const TileGrid& grid, size_t max_payload_bytes,
-                            EncodedFrame& out) {
+                            EncodedMask& out) {
   tiles_ = &tiles;
   frame_ = {grid, {}};
   limit_ = max_payload_bytes;
   cut_frame(out);
 }
 
-void SliceCutter::cut_raw32(const TileMaskView& frame, size_t max_payload_bytes, EncodedFrame& out) {
+void SliceCutter::cut_raw32(const TileMaskView& frame, size_t max_payload_bytes, EncodedMask& out) {
   tiles_ = nullptr;
   frame_ = frame;
   limit_ = max_payload_bytes;
   cut_frame(out);
 }
 
-void SliceCutter::cut_frame(EncodedFrame& out) {
+void SliceCutter::cut_frame(EncodedMask& out) {
   const uint32_t tiles = frame_.grid.tile_count();
   const uint32_t lights = frame_.grid.planes;
   const uint32_t step = lights_that_fit(tiles_ ? CodecId::tiles_lz4 : CodecId::raw32_lz4, limit_ - 1);
@@ -126,7 +126,7 @@ size_t SliceCutter::try_range(const SliceRange& range) {
   return trial_.size();
 }
 
-void SliceCutter::append(const SliceRange& range, EncodedFrame& out) const {
+void SliceCutter::append(const SliceRange& range, EncodedMask& out) const {
   SliceHeader header;
   header.first_tile = range.first_tile;
   header.tile_count = range.tile_count;

@@ -19,17 +19,17 @@ class SliceCutter {
  public:
   // Append the frame's slices to `out`; no payload is longer than `max_payload_bytes`. They stop once there are more
   // than kMaxSlices.
-  void cut_tiles(const CodedTiles& tiles, const TileGrid& grid, size_t max_payload_bytes, EncodedFrame& out);
-  void cut_raw32(const TileMaskView& frame, size_t max_payload_bytes, EncodedFrame& out);
+  void cut_tiles(const CodedTiles& tiles, const TileGrid& grid, size_t max_payload_bytes, EncodedMask& out);
+  void cut_raw32(const TileMaskView& frame, size_t max_payload_bytes, EncodedMask& out);
 
  private:
-  void cut_frame(EncodedFrame& out);
+  void cut_frame(EncodedMask& out);
   uint32_t cut(SliceRange range, uint32_t left);
   size_t try_range(const SliceRange& range);
   uint32_t guess(SliceRange range, uint32_t least, uint32_t most) const;
   double weight(const SliceRange& range) const;
   bool pack(const SliceRange& range);
-  void append(const SliceRange& range, EncodedFrame& out) const;
+  void append(const SliceRange& range, EncodedMask& out) const;
 
   const CodedTiles* tiles_ = nullptr;  // of tiles_lz4; null: raw32_lz4
   TileMaskView frame_;                 // of raw32_lz4; of tiles_lz4 only its grid

@@ -21,9 +21,9 @@ void SplitFrame::encode(size_t unit) {
   encoder.encode(tiles_, units_[unit], limit_, encoded_[unit]);
 }
 
-Result<void> SplitFrame::join(EncodedFrame& out) {
+Result<void> SplitFrame::join(EncodedMask& out) {
   out.begin(CodecId::tiles_context);
-  for (const EncodedFrame& part : encoded_) {
+  for (const EncodedMask& part : encoded_) {
     const size_t first = out.bytes.size();
     out.slices.insert(out.slices.end(), part.slices.begin(), part.slices.end());
     out.bytes.insert(out.bytes.end(), part.bytes.begin(), part.bytes.end());

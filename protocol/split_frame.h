@@ -21,7 +21,7 @@ class SplitFrame {
   // Called once for each unit, from any thread.
   void encode(size_t unit);
   // Precondition: every unit is encoded. Error: as FrameEncoder::encode.
-  Result<void> join(EncodedFrame& out);
+  Result<void> join(EncodedMask& out);
   // The mask that a decoder will have, borrowed from this. Precondition: every unit is encoded.
   TileMaskView decoded() const { return {tiles_.grid, tiles_.words}; }
 
@@ -30,7 +30,7 @@ class SplitFrame {
   MaskReferencePtr reference_;
   context::FrameTiles tiles_;
   std::vector<SliceRange> units_;
-  std::vector<EncodedFrame> encoded_;  // for each unit
+  std::vector<EncodedMask> encoded_;  // for each unit
 };
 
 }  // namespace gnomon::protocol

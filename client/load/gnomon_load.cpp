@@ -133,8 +133,8 @@ Result<std::vector<std::vector<LoadGroup>>> plan_runs(const Arguments& a) {
 
 // What is wrong with a run, though it came to its end.
 Result<void> check(const std::vector<LoadRow>& rows, double may_miss, Exit& after_error) {
-  if (const uint64_t wrong = rows.back().figures.counters.wrong_frames) {
-    return Error{std::to_string(wrong) + " slices answered no camera that was asked for, or did not decode"};
+  if (const uint64_t invalid = rows.back().figures.counters.invalid_slices) {
+    return Error{std::to_string(invalid) + " slices answered no camera that was asked for, or did not decode"};
   }
   for (const LoadRow& row : rows) {
     if (!row.error.empty()) return Error{"client " + std::to_string(row.client) + ": " + row.error};

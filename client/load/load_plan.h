@@ -11,8 +11,8 @@ namespace gnomon::client {
 
 // Clients of one tenant.
 struct LoadGroup {
-  std::string tenant = {};      // empty: the server's default
-  std::string token_file = {};  // empty: none
+  std::string tenant = {};      // if empty, the server's default
+  std::string token_file = {};  // if empty, none
   std::string token = {};       // as read_tokens() has read it
   size_t clients = 0;
 };

@@ -73,7 +73,8 @@ nlohmann::ordered_json to_json(const LoadRow& row) {
   json["reopened"] = f.reopened;
   json["moves"] = f.counters.moved;
   json["max_gap_ms"] = to_milliseconds(f.longest_gap);
-  json["wrong_frames"] = f.counters.wrong_frames;
+  json["invalid_slices"] = f.counters.invalid_slices;
+  json["wrong_frames"] = f.counters.invalid_slices;  // deprecated name
   json["incomplete_frames"] = f.counters.incomplete;
   json["cameras"] = f.counters.asked;
   json["superseded_cameras"] = f.counters.superseded;
@@ -158,9 +159,9 @@ Report load_report(const LoadOptions& options, const LoadRun& run, const std::ve
 }
 
 void print_heading(std::FILE* out) {
-  std::fprintf(out, "%-24s %8s %8s %9s %7s %8s %8s %8s %8s %8s %9s %5s %5s\n", "", "offered", "answered",
+  std::fprintf(out, "%-24s %8s %8s %9s %7s %8s %8s %8s %8s %8s %9s %5s %7s\n", "", "offered", "answered",
                "coalesced", "dropped", "vbps", "p50 ms", "p90 ms", "p99 ms", "p99.9 ms", "B/frame", "lost",
-               "wrong");
+               "invalid");
 }
 
 void print_table(std::FILE* out, const std::vector<LoadRow>& rows, size_t max_clients) {
@@ -168,10 +169,10 @@ void print_table(std::FILE* out, const std::vector<LoadRow>& rows, size_t max_cl
   for (const LoadRow& row : rows) {
     if (row.scope == LoadRow::Scope::client && !with_clients && row.error.empty()) continue;
     const LoadFigures& f = row.figures;
-    std::fprintf(out, "%-24s %8llu %8llu %9llu %7llu %8.2f %8.1f %8.1f %8.1f %8.1f %9.0f %5llu %5llu%s%s\n",
+    std::fprintf(out, "%-24s %8llu %8llu %9llu %7llu %8.2f %8.1f %8.1f %8.1f %8.1f %9.0f %5llu %7llu%s%s\n",
                  name_of(row).c_str(), whole(f.offered()), whole(f.answered()), whole(f.coalesced()),
                  whole(f.dropped()), row.vbps, ms(row, 0.5), ms(row, 0.9), ms(row, 0.99), ms(row, 0.999),
-                 f.bytes_per_frame(), whole(f.counters.lost_slices), whole(f.counters.wrong_frames),
+                 f.bytes_per_frame(), whole(f.counters.lost_slices), whole(f.counters.invalid_slices),
                  row.error.empty() ? "" : "  ", row.error.c_str());
   }
 }

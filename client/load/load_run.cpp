@@ -129,19 +129,19 @@ void LoadRun::land() {
 }
 
 std::string LoadRun::progress_line(TimePoint now) const {
-  uint64_t frames = 0, lost = 0, wrong = 0;
+  uint64_t frames = 0, lost = 0, invalid = 0;
   for (const auto& p : participants_) {
     const StreamCounters counters = p.client->figures().counters;
     frames += counters.complete;
     lost += counters.lost_slices;
-    wrong += counters.wrong_frames;
+    invalid += counters.invalid_slices;
   }
   const double seconds = to_seconds(now - started_);
   char line[200];
-  std::snprintf(line, sizeof line, "%5.1f s  %zu clients  %llu frames (%.1f vbps)  %llu slices lost  %llu wrong",
+  std::snprintf(line, sizeof line, "%5.1f s  %zu clients  %llu frames (%.1f vbps)  %llu slices lost  %llu invalid",
                 seconds, open_clients(), static_cast<unsigned long long>(frames),
                 static_cast<double>(frames) / seconds, static_cast<unsigned long long>(lost),
-                static_cast<unsigned long long>(wrong));
+                static_cast<unsigned long long>(invalid));
   return line;
 }
 

@@ -19,7 +19,7 @@ struct LoadOptions {
   std::string scene;
   std::filesystem::path scene_folder;  // where the scene's own file may be, for its camera path; may be empty
   Size size;
-  std::vector<protocol::CodecId> codecs = {};  // that clients list; empty: the server's choice
+  std::vector<protocol::CodecId> codecs = {};  // that clients list; if empty, the server's choice
   SampleCounts samples = {};                   // wanted at most
   double rate_hz = 0;                          // 0: each client asks again as soon as it has been answered
   bool still = false;                          // each client asks for one frame, then stands still

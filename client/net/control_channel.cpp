@@ -69,7 +69,7 @@ struct ControlChannel::State : std::enable_shared_from_this<State> {
         stream(loop.context(), *tls) {}
 
   Address server;
-  std::string server_name;  // said in TLS; empty: none is
+  std::string server_name;  // said in TLS; if empty, none is
   Events events;
   std::unique_ptr<asio::ssl::context> tls;
   tcp::resolver resolver;

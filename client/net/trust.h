@@ -19,8 +19,8 @@ struct Trust {
   // The one certificate to accept: "sha256:..." or a file that has this in its first line. Empty: any that an authority
   // has signed for the server's name or address.
   std::string pin = {};
-  std::filesystem::path authorities = {};  // PEM file; empty: the system's
-  // The client's own, for servers that accept certificates instead of tokens. PEM files; empty: none.
+  std::filesystem::path authorities = {};  // PEM file; if empty, the system's
+  // The client's own, for servers that accept certificates instead of tokens. PEM files; if empty, none.
   std::filesystem::path certificate = {};
   std::filesystem::path key = {};
   // The name of the fleet whose door the server is: certificates are good for this name, wherever the client connects to.

@@ -32,7 +32,7 @@ StreamCounters& StreamCounters::operator+=(const StreamCounters& other) {
   unreadable_slices += other.unreadable_slices;
   resumed += other.resumed;
   moved += other.moved;
-  wrong_frames += other.wrong_frames;
+  invalid_slices += other.invalid_slices;
   return *this;
 }
 
@@ -49,7 +49,7 @@ StreamCounters& StreamCounters::operator-=(const StreamCounters& other) {
   unreadable_slices -= other.unreadable_slices;
   resumed -= other.resumed;
   moved -= other.moved;
-  wrong_frames -= other.wrong_frames;
+  invalid_slices -= other.invalid_slices;
   return *this;
 }
 
@@ -164,14 +164,14 @@ void VisibilityStream::on_datagram(const protocol::Opened& datagram, TimePoint a
   if (const auto parity = protocol::decode_parity(datagram.body)) {
     if (requested_.ever_requested(parity->header.frame)) add_rebuilt(recovery_.add_parity(*parity));
   } else {
-    ++counters_.wrong_frames;
+    ++counters_.invalid_slices;
   }
 }
 
 void VisibilityStream::on_slice(std::span<const uint8_t> body) {
   const auto slice = protocol::decode_frame_slice(body);
   if (!slice || !requested_.ever_requested(slice->header.frame)) {
-    ++counters_.wrong_frames;
+    ++counters_.invalid_slices;
     return;
   }
   add_slice(*slice);
@@ -222,7 +222,7 @@ void VisibilityStream::add_slice(const protocol::FrameSlice& slice) {
       ++counters_.unreadable_slices;
       request->last_slice = Clock::now();
       break;
-    case SliceOutcome::malformed: ++counters_.wrong_frames; break;
+    case SliceOutcome::malformed: ++counters_.invalid_slices; break;
   }
   deliver_finished();
 }

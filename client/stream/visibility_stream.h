@@ -57,7 +57,7 @@ struct StreamCounters {
   uint64_t rebuilt_slices = 0;     // from parity
   uint64_t resumed = 0;            // control connections that were lost and replaced
   uint64_t moved = 0;              // sessions that another one took the place of (MovingStream)
-  uint64_t wrong_frames = 0;       // slices of frames never requested, that contradict their frame or do not decode
+  uint64_t invalid_slices = 0;     // slices of frames never requested, that contradict their frame or do not decode
 
   StreamCounters& operator+=(const StreamCounters& other);
   StreamCounters& operator-=(const StreamCounters& other);  // what was counted since `other`

@@ -18,7 +18,7 @@ namespace gnomon::client {
 class ClientRenderer {
  public:
   struct Options {
-    std::string device;                        // as gpu::RendererOptions::device; empty: the best one
+    std::string device;                        // as gpu::RendererOptions::device; if empty, the best one
     gpu::Samples samples = gpu::Samples::one;  // of each pixel of shade()
     bool soft_filter = false;                  // gpu::ShadeOptions::soft_filter
     bool soft_accumulate = false;  // shows counts as means over the newest masks and up to three before them
@@ -63,7 +63,7 @@ class ClientRenderer {
   gpu::Samples samples_ = gpu::Samples::one;
   bool soft_filter_ = false;
   bool soft_accumulate_ = false;
-  std::vector<protocol::LightInfo> lights_;  // in use by the view; empty: the scene's own
+  std::vector<protocol::LightInfo> lights_;  // in use by the view; if empty, the scene's own
   std::optional<float> exposure_;
   ReceivedPtr masks_;                    // the newest, their missing tiles reprojected
   std::optional<gpu::SeenMasks> seen_;   // of masks_, rasterised when needed

@@ -20,9 +20,9 @@ void print_figures(const FlightStats& f) {
               static_cast<unsigned long long>(f.shown), f.fps(), age_ms(0.5), age_ms(0.99), f.mean_ahead());
   std::printf("rate        %.2f visibility buffers a second; drawing took %.1f ms a picture\n", f.vbps(),
               f.shown ? 1000 * f.draw_seconds / static_cast<double>(f.shown) : 0.0);
-  std::printf("network     %.0f bytes a frame, %llu slices lost, %llu wrong\n", f.bytes_per_frame(),
+  std::printf("network     %.0f bytes a frame, %llu slices lost, %llu invalid\n", f.bytes_per_frame(),
               static_cast<unsigned long long>(f.counters.lost_slices),
-              static_cast<unsigned long long>(f.counters.wrong_frames));
+              static_cast<unsigned long long>(f.counters.invalid_slices));
 }
 
 void print_granted(SampleCounts wanted, SampleCounts granted) {

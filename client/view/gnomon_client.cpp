@@ -206,7 +206,8 @@ Report report_of(const Arguments& a, const FlightStats& f, uint64_t covered_word
                          {"response_p99_ms", age_ms(0.99)},
                          {"resumed", f.counters.resumed},
                          {"moves", f.counters.moved},
-                         {"wrong_frames", f.counters.wrong_frames}});
+                         {"invalid_slices", f.counters.invalid_slices},
+                         {"wrong_frames", f.counters.invalid_slices}});  // deprecated name
   return report;
 }
 
@@ -286,7 +287,7 @@ Result<std::optional<Gallery>> open_gallery(const Arguments& a, const scenes::Sc
 
 Result<void> check_answers(const FlightStats& figures) {
   if (figures.frames() == 0) return Error{"no camera was answered"};
-  if (figures.counters.wrong_frames > 0) return Error{"slices came that answer no camera or do not decode"};
+  if (figures.counters.invalid_slices > 0) return Error{"slices came that answer no camera or do not decode"};
   return {};
 }
 

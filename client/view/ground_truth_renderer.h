@@ -13,7 +13,7 @@ namespace gnomon::client {
 // One thread. Calls block.
 class GroundTruthRenderer {
  public:
-  // `options`: as ClientRenderer's. `cache`: folder for light buffers; empty: none are kept.
+  // `options`: as ClientRenderer's. `cache`: folder for light buffers; if empty, none are kept.
   static Result<std::unique_ptr<GroundTruthRenderer>> create(const scenes::ScenePtr& scene, const ViewSize& size,
                                                              const ClientRenderer::Options& options,
                                                              const std::string& cache = {});

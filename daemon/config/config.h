@@ -25,15 +25,15 @@ enum class ServerMode : uint8_t { production, demo };
 struct TlsConfig {
   std::filesystem::path certificate;  // the server's own first, then intermediate ones
   std::filesystem::path key;
-  std::filesystem::path client_ca;  // authorities of clients' certificates; empty: clients are not asked for one
-  std::filesystem::path client_crl = {};  // revocation lists, one of each authority; empty: none is looked at
+  std::filesystem::path client_ca;  // authorities of clients' certificates; if empty, clients are not asked for one
+  std::filesystem::path client_crl = {};  // revocation lists, one of each authority; if empty, none is looked at
   friend bool operator==(const TlsConfig&, const TlsConfig&) = default;
 };
 
 struct ServerConfig {
   ServerMode mode = ServerMode::production;
   TlsConfig tls;
-  std::filesystem::path state_folder;  // of files that the server makes; empty: see demo_certificate.h
+  std::filesystem::path state_folder;  // of files that the server makes; if empty, see demo_certificate.h
   std::string listen = "127.0.0.1";    // address of the control connections and of the data sockets
   bool insecure_listen = false;        // also where strangers reach it and need no token; see check_access
   uint16_t control_port = 7600;        // TCP; 0: a free one
@@ -49,7 +49,7 @@ struct ServerConfig {
   uint32_t connections_per_s = 100;         // of an address, in the long run; max_sessions_per_address in a burst
   bool require_path_validation = true;      // clients without the feature are refused
   std::chrono::seconds max_session_age{0};  // then the client has to authenticate anew; 0: no limit
-  std::string public_address = {};  // numeric, where clients reach this node itself; empty: as their door says
+  std::string public_address = {};  // numeric, where clients reach this node itself; if empty, as their door says
   std::vector<std::string> proxies = {};  // addresses and networks whose connections begin with a PROXY header
   friend bool operator==(const ServerConfig&, const ServerConfig&) = default;
 };
@@ -75,10 +75,10 @@ inline constexpr const char* kUsualAdminSocket = "auto";
 struct AdminConfig {
   std::string listen = "127.0.0.1";
   uint16_t port = 7601;                   // HTTP; 0: a free one
-  std::filesystem::path token_file = {};  // holds the token of changes over TCP; empty: TCP changes nothing
-  // Of the socket through which operators of this machine come; empty: none; kUsualAdminSocket: see admin_socket.h.
+  std::filesystem::path token_file = {};  // holds the token of changes over TCP; if empty, TCP changes nothing
+  // Of the socket through which operators of this machine come; if empty, none; kUsualAdminSocket: see admin_socket.h.
   std::filesystem::path socket = kUsualAdminSocket;
-  std::string group = {};               // its members may change things through the socket; empty: no group's
+  std::string group = {};               // its members may change things through the socket; if empty, no group's
   std::vector<std::string> hosts = {};  // further names, "node7" or "node7:443", by which browsers may reach us
   AdminTlsConfig tls = {};              // spoken off loopback; those of `server.tls` where the file names no others
   friend bool operator==(const AdminConfig&, const AdminConfig&) = default;
@@ -107,7 +107,7 @@ struct ScenesConfig {
   std::vector<std::filesystem::path> allow_files;  // clients may ask for a glTF file below these folders
   uint32_t clock_hz = 60;                          // steps of the clock that animations play on
   SceneClock clock = SceneClock::by_fleet;
-  std::filesystem::path lights_file = {};      // of lights that operators change; empty: none
+  std::filesystem::path lights_file = {};      // of lights that operators change; if empty, none
   std::chrono::milliseconds light_rest{2000};  // then the buffers of changed lights are rebuilt
   uint32_t worker_memory_mb = 8192;            // address space of the process that reads a scene, MiB
   std::chrono::seconds worker_time{120};       // its processor time
@@ -118,11 +118,11 @@ struct ScenesConfig {
 
 struct RenderConfig {
   std::string device = "auto";       // "auto", a type ("cpu", "discrete", "integrated"), an index or part of a name
-  std::vector<std::string> devices;  // several devices, each as `device`; empty: `device` alone
+  std::vector<std::string> devices;  // several devices, each as `device`; if empty, `device` alone
   std::string tracer = "auto";
   std::string raster = "auto";          // "auto", "hardware", "compute"
-  std::vector<std::string> passes;      // see daemon/config/render_effects.h; empty: all effects
-  std::filesystem::path cache_folder;   // for light buffers, kept for the next start; empty: no cache
+  std::vector<std::string> passes;      // see daemon/config/render_effects.h; if empty, all effects
+  std::filesystem::path cache_folder;   // for light buffers, kept for the next start; if empty, no cache
   uint32_t cache_mb = 2048;             // most that the folder may hold, MiB; 0: no limit
   uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by the number of lights
   bool wait_for_light_buffers = false;  // before a scene is served
@@ -181,8 +181,8 @@ struct TenantConfig {
 
 // What a door, such as HAProxy, is told of this node; see daemon/net/door_port.h.
 struct FleetConfig {
-  std::string name = {};          // a domain, under which browsers come to the door; empty: they go on as they came
-  std::string door_listen = {};   // address of the door port; empty: there is none
+  std::string name = {};  // a domain, under which browsers come to the door; if empty, they go on as they came
+  std::string door_listen = {};   // address of the door port; if empty, there is none
   uint16_t door_port = 7602;      // TCP; 0: a free one
   uint32_t assumed_rate_hz = 60;  // of sessions that named no rate, when the load is counted
   bool agones = false;            // its sidecar is told, see daemon/service/agones.h
@@ -192,7 +192,7 @@ struct FleetConfig {
 struct LogConfig {
   log::Level level = log::Level::info;
   log::Format format = log::Format::key_value;
-  std::filesystem::path audit_file = {};  // absolute after find_files; empty: audit lines stand among the others
+  std::filesystem::path audit_file = {};  // absolute after find_files; if empty, audit lines stand among the others
 };
 
 // A client that names no tenant belongs to this one, if it is configured.

@@ -28,7 +28,7 @@ std::vector<std::string> effects_of(const RenderConfig& render);
 // The most samples that this allows.
 SampleCounts most_samples(const RenderConfig& render);
 
-// The names in the list that are no effects, for the renderer; empty: its own list.
+// The names in the list that are no effects, for the renderer; if empty, its own list.
 std::vector<std::string> renderer_passes(const RenderConfig& render);
 
 // Whether a client may insist on it: an effect that runs, or what clients could name before there were effects.

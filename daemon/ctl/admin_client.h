@@ -12,10 +12,10 @@ namespace gnomon::ctl {
 // Where and as whom to ask.
 struct AdminAccess {
   std::string address =
-      {};  // "unix:PATH", "http://HOST:PORT" or "https://HOST:PORT"; empty: the usual one, see below
+      {};  // "unix:PATH", "http://HOST:PORT" or "https://HOST:PORT"; if empty, the usual one, see below
   std::string token = {};      // what the daemon's admin.token_file holds, for TCP; may be empty
-  std::string authority = {};  // PEM file, for https; empty: the system's
-  std::string name = {};       // that its certificate has; empty: the address's
+  std::string authority = {};  // PEM file, for https; if empty, the system's
+  std::string name = {};       // that its certificate has; if empty, the address's
 };
 
 class AdminClient {

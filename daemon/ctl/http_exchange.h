@@ -36,8 +36,8 @@ struct HttpAnswer {
 
 // Whose certificate is good, for https.
 struct HttpTrust {
-  std::string authority;  // a PEM file of those who sign it; empty: those that the system trusts
-  std::string name;       // whose it is; empty: the address's host
+  std::string authority;  // a PEM file of those who sign it; if empty, those that the system trusts
+  std::string name;       // whose it is; if empty, the address's host
 };
 
 // Blocks until the answer is complete. The error says what failed; the address is not in it.

@@ -15,19 +15,19 @@ namespace gnomon::ctl {
 struct InitRequest {
   std::filesystem::path out = "/etc/gnomon";
   std::vector<std::string> hosts = {};    // names and addresses by which clients reach the node
-  std::vector<std::string> tenants = {};  // each gets a token; empty: `default`
-  std::vector<std::string> scenes = {};   // NAME of a built-in one, NAME=FILE or FILE; empty: the built-in ones
-  std::string listen = {};                // address of the clients' ports; empty: 0.0.0.0
+  std::vector<std::string> tenants = {};  // each gets a token; if empty, `default`
+  std::vector<std::string> scenes = {};   // NAME of a built-in one, NAME=FILE or FILE; if empty, the built-in ones
+  std::string listen = {};                // address of the clients' ports; if empty, 0.0.0.0
   uint16_t port = 0;                      // of clients; 0: 7600
   uint32_t days = 365;                    // how long the server's certificate lasts
   std::optional<bool> browsers = {};      // whether they are served too (`web.listen`); unsaid: they are not
   std::filesystem::path systemd =
-      {};  // for the socket's drop-in; empty: the system's for /etc/gnomon, else below `out`
+      {};  // for the socket's drop-in; if empty, the system's for /etc/gnomon, else below `out`
   // Of a node of a fleet; else empty. Such a node needs the next two.
   std::string fleet = {};                 // its name
   std::string public_address = {};        // where this node's clients send their datagrams
   std::vector<std::string> proxies = {};  // addresses of the doors
-  std::string door_listen = {};           // which address doors ask; empty: the public one
+  std::string door_listen = {};           // which address doors ask; if empty, the public one
   uint16_t door_port = 0;                 // 0: as it was, or the usual one
 };
 

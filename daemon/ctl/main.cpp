@@ -29,7 +29,7 @@ Result<AdminClient> client(Arguments& arguments) {
   return AdminClient(std::move(*access));
 }
 
-// `key`: the member of /status that --json prints; empty: all of it.
+// `key`: the member of /status that --json prints; if empty, all of it.
 Command show(View view, std::string key) {
   return [view, key = std::move(key)](Arguments& arguments) -> Result<void> {
     auto admin = client(arguments);

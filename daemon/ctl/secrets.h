@@ -13,7 +13,7 @@ namespace gnomon::ctl {
 struct CertsRequest {
   std::filesystem::path out;         // folder; created if it does not exist
   std::vector<std::string> hosts;    // names and addresses by which clients reach the server
-  std::string fleet = {};            // whose name, and all names right below it, the server has too; empty: none
+  std::string fleet = {};            // whose name, and all names right below it, the server has too; if empty, none
   std::vector<std::string> tenants;  // each gets a client certificate
   uint32_t days = 365;
   bool renew = false;  // replaces existing certificates

@@ -15,7 +15,7 @@ inline constexpr size_t kSessionColumns = 9;
 struct SessionOrder {
   SessionColumn by = SessionColumn::vbps;
   bool ascending = false;
-  std::string filter = {};  // part of the session's id, tenant or scene; empty: all sessions
+  std::string filter = {};  // part of the session's id, tenant or scene; if empty, all sessions
 };
 
 // Two answers of /status and the time between them, from which rates are computed.

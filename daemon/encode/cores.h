@@ -13,7 +13,7 @@
 
 namespace gnomon::daemon {
 
-using Cores = std::vector<uint32_t>;  // Linux's numbers, increasing; empty: any
+using Cores = std::vector<uint32_t>;  // Linux's numbers, increasing; if empty, any
 
 // Parses a list as Linux writes it: "0-3,8,10-11".
 Result<Cores> parse_cores(std::string_view list);

@@ -86,7 +86,7 @@ struct SessionDegraded {
 
 struct EncodedFrame {
   FrameMeta meta;
-  protocol::EncodedFrame slices;
+  protocol::EncodedMask slices;
 };
 
 }  // namespace gnomon::daemon

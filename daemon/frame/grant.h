@@ -32,7 +32,7 @@ struct SessionGrant {
   // Known once the scene is resident.
   SceneId scene{};
   uint32_t lights = 0;
-  std::vector<bool> areas = {};  // for each light, whether it has an extent; empty: none has
+  std::vector<bool> areas = {};  // for each light, whether it has an extent; if empty, none has
 
   bool has(uint64_t feature) const { return (features & feature) != 0; }
   bool is_area(uint32_t light) const { return light < areas.size() && areas[light]; }

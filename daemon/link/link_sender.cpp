@@ -42,7 +42,7 @@ size_t LinkSender::slice_body_bytes() const {
   return web_transport_ ? std::min(body, kMostWebTransportBody) : body;
 }
 
-size_t LinkSender::add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now) {
+size_t LinkSender::add(const protocol::EncodedMask& slices, TimePoint deadline, TimePoint now) {
   if (slices.slices.empty()) return 0;
   const size_t before = queue_.bytes();
   if (last_frame_ != TimePoint{}) interval_ += (std::min<Nanoseconds>(now - last_frame_, 200ms) - interval_) / 8;

@@ -69,7 +69,7 @@ class LinkSender {
 
   // Queues a frame. None of its datagrams is sent after `deadline`; TimePoint::max() if the client has named none.
   // Returns the bytes of its datagrams, parity included.
-  size_t add(const protocol::EncodedFrame& slices, TimePoint deadline, TimePoint now);
+  size_t add(const protocol::EncodedMask& slices, TimePoint deadline, TimePoint now);
 
   // Of clients with kFeatureWebTransport: QUIC has told that a datagram has arrived, or is lost.
   void on_outcome(uint64_t sequence, bool arrived, TimePoint now);

@@ -10,7 +10,7 @@ namespace {
 constexpr Nanoseconds kClientPatience = std::chrono::milliseconds(200);
 constexpr size_t kMostPadding = 8;  // a slice is padded by at most 1/8 of the longest payload
 
-size_t longest_payload(const protocol::EncodedFrame& slices) {
+size_t longest_payload(const protocol::EncodedMask& slices) {
   size_t longest = 0;
   for (size_t i = 0; i < slices.slices.size(); ++i) longest = std::max(longest, slices.payload(i).size());
   return longest;
@@ -18,7 +18,7 @@ size_t longest_payload(const protocol::EncodedFrame& slices) {
 
 }  // namespace
 
-StoredFrame::StoredFrame(const protocol::EncodedFrame& slices, uint64_t answer, TimePoint deadline, bool pad)
+StoredFrame::StoredFrame(const protocol::EncodedMask& slices, uint64_t answer, TimePoint deadline, bool pad)
     : frame_(slices.slices.front().frame), answer_(answer), deadline_(deadline), state_(slices.slices.size()) {
   constexpr size_t kMostHeader =
       protocol::kSliceHeaderBytes + protocol::kMomentBytes + protocol::kSizeBytes + protocol::kSamplesBytes;

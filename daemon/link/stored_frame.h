@@ -14,7 +14,7 @@ class StoredFrame {
  public:
   // Precondition: the slices' headers are complete. `pad`: slices that are nearly as long as the longest are padded to
   // its length, so that the kernel can cut them from one buffer (segmentation offload, data_socket.h).
-  StoredFrame(const protocol::EncodedFrame& slices, uint64_t answer, TimePoint deadline, bool pad = false);
+  StoredFrame(const protocol::EncodedMask& slices, uint64_t answer, TimePoint deadline, bool pad = false);
 
   FrameId frame() const { return frame_; }
   uint64_t answer() const { return answer_; }  // LinkSender's number of the frame

@@ -10,7 +10,7 @@ namespace gnomon::daemon {
 class StoredFrames {
  public:
   // Drops the oldest frame if there are kMostFrames already. Borrowed until the next call that drops frames.
-  StoredFrame& add(const protocol::EncodedFrame& slices, TimePoint deadline, bool pad) {
+  StoredFrame& add(const protocol::EncodedMask& slices, TimePoint deadline, bool pad) {
     if (frames_.size() == kMostFrames) frames_.pop_front();
     return frames_.emplace_back(slices, ++answers_, deadline, pad);
   }

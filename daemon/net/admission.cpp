@@ -68,7 +68,7 @@ void Admission::close_overdue(TimePoint now) {
 
 void Admission::on_first_message(const StreamPtr& stream, Result<protocol::Message> message) {
   if (!message) return refuse(stream, refused(RefusalCode::malformed, message.error().message), Claim{});
-  if (std::holds_alternative<protocol::Bye>(*message)) return part(stream);
+  if (std::holds_alternative<protocol::Bye>(*message)) return on_bye(stream);
   asio::co_spawn(io_, admit(stream, std::move(*message)), asio::detached);
 }
 
@@ -101,7 +101,7 @@ asio::awaitable<Admission::Verdict> Admission::take_steps(Applicant& applicant, 
     co_return refused(RefusalCode::malformed, "the first message must be a Hello or a Resume");
   }
   if (auto refusal = take_permit(applicant)) co_return refusal;
-  hold(applicant);
+  keep_pending(applicant);
   if (applicant.grant.has(protocol::kFeatureWaiting)) {
     asio::co_spawn(io_, tell_what_it_waits_for(applicant.stream, applicant.grant.scene_name), asio::detached);
   }
@@ -150,7 +150,7 @@ asio::awaitable<Admission::Verdict> Admission::reclaim(Applicant& applicant, con
   if (!proof) co_return refused(RefusalCode::internal, proof.error().message);
   if (!protocol::is_equal(*proof, resume.proof) || !secret)
     co_return refused(RefusalCode::unknown_session, kNoSession);
-  hold(applicant);
+  keep_pending(applicant);
   const Ask<StoredSession> claim = [&](auto on_answer) {
     shared_.store.claim(resume.session, std::move(on_answer));
   };
@@ -335,7 +335,7 @@ void Admission::listen(const StreamPtr& stream, OnMessage on_message, std::stop_
 }
 
 // A client that says Bye before it is answered has given up, which is its right.
-void Admission::part(const StreamPtr& stream) {
+void Admission::on_bye(const StreamPtr& stream) {
   if (!pending_.remove(stream.get())) return;
   shared_.metrics.report(Fault::handshake_abandoned,
                          {{"why", "the client said Bye"}, {"address", stream->peer().to_string()}});
@@ -344,14 +344,14 @@ void Admission::part(const StreamPtr& stream) {
 
 // Keeps the connection pending without a deadline, and safe from strangers, while it waits for another thread. A further
 // message before the first one is answered is refused, but for a Bye.
-void Admission::hold(const Applicant& applicant) {
-  pending_.prove(applicant.stream.get());
+void Admission::keep_pending(const Applicant& applicant) {
+  pending_.mark_authenticated(applicant.stream.get());
   listen(
       applicant.stream,
       [this, departure = applicant.departure, claim = applicant.claim](const StreamPtr& from,
                                                                        const Result<protocol::Message>& message) {
         if (message && std::holds_alternative<protocol::Bye>(*message)) {
-          part(from);
+          on_bye(from);
         } else {
           refuse(from, refused(RefusalCode::malformed, "a message before the first one was answered"), claim);
         }

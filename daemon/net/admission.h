@@ -67,9 +67,9 @@ class Admission {
   void on_first_message(const StreamPtr& stream, Result<protocol::Message> message);
   template <typename OnMessage>
   void listen(const StreamPtr& stream, OnMessage on_message, std::stop_source departure);
-  void hold(const Applicant& applicant);
+  void keep_pending(const Applicant& applicant);
   asio::awaitable<void> tell_what_it_waits_for(StreamPtr stream, std::string scene);
-  void part(const StreamPtr& stream);
+  void on_bye(const StreamPtr& stream);
   bool has_departed(const Applicant& applicant) const { return !pending_.is_waiting(applicant.stream.get()); }
   Result<std::unique_ptr<protocol::Seal>> make_seal(Applicant& applicant, SessionId id) const;
   void refuse(const StreamPtr& stream, const Refusal& refusal, const Claim& claim, TenantId tenant = {});

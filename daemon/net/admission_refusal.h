@@ -15,7 +15,7 @@ namespace gnomon::daemon {
 
 // Who a connection says it is.
 struct AdmissionClaim {
-  std::string tenant = {};                // empty: it named none, or did not get so far
+  std::string tenant = {};                // if empty, it named none, or did not get so far
   std::optional<SessionId> session = {};  // that it wants to resume
 };
 

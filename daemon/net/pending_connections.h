@@ -35,7 +35,7 @@ class PendingConnections {
   }
 
   // The stranger has shown who it is: from now on it is an applicant. Precondition: the connection is waiting.
-  void prove(const ControlStream* stream) {
+  void mark_authenticated(const ControlStream* stream) {
     places_.give_back(stream);
     connections_.at(stream).deadline = TimePoint::max();
   }

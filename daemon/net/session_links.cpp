@@ -79,7 +79,7 @@ void SessionLinks::request(const Session& session, const ViewRequest& view) {
 void SessionLinks::send(EncodedFrame& frame) {
   const FrameRoute& route = frame.meta.route;
   Session* session = sessions_.find(route.session);
-  // A frame may be ready before the client has proved its address: it waits in the link.
+  // A frame may be ready before the client's address is validated: it waits in the link.
   const bool wanted = session && (sessions_.is_reachable(*session) || session->path().is_pending()) &&
                       (sessions_.stream_of(route.session) || session->notified_shape().is_of(frame.meta.spec));
   if (!wanted) return shared_.metrics.dropped(route.tenant, route.session, Fault::session_gone);

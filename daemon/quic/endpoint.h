@@ -56,7 +56,7 @@ struct Event {
 struct Limits {
   size_t connections = 1024;
   size_t half_open = 64;
-  size_t retry_above = 16;                         // half-open ones: then an address has to be proved
+  size_t retry_above = 16;                         // half-open ones: then an address has to be validated
   size_t per_network = 64;                         // of an IPv4 address or a /64 of IPv6
   Nanoseconds patience = std::chrono::seconds(3);  // until the session is accepted
   Nanoseconds silence = std::chrono::seconds(10);  // then a connection is dropped

@@ -69,11 +69,11 @@ void Server::begin(std::span<const uint8_t> packet, const Address& from, TimePoi
   if (arrival.header.tokenlen > 0) {
     ngtcp2_cid original;
     const ngtcp2_path path = path_between(options_.local, from);
-    const bool proved = ngtcp2_crypto_verify_retry_token2(&original, arrival.header.token, arrival.header.tokenlen,
-                                                          secret_.data(), secret_.size(), arrival.header.version,
-                                                          path.remote.addr, path.remote.addrlen,
-                                                          &arrival.header.dcid, kTokenLasts, timestamp(now)) == 0;
-    if (proved) arrival.original = original;
+    const bool validated = ngtcp2_crypto_verify_retry_token2(
+                               &original, arrival.header.token, arrival.header.tokenlen, secret_.data(),
+                               secret_.size(), arrival.header.version, path.remote.addr, path.remote.addrlen,
+                               &arrival.header.dcid, kTokenLasts, timestamp(now)) == 0;
+    if (validated) arrival.original = original;
   }
   if (!arrival.original && arrival.header.dcid.datalen < NGTCP2_MIN_INITIAL_DCIDLEN) return;  // RFC 9000, 7.2
   if (!arrival.original && half_open_.size() >= options_.limits.retry_above) {

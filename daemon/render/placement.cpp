@@ -97,7 +97,7 @@ std::vector<Placement::Move> Placement::open(uint32_t device) {
   return moves;
 }
 
-double Placement::part(uint32_t device, TenantId tenant) const {
+double Placement::fraction(uint32_t device, TenantId tenant) const {
   double all = 0, here = 0;
   for (uint32_t i = 0; i < devices_.size(); ++i) {
     const auto found = devices_[i].of_tenant.find(tenant);

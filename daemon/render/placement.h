@@ -39,7 +39,7 @@ class Placement {
   bool is_open(uint32_t device) const { return devices_[device].open; }
   uint32_t sessions(uint32_t device) const { return devices_[device].all.sessions; }
   // The share of the tenant's load that is on this device: 0 to 1; 0 if the tenant has no load.
-  double part(uint32_t device, TenantId tenant) const;
+  double fraction(uint32_t device, TenantId tenant) const;
 
  private:
   struct Sum {

@@ -54,14 +54,14 @@ struct SessionMoved {
 // The share of a tenant's limits, which hold for all devices together, that applies to this device: 0 to 1.
 struct TenantDeviceShare {
   TenantId tenant;
-  double part = 1;
+  double fraction = 1;
 };
 
 struct SceneLoaded {
   scenes::LoadedScene scene;
   std::function<void(Result<gpu::SceneFootprint>)> resident;  // called on the render thread
   std::string name = {};
-  // What operators have changed until the scene is there, called on the render thread then; empty: nothing.
+  // What operators have changed until the scene is there, called on the render thread then; if empty, nothing.
   std::function<LightsUpdate()> lights = {};
 };
 

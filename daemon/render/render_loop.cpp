@@ -62,7 +62,7 @@ void RenderLoop::handle(RenderEvent event, TimePoint now) {
         costs_.learn_bytes(sent);
       },
       [&](const SharingPolicyChanged& changed) { queue_.set_sharing(changed.sharing, now); },
-      [&](const TenantDeviceShare& part) { queue_.account().set_part(part.tenant, part.part); },
+      [&](const TenantDeviceShare& share) { queue_.account().set_fraction(share.tenant, share.fraction); },
       [&](const BackgroundDone&) {},  // start() takes over what was done
       [&](const StopRendering&) { stop(); },
   };

@@ -114,7 +114,7 @@ void SessionPlaces::carry_out(const std::vector<Placement::Move>& moves) {
 void SessionPlaces::tell_parts(TenantId tenant) {
   if (devices_.size() == 1) return;
   for (uint32_t i = 0; i < devices_.size(); ++i)
-    devices_[i]->inbox().push(TenantDeviceShare{tenant, placement_.part(i, tenant)});
+    devices_[i]->inbox().push(TenantDeviceShare{tenant, placement_.fraction(i, tenant)});
 }
 
 }  // namespace gnomon::daemon

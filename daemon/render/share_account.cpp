@@ -20,18 +20,18 @@ void ShareAccount::set_sharing(const SharingPolicy& sharing) {
 
 // What was spent before stays spent.
 void ShareAccount::set_rates(Tenant& tenant) {
-  tenant.buffers.set(tenant.part * tenant.rates.buffers_per_second);
-  tenant.bits.set(tenant.part * tenant.rates.bits_per_second);
-  tenant.bytes.set(tenant.part * tenant.rates.bytes_per_second);
-  tenant.gpu.set(tenant.part * tenant.rates.gpu_share);
+  tenant.buffers.set(tenant.fraction * tenant.rates.buffers_per_second);
+  tenant.bits.set(tenant.fraction * tenant.rates.bits_per_second);
+  tenant.bytes.set(tenant.fraction * tenant.rates.bytes_per_second);
+  tenant.gpu.set(tenant.fraction * tenant.rates.gpu_share);
 }
 
-// A part of 0 is ignored: it would mean no limit, and no session needs one.
-void ShareAccount::set_part(TenantId id, double part) {
-  if (part <= 0) return;
+// A fraction of 0 is ignored: it would mean no limit, and no session needs one.
+void ShareAccount::set_fraction(TenantId id, double fraction) {
+  if (fraction <= 0) return;
   tenants_.resize(std::max<size_t>(tenants_.size(), id.value + 1));
   Tenant& tenant = tenants_[id.value];
-  tenant.part = part;
+  tenant.fraction = fraction;
   set_rates(tenant);
 }
 

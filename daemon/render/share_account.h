@@ -14,8 +14,8 @@ namespace gnomon::daemon {
 class ShareAccount {
  public:
   void set_sharing(const SharingPolicy& sharing);
-  // This device allows the share `part` of the tenant's rates, 0 to 1; initially 1.
-  void set_part(TenantId tenant, double part);
+  // This device allows `fraction` of the tenant's rates, 0 to 1; initially 1.
+  void set_fraction(TenantId tenant, double fraction);
 
   void queued(TenantId tenant) { ++tenants_[tenant.value].waiting; }
   void left_queue(TenantId tenant) { --tenants_[tenant.value].waiting; }
@@ -38,7 +38,7 @@ class ShareAccount {
   struct Tenant {
     double weight = 1;
     TenantRates rates;
-    double part = 1;
+    double fraction = 1;
     scheduler::RateLimit buffers{0, kBurst}, bits{0, kBurst}, bytes{0, kBurst}, gpu{0, kBurst};
     uint32_t waiting = 0;  // sessions in the scheduler's queue
     bool always_busy = true;

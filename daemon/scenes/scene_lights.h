@@ -18,7 +18,7 @@ namespace gnomon::daemon {
 // Any thread.
 class SceneLights {
  public:
-  // `devices` outlives this object. `file`: of what is changed from now on; empty: it is kept as long as this object.
+  // `devices` outlives this object. `file`: of what is changed from now on; if empty, it is kept as long as this object.
   SceneLights(DevicePool& devices, ChangedLights known, std::filesystem::path file);
 
   // Precondition: the change fits the light, if the scene is resident. Error if so many lights are changed already.

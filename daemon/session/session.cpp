@@ -79,13 +79,13 @@ DatagramOutcome Session::receive(const protocol::Data& data, TimePoint now, Way 
 }
 
 // Lets the link decide whether the view is requested now. Of a client that has no address yet one view is rendered
-// while the address is validated; the newest of the others is held back, so that who never proves an address is not
+// while the address is validated; the newest of the others is held back, so that who never validates an address is not
 // rendered for.
 DatagramOutcome Session::release(DatagramOutcome received, TimePoint now) {
   if (!received.view) return received;
   const ViewRequest view = *std::exchange(received.view, std::nullopt);
   if (way_ == Way::datagrams && !path_.current() && std::exchange(asked_early_, true)) {
-    views_.hold(view);
+    views_.withhold(view);
   } else {
     received.view = views_.offer(view, now);
   }

@@ -10,7 +10,7 @@ std::optional<ViewRequest> ViewBuffer::offer(ViewRequest view, TimePoint now) {
   return std::nullopt;
 }
 
-void ViewBuffer::hold(ViewRequest view) {
+void ViewBuffer::withhold(ViewRequest view) {
   ++window_.offered;
   if (held_) view.coalesced = held_->coalesced + 1;
   held_ = view;

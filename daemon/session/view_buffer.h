@@ -21,7 +21,7 @@ class ViewBuffer {
   std::optional<ViewRequest> offer(ViewRequest view, TimePoint now);
 
   // Keeps a view that has just arrived, in the place of the one that was held back.
-  void hold(ViewRequest view);
+  void withhold(ViewRequest view);
 
   // Returns the view that was held back, if the link has room for it now; nullopt otherwise.
   std::optional<ViewRequest> take(TimePoint now);

@@ -18,8 +18,8 @@
 namespace gnomon::daemon::web {
 
 struct SceneTarget {
-  std::string name;    // decoded; empty: of the list
-  std::string sha256;  // empty: of the page that says where the pack is
+  std::string name;    // decoded; if empty, of the list
+  std::string sha256;  // if empty, of the page that says where the pack is
 };
 
 // nullopt if the target is none of these.

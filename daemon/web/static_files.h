@@ -20,7 +20,7 @@ std::span<const EmbeddedFile> embedded_files();
 
 class StaticFiles {
  public:
-  // `fleet`: of which the server is; empty: of none.
+  // `fleet`: of which the server is; if empty, of none.
   static StaticFiles of(std::span<const EmbeddedFile> files, const std::string& fleet = {});
 
   // The answer to a GET or HEAD; 404 if there is no such file. Browsers ask each time whether a file has changed, as a

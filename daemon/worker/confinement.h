@@ -10,7 +10,7 @@
 namespace gnomon::daemon {
 
 struct Confinement {
-  std::filesystem::path folder;   // what may be read: its files and those of its subfolders; empty: no file
+  std::filesystem::path folder;   // what may be read: its files and those of its subfolders; if empty, no file
   uint64_t max_memory_bytes = 0;  // of address space; 0: unlimited
   uint32_t max_cpu_seconds = 0;   // of processor time; 0: unlimited
   uint64_t max_file_bytes = 0;    // of a file that is written; 0: unlimited

@@ -29,15 +29,15 @@ Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& s
 
 void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
                            std::function<void()> wake) {
-  light_builds_.hold();  // until the scene is resident, with at least a hierarchy for its lights
-  area_builds_.hold();
+  light_builds_.pause();  // until the scene is resident, with at least a hierarchy for its lights
+  area_builds_.pause();
   background_.run(
       [this, id, scene, pool = pool_, built = built_, missing = missing_variants(false), resident] {
         const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, missing));
         return [this, id, made, resident] {
           resident(settle_in(id, *made));
-          light_builds_.release();
-          area_builds_.release();
+          light_builds_.resume();
+          area_builds_.resume();
         };
       },
       std::move(wake));

@@ -45,7 +45,7 @@ class AreaLights {
  private:
   struct Kept {
     scenes::LightArea area;
-    std::vector<glm::vec3> offsets;  // empty: none yet
+    std::vector<glm::vec3> offsets;  // if empty, none yet
   };
 
   uint32_t lights_ = 0;

@@ -29,18 +29,18 @@ void LightBuilds::start(SceneId scene, size_t lights, Work work, std::function<v
       done();
     };
   };
-  held_.push_back([this, job, wake = std::move(wake)] { thread_.run(job, wake); });
-  begin_held();
+  deferred_.push_back([this, job, wake = std::move(wake)] { thread_.run(job, wake); });
+  begin_deferred();
 }
 
-void LightBuilds::release() {
-  --holds_;
-  begin_held();
+void LightBuilds::resume() {
+  --pauses_;
+  begin_deferred();
 }
 
-void LightBuilds::begin_held() {
-  if (holds_ > 0) return;
-  for (const auto& begin : std::exchange(held_, {})) begin();
+void LightBuilds::begin_deferred() {
+  if (pauses_ > 0) return;
+  for (const auto& begin : std::exchange(deferred_, {})) begin();
 }
 
 void LightBuilds::stop(SceneId scene) {

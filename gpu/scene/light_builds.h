@@ -26,9 +26,9 @@ class LightBuilds {
   // Starts a build, and stops an earlier one of the same scene, whose result is still delivered. `lights`: the number
   // of lights that the build reports progress for.
   void start(SceneId scene, size_t lights, Work work, std::function<void()> wake);
-  // Between hold() and release() no build is started, because more urgent work needs the CPU. Calls nest.
-  void hold() { ++holds_; }
-  void release();
+  // Between pause() and resume() no build is started, because more urgent work needs the CPU. Calls nest.
+  void pause() { ++pauses_; }
+  void resume();
   // Stops the scene's build. Its result is still delivered soon; it is an error if the build was not done.
   void stop(SceneId scene);
   void finish() { thread_.finish(); }
@@ -37,7 +37,7 @@ class LightBuilds {
   BuildProgress progress(SceneId scene) const;
 
  private:
-  void begin_held();
+  void begin_deferred();
 
   // The share of the work that is done, for each light. Any thread.
   class Shares {
@@ -60,9 +60,9 @@ class LightBuilds {
   static constexpr int kNiceness = 5;
 
   std::map<SceneId, Build> builds_;
-  int holds_ = 0;
-  std::vector<std::function<void()>> held_;  // builds that the last release() starts
-  Background thread_{kNiceness};             // declared last, so that it ends first
+  int pauses_ = 0;
+  std::vector<std::function<void()>> deferred_;  // builds that the last resume() starts
+  Background thread_{kNiceness};                 // declared last, so that it ends first
 };
 
 }  // namespace gnomon::gpu

@@ -20,7 +20,7 @@ struct TraceShader {
 };
 
 struct TracerOptions {
-  std::filesystem::path cache_folder;  // for the results of builds; empty: no cache
+  std::filesystem::path cache_folder;  // for the results of builds; if empty, no cache
   // Most that the folder may hold; what was used least recently leaves first. Read whenever something is kept. nullptr: no
   // limit.
   std::shared_ptr<const std::atomic<uint64_t>> cache_bytes = nullptr;

@@ -79,7 +79,7 @@ struct UnitEncoder::Memory {
 
   FrameTiles* frame = nullptr;
   size_t limit = 0;
-  EncodedFrame* out = nullptr;
+  EncodedMask* out = nullptr;
 
   std::span<uint64_t> words_of(uint32_t light, uint32_t first_tile, uint32_t tiles) const {
     return std::span(frame->words).subspan(size_t{light} * frame->grid.tile_count() + first_tile, tiles);
@@ -263,7 +263,7 @@ struct UnitEncoder::Memory {
 UnitEncoder::UnitEncoder() : memory_(std::make_unique<Memory>()) {}
 UnitEncoder::~UnitEncoder() = default;
 
-void UnitEncoder::encode(FrameTiles& frame, const SliceRange& unit, size_t max_payload_bytes, EncodedFrame& out) {
+void UnitEncoder::encode(FrameTiles& frame, const SliceRange& unit, size_t max_payload_bytes, EncodedMask& out) {
   memory_->frame = &frame;
   memory_->limit = max_payload_bytes;
   memory_->out = &out;

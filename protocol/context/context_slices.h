@@ -34,7 +34,7 @@ class UnitEncoder {
   ~UnitEncoder();
 
   // Appends the slices of `unit`, which is some lights with all their tiles, or some tiles of one light.
-  void encode(FrameTiles& frame, const SliceRange& unit, size_t max_payload_bytes, EncodedFrame& out);
+  void encode(FrameTiles& frame, const SliceRange& unit, size_t max_payload_bytes, EncodedMask& out);
 
  private:
   struct Memory;

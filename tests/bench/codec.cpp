@@ -60,7 +60,7 @@ class OwnCodec : public FrameCodec {
   const PathSpot* spot_ = nullptr;
   protocol::ReferenceShelf references_;
   protocol::FrameEncoder encoder_;
-  protocol::EncodedFrame frame_;
+  protocol::EncodedMask frame_;
   std::vector<uint64_t> words_;
 };
 

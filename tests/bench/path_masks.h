@@ -30,7 +30,7 @@ struct PathPlan {
   PictureSize size;
   std::vector<uint32_t> ages_ms;
   std::string device;            // as render.device of the configuration
-  std::filesystem::path folder;  // cache of masks for the next run; empty: no cache
+  std::filesystem::path folder;  // cache of masks for the next run; if empty, no cache
 };
 
 struct PathMasks {

@@ -158,7 +158,7 @@ class View {
   // By tiles_context.
   size_t bytes_of(const gpu::ProbedFrame& frame, const protocol::MaskReference* reference) {
     const PackedMask packed(frame.mask(), frame.valid_bits);
-    protocol::EncodedFrame encoded;
+    protocol::EncodedMask encoded;
     const auto done = encoder_.encode(packed.view(), protocol::CodecId::tiles_context,
                                       protocol::kMaxSlicePayloadBytes, encoded, reference, gpu::to_wire(camera_));
     return done ? encoded.bytes.size() : 0;

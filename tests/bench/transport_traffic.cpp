@@ -16,9 +16,9 @@ double cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-Result<protocol::EncodedFrame> busy_frame(size_t body_bytes) {
+Result<protocol::EncodedMask> busy_frame(size_t body_bytes) {
   const tests::Mask mask = tests::foliage({1920, 1080, 3}, 1);
-  protocol::EncodedFrame frame;
+  protocol::EncodedMask frame;
   auto done = protocol::FrameEncoder().encode(mask.view(), protocol::CodecId::tiles_lz4,
                                               body_bytes - protocol::kSliceHeaderBytes, frame);
   if (!done) return done.error();

@@ -20,7 +20,7 @@ const char* name_of(protocol::CipherId cipher);
 double cpu_seconds();
 
 // A frame of 1920x1080 with 3 lights and much detail; its slices have the longest bodies that `body_bytes` allows.
-Result<protocol::EncodedFrame> busy_frame(size_t body_bytes);
+Result<protocol::EncodedMask> busy_frame(size_t body_bytes);
 
 // A row of a report: the throughput of one core that took `cpu_s` for `datagrams` of `bytes` together.
 nlohmann::ordered_json traffic_row(const std::string& name, const char* cipher, size_t datagrams, size_t bytes,

@@ -23,7 +23,7 @@ struct PathPlan {
   uint32_t count = 0;
   uint32_t stride = 1;  // every so many of them are predicted
   std::string device;
-  std::filesystem::path cache;  // of light buffers; empty: none
+  std::filesystem::path cache;  // of light buffers; if empty, none
 };
 
 // A border as the dissertation names it, at 1920x1080, and as it is in proportion here.

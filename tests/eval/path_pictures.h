@@ -25,7 +25,7 @@ class PathPictures {
     client::ViewSize size;
     double fps = 60;
     std::string device;
-    std::filesystem::path cache;  // of light buffers; empty: none
+    std::filesystem::path cache;  // of light buffers; if empty, none
   };
   static Result<PathPictures> create(const Plan& plan);
 

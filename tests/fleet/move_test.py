@@ -95,7 +95,7 @@ class Moves(unittest.TestCase):
               f"of any client {row['max_gap_ms']:.0f} ms, half of the answers within {row['p50_ms']:.1f} ms", flush=True)
         self.assertEqual(row["moves"], moves)
         self.assertEqual(row["reopened"], reopened)
-        self.assertEqual(row["wrong_frames"], 0)
+        self.assertEqual(row["invalid_slices"], 0)
         patience_ms = GENEROUS_AFTER_LOSS_MS if reopened else GENEROUS_MS
         self.assertLess(row["max_gap_ms"], 1000 / row["rate_hz"] + patience_ms)
 

@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   const PackedMask packed(TileMaskView{grid, words}, valid_bits);
   protocol::FrameEncoder encoder;
-  protocol::EncodedFrame frame;
+  protocol::EncodedMask frame;
   for (const protocol::CodecId codec : protocol::kCodecs) {
     require(encoder.encode(packed.view(), codec, room, frame).has_value(), "a mask of this size can be encoded");
     std::vector<uint64_t> decoded(grid.word_count());

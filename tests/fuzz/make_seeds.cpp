@@ -132,7 +132,7 @@ void slices(const fs::path& folder, tests::Random& random) {
   const auto words = mask_of(grid, random);
   protocol::FrameEncoder encoder;
   for (const protocol::CodecId codec : protocol::kCodecs) {
-    protocol::EncodedFrame frame;
+    protocol::EncodedMask frame;
     if (!encoder.encode(TileMaskView{grid, words}, codec, protocol::kMinPayloadBytes, frame)) continue;
     for (size_t i = 0; i < std::min<size_t>(3, frame.slices.size()); ++i) {
       const protocol::SliceHeader& header = frame.slices[i];

@@ -40,7 +40,7 @@ class Loads:
     def land(self):
         rows = [load.land() for load in self.all]
         wrong = [row["error"] for row in rows if row.get("error")]
-        if wrong or any(row["wrong_frames"] for row in rows):
+        if wrong or any(row["invalid_slices"] for row in rows):
             raise AssertionError(f"sessions were refused or lost, or frames are wrong: {rows}")
         total = {key: sum(row[key] for row in rows) for key in ("frames", "moves", "reopened", "dropped",
                                                                 "incomplete_frames")}

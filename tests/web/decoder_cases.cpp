@@ -179,7 +179,7 @@ void add_stream(TileGrid grid, int frames) {
     const protocol::MaskReference* reference = nullptr;
     for (const auto& kept : shelf)
       if (kept->frame() == out.have() && out.have().value != 0) reference = kept.get();
-    protocol::EncodedFrame encoded;
+    protocol::EncodedMask encoded;
     if (!encoder.encode(packed.view(), codec, 600 + below(600), encoded, reference)) std::abort();
     std::vector<size_t> order(encoded.slices.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -212,7 +212,7 @@ void add_bench_stream(uint32_t lights, protocol::CodecId codec, bool refers) {
   const tests::Mask wide = tests::foliage({grid.width + 4 * kFrames, grid.height, lights}, 5);
   Case out(grid);
   protocol::FrameEncoder encoder;
-  protocol::EncodedFrame encoded;
+  protocol::EncodedMask encoded;
   protocol::MaskReferencePtr reference;
   std::chrono::nanoseconds native{0};
   size_t bytes = 0;

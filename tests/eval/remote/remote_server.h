@@ -20,7 +20,7 @@ inline constexpr SessionId kSession{1};
 struct ServerOptions {
   scenes::ScenePtr scene;
   std::string device;
-  std::string cache;  // folder for light buffers; empty: none are kept
+  std::string cache;  // folder for light buffers; if empty, none are kept
   H264Options video;  // its bit rate is what the first pictures get; then what the link's controller finds
   protocol::SealSecrets secrets;
   double most_bit_per_s = 0;   // 0: no limit

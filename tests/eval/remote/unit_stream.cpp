@@ -4,8 +4,8 @@
 
 namespace gnomon::remote {
 
-protocol::EncodedFrame to_slices(const Unit& unit, size_t max_payload_bytes) {
-  protocol::EncodedFrame frame;
+protocol::EncodedMask to_slices(const Unit& unit, size_t max_payload_bytes) {
+  protocol::EncodedMask frame;
   frame.bytes = unit.bytes;
   const size_t count = (unit.bytes.size() + max_payload_bytes - 1) / max_payload_bytes;
   for (size_t i = 0; i < count; ++i) {

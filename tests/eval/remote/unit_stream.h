@@ -20,7 +20,7 @@ struct Unit {
   std::vector<uint8_t> bytes;
 };
 
-protocol::EncodedFrame to_slices(const Unit& unit, size_t max_payload_bytes);
+protocol::EncodedMask to_slices(const Unit& unit, size_t max_payload_bytes);
 
 // One thread. Memory is bounded by kPatience units.
 class UnitAssembler {

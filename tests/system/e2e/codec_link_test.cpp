@@ -129,7 +129,7 @@ TEST(CodecLink, ReferencesSurviveLossAndReordering) {
                          "--duplicate", "2%", "--seed", "5"});
     Watcher watcher(loop, daemon, relay.address(), {protocol::CodecId::tiles_context});
     ASSERT_TRUE(watcher.watch(kFrames)) << relay.process().output();
-    EXPECT_EQ(watcher.counters().wrong_frames, 0u);
+    EXPECT_EQ(watcher.counters().invalid_slices, 0u);
     for (size_t i = 0; i < kFrames; ++i) {
       ASSERT_EQ(judge.wrong_bits(watcher.seen()[i]), 0u) << "frame " << i;
       EXPECT_TRUE(watcher.seen()[i].context);
@@ -160,7 +160,7 @@ TEST(CodecLink, TheControllerSwitchesToTheDenserCodecAndLosesNoFrame) {
   ASSERT_TRUE(watcher.watch_until([&] { return watcher.in_context() >= 20; }))
       << watcher.seen().size() << " frames, " << watcher.in_context() << " in the denser codec";
   EXPECT_FALSE(watcher.seen().front().context);
-  EXPECT_EQ(watcher.counters().wrong_frames, 0u);
+  EXPECT_EQ(watcher.counters().invalid_slices, 0u);
   const auto switched =
       std::find_if(watcher.seen().begin(), watcher.seen().end(), [](const Seen& s) { return s.context; });
   // Until the controller has found the link's rate it overruns it; from shortly before the switch on nothing is missing.

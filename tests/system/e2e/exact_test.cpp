@@ -146,7 +146,7 @@ TEST(Client, LeavesPicturesAndFigures) {
     const auto report = nlohmann::json::parse(read_file(json));
     EXPECT_EQ(report["suite"], "client");
     EXPECT_GT(report["rows"][0]["frames"].get<uint64_t>(), 0u);
-    EXPECT_EQ(report["rows"][0]["wrong_frames"], 0);
+    EXPECT_EQ(report["rows"][0]["invalid_slices"], 0);
     EXPECT_EQ(report["rows"][0]["mode"], mode);
     EXPECT_GT(report["rows"][0]["shown"].get<uint64_t>(), 0u);
     EXPECT_GT(report["rows"][0]["response_p50_ms"].get<double>(), 0);

@@ -61,7 +61,7 @@ TEST(FirstStart, FramesAreExactBeforeTheLightBuffersAcrossTheChangeAndAfter) {
       EXPECT_EQ(frame.words, own.render(frame.camera, kSmall))
           << "frame " << i << ", about " << before << " before";
     }
-    EXPECT_EQ(flier->stream().counters().wrong_frames, 0u);
+    EXPECT_EQ(flier->stream().counters().invalid_slices, 0u);
     EXPECT_EQ(flier->stream().counters().unanswered, 0u);
   }
 }

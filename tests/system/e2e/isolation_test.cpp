@@ -26,7 +26,7 @@ class Isolation : public testing::Test {
   ~Isolation() override {
     for (const auto& flier : fliers_) {
       EXPECT_FALSE(flier->stream().connection().failure()) << flier->stream().connection().failure()->message;
-      EXPECT_EQ(flier->stream().counters().wrong_frames, 0u);
+      EXPECT_EQ(flier->stream().counters().invalid_slices, 0u);
     }
   }
 

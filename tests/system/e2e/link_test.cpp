@@ -33,7 +33,7 @@ TEST(Link, LostSlicesComeAgain) {
   EXPECT_GE(counters.complete, 60u);
   EXPECT_GT(daemon.metric("gnomon_datagrams_retransmitted_total") + daemon.metric("gnomon_slices_recovered_total"),
             0);
-  EXPECT_EQ(counters.wrong_frames, 0u);
+  EXPECT_EQ(counters.invalid_slices, 0u);
 }
 
 TEST(Link, GoesByIPv6Too) {
@@ -52,7 +52,7 @@ TEST(Link, GoesByIPv6Too) {
   Fliers fliers;
   fliers.push_back(std::make_unique<Flier>(loop, daemon, "studio", living_room_path()));
   ASSERT_TRUE(all_progress(loop, fliers, 10));
-  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  EXPECT_EQ(fliers[0]->stream().counters().invalid_slices, 0u);
 }
 
 TEST(Link, ANarrowOneIsFollowedNotFilled) {
@@ -94,7 +94,7 @@ TEST(Link, AConnectionThatBreaksIsReplacedUnderItsSession) {
     ASSERT_TRUE(all_progress(loop, fliers, 5));
     EXPECT_EQ(stream.connection().welcome().session, session);
   }
-  EXPECT_EQ(stream.counters().wrong_frames, 0u);
+  EXPECT_EQ(stream.counters().invalid_slices, 0u);
   EXPECT_EQ(daemon.sessions(), 1);
   EXPECT_EQ(daemon.metric("gnomon_refusals_total"), 0);
 }
@@ -143,7 +143,7 @@ TEST(Link, AThinClientKnowsItsCamerasAfterItsConnectionWasReplaced) {
     }
     EXPECT_EQ(wrong, 0u);
     EXPECT_EQ(thin.reconnects(), 0u);
-    EXPECT_EQ(thin.counters().wrong_frames, 0u);
+    EXPECT_EQ(thin.counters().invalid_slices, 0u);
   }
 }
 
@@ -156,7 +156,7 @@ TEST(Link, WithoutDatagramsMasksComeOverTheControlConnection) {
       std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kSmall, "living_room", relay.address()));
   ASSERT_TRUE(all_progress(loop, fliers, 6)) << relay.process().output();
   EXPECT_TRUE(fliers[0]->stream().connection().by_control());
-  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  EXPECT_EQ(fliers[0]->stream().counters().invalid_slices, 0u);
   OwnRenderer own(living_room_file());
   for (const FlierFrame& frame : fliers[0]->frames()) EXPECT_EQ(frame.words, own.render(frame.camera, kSmall));
   fliers[0]->land();
@@ -173,7 +173,7 @@ TEST(Link, DatagramsAreAsLongAsThePathTakes) {
   fliers.push_back(
       std::make_unique<Flier>(loop, daemon, "studio", living_room_path(), kLarge, "living_room", relay.address()));
   ASSERT_TRUE(all_progress(loop, fliers, 30)) << relay.process().output();
-  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  EXPECT_EQ(fliers[0]->stream().counters().invalid_slices, 0u);
   EXPECT_EQ(fliers[0]->stream().counters().incomplete, 0u) << "longer ones were only tried";
   const std::string output = relay.end();
   EXPECT_EQ(counted(output, "bytes"), 1280u) << output;
@@ -193,7 +193,7 @@ TEST(Link, APathThatTakesShorterDatagramsThanBeforeIsFoundOut) {
   ASSERT_GT(fliers[0]->frames().size(), 0u);
   ASSERT_TRUE(all_progress(loop, fliers, 20)) << relay.process().output();
   EXPECT_FALSE(fliers[0]->stream().connection().by_control());
-  EXPECT_EQ(fliers[0]->stream().counters().wrong_frames, 0u);
+  EXPECT_EQ(fliers[0]->stream().counters().invalid_slices, 0u);
   const std::string output = relay.end();
   EXPECT_EQ(counted(output, "bytes"), 1472u) << "before: " << output;
 }

@@ -41,7 +41,7 @@ TEST_F(Load, EveryClientIsServedAndCountersAgree) {
   ASSERT_EQ(rows.size(), 8u + 2u + 1u);
   for (const auto& row : rows) {
     EXPECT_GT(row["frames"].get<uint64_t>(), 0u) << row;
-    EXPECT_EQ(row["wrong_frames"].get<uint64_t>(), 0u) << row;
+    EXPECT_EQ(row["invalid_slices"].get<uint64_t>(), 0u) << row;
     EXPECT_FALSE(row.contains("error")) << row;
   }
   for (const std::string tenant : {"studio", "arcade"}) {
@@ -65,7 +65,7 @@ TEST_F(Load, ARateBeyondWhatTheServerCanDoIsSaid) {
   const auto rows =
       run_load({"--seconds", "4", "--rate", "200", "--tenant", "studio::1", "--tenant", "arcade::7"}, kUnanswered);
   const auto& total = rows.back();
-  EXPECT_EQ(total["wrong_frames"].get<uint64_t>(), 0u);
+  EXPECT_EQ(total["invalid_slices"].get<uint64_t>(), 0u);
   EXPECT_GT(total["cameras"].get<uint64_t>(), total["frames"].get<uint64_t>()) << "the newest camera wins";
   EXPECT_GT(sum(rows, "client", "studio", "frames"), 0u) << "one client is not drowned by seven";
   EXPECT_GT(daemon_.metric("gnomon_frames_coalesced_total"), 0);

@@ -70,7 +70,7 @@ class Production : public testing::Test {
     ASSERT_EQ(flight.status, 0) << flight.output;
     const auto row = nlohmann::json::parse(read_file(report()))["rows"][0];
     EXPECT_GE(row["frames"].get<int>(), 1);
-    EXPECT_EQ(row["wrong_frames"], 0);
+    EXPECT_EQ(row["invalid_slices"], 0);
   }
 
   // One line with those words; and one more is counted under that reason.

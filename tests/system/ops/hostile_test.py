@@ -76,7 +76,7 @@ class Hostile(unittest.TestCase):
             self.assertGreater(node.metric(REJECTED, reason=reason), count, reason)
         self.assertLess(growth, MOST_GROWTH)
         self.assertEqual(load.process.returncode, 0, load.output)
-        self.assertEqual(beside["wrong_frames"], 0)
+        self.assertEqual(beside["invalid_slices"], 0)
         self.assertGreater(beside["frames"], alone["frames"] / 2)
         self.assertGreater(report["victim_served"], report["victim_asked"] / 2)
         self.assertIsNone(node.process.poll())

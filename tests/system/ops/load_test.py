@@ -71,7 +71,7 @@ class UnderLoad(unittest.TestCase):
         rows = load.rows()
         total = rows[-1]
         self.assertEqual(load.process.returncode, 0, load.output)
-        self.assertEqual((total["lost_slices"], total["wrong_frames"]), (0, 0), total)
+        self.assertEqual((total["lost_slices"], total["invalid_slices"]), (0, 0), total)
 
     def test_a_drain_serves_on_and_a_stop_ends(self):
         node = self.node
@@ -90,7 +90,7 @@ class UnderLoad(unittest.TestCase):
         self.assertEqual(node.wait(), 0, node.log_text())
         total = load.rows()[-1]
         self.assertIn("the server", load.output)
-        self.assertEqual((total["wrong_frames"], total["incomplete_frames"]), (0, 0), "no truncated frame")
+        self.assertEqual((total["invalid_slices"], total["incomplete_frames"]), (0, 0), "no truncated frame")
 
     def test_sessions_that_come_and_go_leave_no_memory(self):
         node, resident = self.node, []
@@ -140,7 +140,7 @@ class Signals(unittest.TestCase):
         self.assertLess(time.monotonic() - since, 15)
         total = self.load.rows()[-1]
         self.assertIn("the server", self.load.output)
-        self.assertEqual((total["wrong_frames"], total["incomplete_frames"]), (0, 0), "no truncated frame")
+        self.assertEqual((total["invalid_slices"], total["incomplete_frames"]), (0, 0), "no truncated frame")
 
     def test_the_second_one_ends_it_at_once(self):
         node = self.serve(drain_timeout_ms=60000)
@@ -203,7 +203,7 @@ class ManyClients(unittest.TestCase):
         self.assertGreater(self.load(2, seconds=0.5).rows()[-1]["frames"], 0, "and others are served")
         load.process.send_signal(signal.SIGINT)
         rows = load.rows()
-        self.assertEqual(rows[-1]["wrong_frames"], 0)
+        self.assertEqual(rows[-1]["invalid_slices"], 0)
         eventually(lambda: node.metric("gnomon_sessions") == 0, "all closed")
 
     def test_clients_at_90_hz(self):
@@ -225,7 +225,7 @@ class ManyClients(unittest.TestCase):
               f"{min(each)} to {max(each)}, Jain {jain(each):.3f}; p50 {total['p50_ms']:.0f} ms, p99 "
               f"{total['p99_ms']:.0f} ms; slowest page {max(times) * 1e3:.0f} ms; {cpu:.2f} cores")
         self.assertEqual(load.process.returncode, 0, load.output)
-        self.assertEqual((total["clients"], total["wrong_frames"]), (clients, 0))
+        self.assertEqual((total["clients"], total["invalid_slices"]), (clients, 0))
         self.assertGreater(total["frames"], 0)
         tenants = [row["frames"] for row in rows if row["scope"] == "tenant"]
         self.assertGreater(jain(tenants), 0.8)

@@ -170,7 +170,7 @@ class Notify(unittest.TestCase):
         load.process.send_signal(signal.SIGINT)
         rows = load.rows()
         self.assertEqual(load.process.returncode, 0, load.output)
-        self.assertEqual((rows[-1]["resumed"], rows[-1]["wrong_frames"]), (kills * clients, 0), rows[-1])
+        self.assertEqual((rows[-1]["resumed"], rows[-1]["invalid_slices"]), (kills * clients, 0), rows[-1])
         self.assertEqual(node.stop(), 0)
 
         start()  # after an orderly end there is nothing to go on with

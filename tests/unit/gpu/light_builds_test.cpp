@@ -102,18 +102,18 @@ TEST(LightBuilds, ALaterBuildOfASceneTakesThePlaceOfTheFirst) {
 TEST(LightBuilds, BeginNothingNewWhileTheyAreHeld) {
   Owner owner;
   bool first = false, second = false;
-  owner.builds.hold();
-  owner.builds.hold();
+  owner.builds.pause();
+  owner.builds.pause();
   owner.builds.start(
       kRoom, 1, [&](const BuildWatch&) { return [&] { first = true; }; }, owner.wake());
   owner.builds.start(
       kHall, 2, [&](const BuildWatch&) { return [&] { second = true; }; }, owner.wake());
-  owner.builds.release();
+  owner.builds.resume();
   EXPECT_EQ(owner.builds.progress(kHall).lights.size(), 2u) << "it waits for its turn";
   EXPECT_TRUE(owner.woken.push(0));
   owner.finish_one();
   EXPECT_FALSE(first);
-  owner.builds.release();
+  owner.builds.resume();
   while (!second) owner.finish_one();
   EXPECT_TRUE(first);
 }

@@ -6,8 +6,8 @@
 namespace gnomon::daemon {
 
 // A frame of `count` slices of one tile each.
-inline protocol::EncodedFrame frame_of(uint32_t frame, uint16_t count, size_t payload = 100) {
-  protocol::EncodedFrame made;
+inline protocol::EncodedMask frame_of(uint32_t frame, uint16_t count, size_t payload = 100) {
+  protocol::EncodedMask made;
   made.offsets.push_back(0);
   for (uint16_t i = 0; i < count; ++i) {
     protocol::SliceHeader header;

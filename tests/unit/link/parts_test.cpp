@@ -334,7 +334,7 @@ TEST(SliceRecovery, WorksWhenParityOvertakesSlices) {
 }
 
 TEST(StoredFrame, PaddingMakesSlicesOfOneLength) {
-  protocol::EncodedFrame slices = frame_of(1, 5);
+  protocol::EncodedMask slices = frame_of(1, 5);
   slices.offsets = {0, 100, 195, 290, 390, 420};  // 100, 95, 95, 100 and 30 bytes
   const StoredFrame frame(slices, 1, kStart, true), plain(slices, 1, kStart);
   for (uint16_t i = 0; i < 5; ++i) {

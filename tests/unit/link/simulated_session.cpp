@@ -11,11 +11,11 @@ namespace {
 using daemon::Outgoing;
 using protocol::DatagramKind;
 
-protocol::EncodedFrame made_frame(const SessionPlan& plan, size_t body_bytes) {
+protocol::EncodedMask made_frame(const SessionPlan& plan, size_t body_bytes) {
   std::mt19937_64 random(42);
   std::vector<uint64_t> words(plan.grid.word_count());
   for (uint64_t& word : words) word = static_cast<double>(random() % 1000) < plan.busy * 1000 ? random() : 0;
-  protocol::EncodedFrame encoded;
+  protocol::EncodedMask encoded;
   const auto done = protocol::FrameEncoder().encode(TileMaskView{plan.grid, words}, protocol::CodecId::tiles_lz4,
                                                     body_bytes - protocol::kSliceHeaderBytes, encoded);
   if (!done) std::abort();

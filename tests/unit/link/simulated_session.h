@@ -72,7 +72,7 @@ class SimulatedSession {
   netsim::Link& up_;
   netsim::Link& down_;
   SessionPlan plan_;
-  protocol::EncodedFrame slices_;
+  protocol::EncodedMask slices_;
   daemon::LinkSender link_;
   size_t body_bytes_;  // of the longest slice
   daemon::OmittedNumbers omitted_{[random = std::mt19937_64(3)]() mutable { return random(); }};

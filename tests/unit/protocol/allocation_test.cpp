@@ -65,7 +65,7 @@ TEST(Allocations, NoneForAFrameOnceTheEncoderIsWarm) {
   std::vector<uint64_t> words(mask.words.size());
   for (const CodecId codec : {CodecId::raw32_lz4, CodecId::tiles_lz4}) {
     FrameEncoder encoder;
-    EncodedFrame frame;
+    EncodedMask frame;
     bool good = true;
     const auto round_trip = [&] {
       good &= encoder.encode(mask.view(), codec, kMaxSlicePayloadBytes, frame).has_value();

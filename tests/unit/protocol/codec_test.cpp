@@ -18,9 +18,9 @@ using tests::Mask;
 constexpr CodecId kPlainCodecs[] = {CodecId::raw32_lz4, CodecId::tiles_lz4};  // of plain bytes, with or without LZ4
 constexpr uint64_t kCanary = 0xdeadbeefcafef00d;
 
-EncodedFrame encoded(const Mask& mask, CodecId codec, size_t max_payload_bytes = kMaxSlicePayloadBytes) {
+EncodedMask encoded(const Mask& mask, CodecId codec, size_t max_payload_bytes = kMaxSlicePayloadBytes) {
   FrameEncoder encoder;
-  EncodedFrame frame;
+  EncodedMask frame;
   const auto result = encoder.encode(mask.view(), codec, max_payload_bytes, frame);
   EXPECT_TRUE(result.has_value()) << result.error().message;
   return frame;
@@ -36,7 +36,7 @@ void for_words(const SliceHeader& slice, const TileGrid& grid, Visit visit) {
   }
 }
 
-void expect_sound(const EncodedFrame& frame, CodecId codec, size_t max_payload_bytes) {
+void expect_sound(const EncodedMask& frame, CodecId codec, size_t max_payload_bytes) {
   ASSERT_EQ(frame.offsets.size(), frame.slices.size() + 1);
   EXPECT_EQ(frame.codec, codec);
   for (size_t i = 0; i < frame.slices.size(); ++i) {
@@ -48,7 +48,7 @@ void expect_sound(const EncodedFrame& frame, CodecId codec, size_t max_payload_b
 }
 
 // Decodes the slices in random order. Each must write exactly its own words, and all together every word once.
-void expect_comes_back(const Mask& mask, const EncodedFrame& frame) {
+void expect_comes_back(const Mask& mask, const EncodedMask& frame) {
   std::vector<size_t> order(frame.slices.size());
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937(1));
@@ -67,7 +67,7 @@ void expect_round_trip(const Mask& mask, size_t max_payload_bytes = kMaxSlicePay
   for (const CodecId codec : kCodecs) {
     SCOPED_TRACE(testing::Message() << mask.grid.width << "x" << mask.grid.height << " with " << mask.grid.planes
                                     << " lights, codec " << int(codec) << ", payloads to " << max_payload_bytes);
-    const EncodedFrame frame = encoded(mask, codec, max_payload_bytes);
+    const EncodedMask frame = encoded(mask, codec, max_payload_bytes);
     expect_sound(frame, codec, max_payload_bytes);
     expect_comes_back(mask, frame);
   }
@@ -137,7 +137,7 @@ TEST(Codec, PackedFramesAreCodedAsTheyUnpack) {
     const Mask filled{mask.grid, unpacked(packed.view())};
     for (const CodecId codec : kPlainCodecs) {
       FrameEncoder encoder;
-      EncodedFrame frame;
+      EncodedMask frame;
       ASSERT_TRUE(encoder.encode(packed.view(), codec, kMaxSlicePayloadBytes, frame));
       EXPECT_EQ(frame.bytes, encoded(filled, codec).bytes);
       expect_sound(frame, codec, kMaxSlicePayloadBytes);
@@ -156,11 +156,11 @@ TEST(Codec, AnEncoderKeepsNothingFromTheFrameBefore) {
   const Mask large = tests::room({640, 480, 5}, 1);
   const Mask small = tests::room({100, 50, 2}, 2);
   FrameEncoder encoder;
-  EncodedFrame frame;
+  EncodedMask frame;
   for (const CodecId codec : {CodecId::tiles_lz4, CodecId::tiles_context, CodecId::raw32_lz4, CodecId::tiles_lz4}) {
     for (const Mask* mask : {&large, &small, &large}) {
       ASSERT_TRUE(encoder.encode(mask->view(), codec, kMaxSlicePayloadBytes, frame).has_value());
-      const EncodedFrame fresh = encoded(*mask, codec);
+      const EncodedMask fresh = encoded(*mask, codec);
       EXPECT_EQ(frame.slices, fresh.slices);
       EXPECT_EQ(frame.bytes, fresh.bytes);
       EXPECT_EQ(frame.offsets, fresh.offsets);
@@ -169,7 +169,7 @@ TEST(Codec, AnEncoderKeepsNothingFromTheFrameBefore) {
 }
 
 TEST(Codec, SlicesAreNearlyFull) {
-  const EncodedFrame frame = encoded(tests::foliage({1280, 720, 3}, 1), CodecId::tiles_lz4);
+  const EncodedMask frame = encoded(tests::foliage({1280, 720, 3}, 1), CodecId::tiles_lz4);
   ASSERT_GT(frame.slices.size(), 10u);
   const size_t room = (frame.slices.size() - 1) * kMaxSlicePayloadBytes;
   EXPECT_GT(frame.offsets[frame.slices.size() - 1], room * 9 / 10);
@@ -186,7 +186,7 @@ TEST(Codec, MoreSlicesThanAHeaderCanNumberAreAnError) {
   std::mt19937_64 random(4);
   for (uint64_t& word : mask.words) word = random();
   FrameEncoder encoder;
-  EncodedFrame frame;
+  EncodedMask frame;
   EXPECT_FALSE(encoder.encode(mask.view(), CodecId::tiles_lz4, kMinPayloadBytes, frame).has_value());
   EXPECT_TRUE(frame.slices.empty());
   EXPECT_TRUE(frame.bytes.empty());
@@ -209,7 +209,7 @@ TEST(Codec, DamagedPayloadsTouchNoOtherTiles) {
   const Mask mask = tests::foliage({400, 240, 4}, 1);
   std::mt19937_64 random(5);
   for (const CodecId codec : kCodecs) {
-    const EncodedFrame frame = encoded(mask, codec, kMinPayloadBytes);
+    const EncodedMask frame = encoded(mask, codec, kMinPayloadBytes);
     size_t refused = 0;
     for (int i = 0; i < 4000; ++i) {
       const size_t slice = random() % frame.slices.size();
@@ -227,7 +227,7 @@ TEST(Codec, DamagedPayloadsTouchNoOtherTiles) {
 
 TEST(Codec, DamagedHeadersTouchNoOtherTiles) {
   const Mask mask = tests::room({200, 120, 4}, 1);
-  const EncodedFrame frame = encoded(mask, CodecId::tiles_lz4);
+  const EncodedMask frame = encoded(mask, CodecId::tiles_lz4);
   std::mt19937_64 random(6);
   for (int i = 0; i < 4000; ++i) {
     const size_t slice = random() % frame.slices.size();
@@ -263,7 +263,7 @@ TEST(Codec, RandomPayloadsTouchNoOtherTiles) {
 TEST(Codec, EveryTruncationIsAnError) {
   const Mask mask = tests::foliage({200, 120, 2}, 1);
   for (const CodecId codec : kPlainCodecs) {
-    const EncodedFrame frame = encoded(mask, codec);
+    const EncodedMask frame = encoded(mask, codec);
     for (size_t slice = 0; slice < frame.slices.size(); ++slice) {
       for (size_t size = 0; size < frame.payload(slice).size(); ++size) {
         EXPECT_FALSE(decode_beside_canaries(frame.slices[slice], frame.payload(slice).first(size), mask.grid));

@@ -30,10 +30,10 @@ Mask moved(const Mask& mask, int dx, int dy) {
   });
 }
 
-EncodedFrame encoded(const PackedMaskView& mask, const MaskReference* reference,
-                     size_t max_payload_bytes = kMaxSlicePayloadBytes) {
+EncodedMask encoded(const PackedMaskView& mask, const MaskReference* reference,
+                    size_t max_payload_bytes = kMaxSlicePayloadBytes) {
   FrameEncoder encoder;
-  EncodedFrame frame;
+  EncodedMask frame;
   const auto done = encoder.encode(mask, CodecId::tiles_context, max_payload_bytes, frame, reference);
   EXPECT_TRUE(done) << done.error().message;
   return frame;
@@ -50,7 +50,7 @@ ReferenceShelf shelf_of(const Mask& mask) {
 }
 
 // Decodes the slices, the last one first.
-std::vector<uint64_t> decoded(const EncodedFrame& frame, const TileGrid& grid, const ReferenceShelf* shelf) {
+std::vector<uint64_t> decoded(const EncodedMask& frame, const TileGrid& grid, const ReferenceShelf* shelf) {
   std::vector<uint64_t> words(grid.word_count());
   for (size_t i = frame.slices.size(); i-- > 0;) {
     const auto result = decode_slice(frame.slices[i], frame.payload(i), grid, words, shelf);
@@ -129,7 +129,7 @@ TEST(Context, WithAReferenceFramesComeBackAsTheyWere) {
     const ReferenceShelf shelf = shelf_of(before);
     for (const Mask& mask : {before, moved(before, 9, -5), tests::noise(grid, 2), tests::all_lit(grid),
                              tests::all_dark(grid), tests::checkerboard(grid, 1)}) {
-      const EncodedFrame frame = encoded(all_matters(mask).view(), shelf.find(kBefore));
+      const EncodedMask frame = encoded(all_matters(mask).view(), shelf.find(kBefore));
       EXPECT_EQ(decoded(frame, grid, &shelf), mask.words);
     }
   }
@@ -147,9 +147,9 @@ TEST(Context, AFrameThatIsSplitHasTheSameSlices) {
       for (size_t unit = split.unit_count(); unit-- > 0;)
         threads.emplace_back([&split, unit] { split.encode(unit); });
       for (std::thread& thread : threads) thread.join();
-      EncodedFrame joined;
+      EncodedMask joined;
       ASSERT_TRUE(split.join(joined));
-      const EncodedFrame whole = encoded(packed.view(), kept.get());
+      const EncodedMask whole = encoded(packed.view(), kept.get());
       EXPECT_EQ(joined.slices, whole.slices);
       EXPECT_EQ(joined.bytes, whole.bytes);
       EXPECT_EQ(joined.offsets, whole.offsets);
@@ -168,7 +168,7 @@ TEST(Context, AReferenceSavesBytes) {
 }
 
 // Bytes of the frame's payloads and slice headers.
-size_t cost(const EncodedFrame& frame) { return frame.bytes.size() + frame.slices.size() * kSliceHeaderBytes; }
+size_t cost(const EncodedMask& frame) { return frame.bytes.size() + frame.slices.size() * kSliceHeaderBytes; }
 
 TEST(Context, AReferenceNeverCostsBytes) {
   const TileGrid grid{640, 360, 4};
@@ -177,7 +177,7 @@ TEST(Context, AReferenceNeverCostsBytes) {
     const ReferenceShelf shelf = shelf_of(before);
     for (const Mask& mask : {before, moved(before, 3, -2), moved(before, 60, 45), tests::room(grid, seed + 50),
                              tests::foliage(grid, seed), tests::noise(grid, seed), tests::all_lit(grid)}) {
-      const EncodedFrame referenced = encoded(all_matters(mask).view(), shelf.find(kBefore));
+      const EncodedMask referenced = encoded(all_matters(mask).view(), shelf.find(kBefore));
       EXPECT_LE(cost(referenced), cost(encoded(all_matters(mask).view(), nullptr))) << "seed " << seed;
       EXPECT_EQ(decoded(referenced, grid, &shelf), mask.words);
     }
@@ -220,7 +220,7 @@ TEST(Context, WhereTheCameraHasTurnedFarItsMotionFindsTheReference) {
   const ReferenceShelf shelf = shelf_of(before);
   const auto bytes = [&](const MaskReference& of, const std::optional<CameraView>& now) {
     FrameEncoder encoder;
-    EncodedFrame frame;
+    EncodedMask frame;
     EXPECT_TRUE(
         encoder.encode(all_matters(mask).view(), CodecId::tiles_context, kMaxSlicePayloadBytes, frame, &of, now));
     EXPECT_EQ(decoded(frame, grid, &shelf), mask.words);
@@ -247,7 +247,7 @@ TEST(Context, CamerasOfAnythingLoseNothing) {
   for (int i = 0; i < 40; ++i) {
     const MaskReference reference(kBefore, before.view(), camera());
     FrameEncoder encoder;
-    EncodedFrame frame;
+    EncodedMask frame;
     ASSERT_TRUE(
         encoder.encode(packed.view(), CodecId::tiles_context, kMaxSlicePayloadBytes, frame, &reference, camera()));
     ASSERT_EQ(decoded(frame, grid, &shelf), mask.words);
@@ -258,7 +258,7 @@ TEST(Context, AReferenceThatIsMissingOrAnotherIsAnError) {
   const TileGrid grid{320, 200, 2};
   const Mask before = tests::foliage(grid, 1);
   const ReferenceShelf shelf = shelf_of(before);
-  const EncodedFrame frame = encoded(all_matters(moved(before, 2, 1)).view(), shelf.find(kBefore));
+  const EncodedMask frame = encoded(all_matters(moved(before, 2, 1)).view(), shelf.find(kBefore));
   Mask damaged = before;
   damaged.words[damaged.words.size() / 2] ^= 1;
   ReferenceShelf other_shape_made;
@@ -286,7 +286,7 @@ TEST(Context, DamagedSlicesWithAReferenceTouchNoOtherTiles) {
   const TileGrid grid{400, 240, 3};
   const Mask before = tests::foliage(grid, 1);
   const ReferenceShelf shelf = shelf_of(before);
-  const EncodedFrame frame =
+  const EncodedMask frame =
       encoded(all_matters(moved(before, -4, 6)).view(), shelf.find(kBefore), kMinPayloadBytes);
   constexpr uint64_t kCanary = 0xdeadbeefcafef00d;
   std::mt19937_64 random(5);

@@ -208,7 +208,7 @@ TEST(WireDocument, FrameSliceIsAsWorkedOut) {
   const TileGrid grid{16, 8, 2};
   const std::vector<uint64_t> words = {0x00000103070f1f3f, ~uint64_t{0}, 0, 0x0000183c3c180000};
   FrameEncoder encoder;
-  EncodedFrame frame;
+  EncodedMask frame;
   ASSERT_TRUE(encoder.encode({grid, words}, CodecId::tiles_lz4, kMaxSlicePayloadBytes, frame).has_value());
   ASSERT_EQ(frame.slices.size(), 1u);
   SliceHeader header = frame.slices[0];
@@ -251,7 +251,7 @@ TEST(WireDocument, ThePictureShowsTheFrameSlicesMask) {
 void expect_payload(const std::string& name, CodecId codec, TileGrid grid) {
   const tests::Mask mask = tests::all_dark(grid);
   FrameEncoder encoder;
-  EncodedFrame frame;
+  EncodedMask frame;
   ASSERT_TRUE(encoder.encode(mask.view(), codec, kMaxSlicePayloadBytes, frame).has_value());
   const Bytes written = packet(name);
   EXPECT_EQ(frame.bytes, written);
@@ -274,7 +274,7 @@ TEST(WireDocument, PayloadsOfTilesContextAreAsWorkedOut) {
   shelf.add(std::make_shared<MaskReference>(FrameId{6}, TileMaskView{grid, words}));
   for (const MaskReference* reference : {static_cast<const MaskReference*>(nullptr), shelf.find(FrameId{6})}) {
     FrameEncoder encoder;
-    EncodedFrame frame;
+    EncodedMask frame;
     ASSERT_TRUE(encoder.encode(mask.view(), CodecId::tiles_context, kMaxSlicePayloadBytes, frame, reference));
     EXPECT_EQ(frame.bytes, packet("context_payload")) << "the shorter one";
     const Bytes written = packet(reference ? "referenced_payload" : "context_payload");

@@ -132,7 +132,7 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
   ASSERT_EQ(rows.size(), 3u);
   for (const auto& row : rows) {
     EXPECT_EQ(row.figures.counters.complete, 20u);
-    EXPECT_EQ(row.figures.counters.wrong_frames, 0u);
+    EXPECT_EQ(row.figures.counters.invalid_slices, 0u);
     EXPECT_EQ(row.figures.latencies.count(), 20u);
     EXPECT_EQ(row.figures.offered(), 21u);
     EXPECT_EQ(row.figures.answered(), 20u);
@@ -154,8 +154,8 @@ TEST(LoadRun, CountsWhatTheServerAnswered) {
   EXPECT_EQ(report.rows[1]["scope"], "tenant");
   EXPECT_EQ(report.rows[2]["scope"], "total");
   for (const char* key :
-       {"vbps", "p50_ms", "p90_ms", "p99_ms", "p999_ms", "bytes_per_frame", "lost_slices", "frames", "wrong_frames",
-        "offered", "answered", "coalesced", "dropped", "mean_network_ms"}) {
+       {"vbps", "p50_ms", "p90_ms", "p99_ms", "p999_ms", "bytes_per_frame", "lost_slices", "frames",
+        "invalid_slices", "wrong_frames", "offered", "answered", "coalesced", "dropped", "mean_network_ms"}) {
     for (const auto& row : report.rows) EXPECT_TRUE(row.contains(key) && row[key].is_number()) << key;
   }
 }

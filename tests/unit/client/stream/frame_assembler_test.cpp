@@ -17,7 +17,7 @@ constexpr TileGrid kGrid{200, 120, 3};
 // A frame cut into the slices that datagrams carry.
 struct Sliced {
   tests::Mask mask;
-  protocol::EncodedFrame encoded;
+  protocol::EncodedMask encoded;
 
   Sliced(uint32_t frame, uint32_t seed)
       : mask(tests::noise(kGrid, seed)), encoded(tests::sliced(FrameId{frame}, mask.view(), 600)) {}
@@ -169,7 +169,7 @@ TEST(FrameAssembler, ASliceWhoseReferenceIsGoneIsAsGoodAsLost) {
   protocol::SplitFrame split(PackedMask(mask.view(), std::vector<uint64_t>(mask.words.size(), ~uint64_t{0})).view(),
                              1100, reference);
   for (size_t unit = 0; unit < split.unit_count(); ++unit) split.encode(unit);
-  protocol::EncodedFrame encoded;
+  protocol::EncodedMask encoded;
   ASSERT_TRUE(split.join(encoded));
   for (auto& header : encoded.slices) header.frame = FrameId{2};
   FrameAssembler assembler(kGrid);

@@ -7,8 +7,8 @@
 
 namespace gnomon::tests {
 
-inline protocol::EncodedFrame sliced(FrameId frame, const TileMaskView& mask, size_t max_payload_bytes) {
-  protocol::EncodedFrame encoded;
+inline protocol::EncodedMask sliced(FrameId frame, const TileMaskView& mask, size_t max_payload_bytes) {
+  protocol::EncodedMask encoded;
   const auto done = protocol::FrameEncoder().encode(mask, protocol::CodecId::tiles_lz4, max_payload_bytes, encoded);
   EXPECT_TRUE(done) << done.error().message;
   for (auto& slice : encoded.slices) slice.frame = frame;

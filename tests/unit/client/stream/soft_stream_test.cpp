@@ -117,7 +117,7 @@ TEST(SoftStream, SlicesOfOtherSamplesAreNeverTakenForThoseInForce) {
   ASSERT_TRUE(watched.until([&] { return watched.answers.size() == 2; }));
   EXPECT_EQ(watched.answers[1].planes, LightPlanes(kAreas, 16));
   EXPECT_EQ(watched.answers[1].words, fine.words);
-  EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  EXPECT_EQ(watched.stream.counters().invalid_slices, 0u);
   watched.stream.close("");
 }
 
@@ -199,7 +199,7 @@ TEST(SoftStream, ReferencesOfAnotherNumberOfPlanesAreNotUsed) {
   const std::vector<uint64_t> care(fine.words.size(), ~uint64_t{0});
   const PackedMask packed(fine.view(), care);
   const protocol::MaskReference same(FrameId{1}, fine.view());
-  protocol::EncodedFrame encoded;
+  protocol::EncodedMask encoded;
   ASSERT_TRUE(
       protocol::FrameEncoder().encode(packed.view(), protocol::CodecId::tiles_context, 1100, encoded, &same));
   std::vector<uint64_t> words(fine.words.size());

@@ -35,7 +35,7 @@ TEST(Stream, AnswersBelongToTheirCameras) {
     EXPECT_EQ(watched.stream.in_flight(), 0u);
   }
   EXPECT_EQ(watched.stream.counters().complete, 5u);
-  EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  EXPECT_EQ(watched.stream.counters().invalid_slices, 0u);
   watched.stream.close("");
 }
 
@@ -155,7 +155,7 @@ TEST(Stream, WhatWasNotAskedForIsCountedAndNotDelivered) {
   watched.stream.ask(camera_at(0));
   ASSERT_TRUE(watched.until([&] { return watched.stream.counters().late_slices > 0; }));
   EXPECT_EQ(watched.answers.size(), 1u) << "the first answer once";
-  EXPECT_GE(watched.stream.counters().wrong_frames, 2u);
+  EXPECT_GE(watched.stream.counters().invalid_slices, 2u);
   EXPECT_EQ(watched.stream.connection().data_counters().rejected, 1u);
   ASSERT_TRUE(watched.until([&] { return !watched.messages.empty(); }));
   EXPECT_EQ(std::get<protocol::Stats>(watched.messages[0]).frames, 1u);
@@ -226,7 +226,7 @@ void expect_old_frames_left_behind(uint64_t features, const protocol::Message& n
   ASSERT_TRUE(watched.until([&] { return !watched.answers.empty(); }));
   EXPECT_EQ(watched.answers[0].frame, FrameId{2});
   EXPECT_EQ(watched.answers[0].words, mask.words);
-  EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  EXPECT_EQ(watched.stream.counters().invalid_slices, 0u);
   watched.stream.close("");
 }
 
@@ -280,7 +280,7 @@ TEST(Stream, SlicesThatSayTheirSizeAreNeverTakenForAnother) {
   ASSERT_TRUE(watched.until([&] { return !watched.answers.empty(); }));
   EXPECT_EQ(watched.answers[0].frame, FrameId{2}) << "asked for before the news, rendered after it";
   EXPECT_EQ(watched.answers[0].words, mask.words);
-  EXPECT_EQ(watched.stream.counters().wrong_frames, 0u);
+  EXPECT_EQ(watched.stream.counters().invalid_slices, 0u);
   watched.stream.close("");
 }
 

@@ -84,7 +84,7 @@ TEST_P(FarClient, GetsWhatItAskedForAndNothingWrong) {
   EXPECT_TRUE(loop.run_until(Clock::now() + 60s, [&] { return whole >= kFrames; })) << whole;
   const auto& counters = stream.counters();
   EXPECT_EQ(other, 0u) << "words";
-  EXPECT_EQ(counters.wrong_frames, 0u);
+  EXPECT_EQ(counters.invalid_slices, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Paths, FarClient,

@@ -186,7 +186,7 @@ TEST_F(Paths, ACameraSentAgainAfterAMoveIsAnsweredOnceMore) {
   EXPECT_FALSE(c.receive_datagram(50ms)) << "only then";
   c.change_data_port();
   c.send_view(2, 2);  // its frame goes to the address before
-  ASSERT_TRUE(c.prove_address());
+  ASSERT_TRUE(c.validate_address());
   expect_served(c, 2);
 }
 

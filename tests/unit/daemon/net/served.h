@@ -115,7 +115,7 @@ class Served : public testing::Test {
 
   std::filesystem::path folder_;
   Config config_;
-  std::vector<RendererFactory> make_renderers_;  // empty: one, which makes a SelfRunningFakeRenderer
+  std::vector<RendererFactory> make_renderers_;  // if empty, one, which makes a SelfRunningFakeRenderer
   std::chrono::milliseconds frame_time_{0};
   std::function<void()> on_stop_;
   std::unique_ptr<Daemon> daemon_;

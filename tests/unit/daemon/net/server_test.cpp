@@ -54,7 +54,7 @@ TEST_F(Served, FollowsAClientWhoseAddressChanges) {
   EXPECT_TRUE(is_frame_of(c, c.receive_frame(1), 1));
   c.change_data_port();
   c.send_view(2, 2);  // its frame goes to the address before
-  EXPECT_TRUE(c.prove_address());
+  EXPECT_TRUE(c.validate_address());
   c.send_view(3, 3);
   EXPECT_TRUE(is_frame_of(c, c.receive_frame(3), 3));
 }

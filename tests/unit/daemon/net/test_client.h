@@ -102,7 +102,7 @@ class TestClient {
     if (!secrets) return false;
     resumption_ = protocol::export_resumption_secret(control_.native_handle(), welcome_.session).value();
     seal_ = std::make_unique<protocol::Seal>(welcome_.session, welcome_.cipher, *secrets, protocol::Side::client);
-    return !proves || (send_ping() && prove_address());
+    return !proves || (send_ping() && validate_address());
   }
   const protocol::Welcome& welcome() const { return welcome_; }
   // Of the granted samples.
@@ -123,7 +123,7 @@ class TestClient {
     welcome_ = *welcome;
     resumption_ = other.resumption_;
     seal_ = std::move(other.seal_);
-    return !proves || (send_ping() && prove_address());
+    return !proves || (send_ping() && validate_address());
   }
   protocol::Bytes32 proof_of(TestClient& other) {
     return protocol::resumption_proof(control_.native_handle(), other.welcome_.session, other.resumption_).value();
@@ -201,7 +201,7 @@ class TestClient {
     return datagram ? seal_->open(*datagram) : std::nullopt;
   }
   // Answers the next challenge. Drops what comes before it. False if none comes.
-  bool prove_address() {
+  bool validate_address() {
     while (const auto opened = receive_opened()) {
       if (opened->header.kind != protocol::DatagramKind::path_challenge) continue;
       const std::vector<uint8_t> token(opened->body.begin(), opened->body.end());

@@ -31,7 +31,7 @@ class FakeRenderer : public gpu::Renderer {
     bool first = true;
   };
 
-  // `areas`: for each light, whether it is an area light; empty: none is.
+  // `areas`: for each light, whether it is an area light; if empty, none is.
   explicit FakeRenderer(uint32_t slots, uint32_t lights = 2, std::vector<bool> areas = {})
       : areas_(std::move(areas)), free_(slots) {
     areas_.resize(lights);

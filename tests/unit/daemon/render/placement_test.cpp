@@ -76,12 +76,12 @@ TEST(Placement, SaysWhatPartOfATenantADeviceHas) {
   places.add(SessionId{1}, kOne, 3);  // device 0
   places.add(SessionId{2}, kTwo, 1);  // device 1
   places.add(SessionId{3}, kOne, 1);  // device 1
-  EXPECT_DOUBLE_EQ(places.part(0, kOne), 0.75);
-  EXPECT_DOUBLE_EQ(places.part(1, kOne), 0.25);
-  EXPECT_DOUBLE_EQ(places.part(1, kTwo), 1);
-  EXPECT_DOUBLE_EQ(places.part(0, kTwo), 0);
+  EXPECT_DOUBLE_EQ(places.fraction(0, kOne), 0.75);
+  EXPECT_DOUBLE_EQ(places.fraction(1, kOne), 0.25);
+  EXPECT_DOUBLE_EQ(places.fraction(1, kTwo), 1);
+  EXPECT_DOUBLE_EQ(places.fraction(0, kTwo), 0);
   places.remove(SessionId{1});
-  EXPECT_DOUBLE_EQ(places.part(1, kOne), 1);
+  EXPECT_DOUBLE_EQ(places.fraction(1, kOne), 1);
 }
 
 }  // namespace

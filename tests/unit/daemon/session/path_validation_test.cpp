@@ -27,7 +27,7 @@ class PathTest : public testing::Test {
   void view(const Endpoint& from, TimePoint now) { path_.received(from, kView, true, true, now); }
 
   // The address is proved at once.
-  void prove(const Endpoint& from) {
+  void validate(const Endpoint& from) {
     view(from, kStart);
     const auto challenge = path_.challenge_due(kStart);
     ASSERT_TRUE(challenge && path_.answered(challenge->token));
@@ -70,7 +70,7 @@ TEST_F(PathTest, AClientWithoutTheFeatureIsBelieved) {
 }
 
 TEST_F(PathTest, OnlyTheNewestDatagramBeginsAMove) {
-  prove(here_);
+  validate(here_);
   path_.received(there_, kView, false, true, kStart);
   EXPECT_FALSE(path_.is_pending());
   path_.received(there_, 1200, true, false, kStart);
@@ -81,7 +81,7 @@ TEST_F(PathTest, OnlyTheNewestDatagramBeginsAMove) {
 }
 
 TEST_F(PathTest, AMoveSaysWhetherTheHostIsAnotherOne) {
-  prove(here_);
+  validate(here_);
   const Endpoint rebound = address("192.0.2.1", 2000);
   view(rebound, kStart);
   const auto port = path_.answered(path_.challenge_due(kStart)->token);
@@ -104,7 +104,7 @@ TEST_F(PathTest, AFirstPingIsEnoughToBeginAndSaysNothingOfTheStream) {
 }
 
 TEST_F(PathTest, AClientThatIsBackEndsTheMove) {
-  prove(here_);
+  validate(here_);
   view(there_, kStart);
   const auto challenge = path_.challenge_due(kStart);
   ASSERT_TRUE(challenge);
@@ -117,7 +117,7 @@ TEST_F(PathTest, AClientThatIsBackEndsTheMove) {
 }
 
 TEST_F(PathTest, ChallengesAreRepeatedAFewTimesEachWithItsOwnToken) {
-  prove(here_);
+  validate(here_);
   view(there_, kStart);
   std::set<uint64_t> tokens;
   std::vector<Nanoseconds> times;
@@ -138,7 +138,7 @@ TEST_F(PathTest, ChallengesAreRepeatedAFewTimesEachWithItsOwnToken) {
 }
 
 TEST_F(PathTest, AnAddressThatFailsLeavesTheOneBefore) {
-  prove(here_);
+  validate(here_);
   view(there_, kStart);
   const auto challenge = path_.challenge_due(kStart);
   EXPECT_FALSE(path_.take_failure(kStart + PathValidation::kPatience - 1ns));

@@ -154,8 +154,8 @@ TEST_F(SessionTest, LeavesOutNumbersAndDisbelievesWhoReportsThem) {
 }
 
 // Slices of `bytes` each.
-protocol::EncodedFrame large_frame(uint32_t frame, uint16_t slices, size_t bytes) {
-  protocol::EncodedFrame made;
+protocol::EncodedMask large_frame(uint32_t frame, uint16_t slices, size_t bytes) {
+  protocol::EncodedMask made;
   made.offsets.push_back(0);
   for (uint16_t i = 0; i < slices; ++i) {
     protocol::SliceHeader header;
