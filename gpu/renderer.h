@@ -185,7 +185,8 @@ class Renderer {
   // success without knowing. Error: out of memory; a smaller frame may succeed.
   virtual Result<void> make_room(const RenderJob&) { return {}; }
 
-  // Starts a frame, or its first band. Precondition: free_slots() > 0 and the scene is resident. `on_done` is called
+  // Starts a frame, or its first band; between begin_batch and end_batch it is recorded, and end_batch starts it.
+  // Precondition: free_slots() > 0 and the scene is resident. `on_done` is called
   // once, on the completion thread, also if the device is lost. Error: no memory for a frame of this size; then
   // `on_done` is not called.
   virtual Result<void> submit(const RenderJob& job, std::function<void(FrameDone)> on_done) = 0;

@@ -45,8 +45,8 @@ class FrameEncoder {
   // Error, with `out` empty, if the frame would take more than kMaxSlices.
   // A frame without lights has no slices.
   Result<void> encode(const TileMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedMask& out);
-  // Equals encoding the unpacked frame, in less time; except that with tiles_context a free tile takes the likelier
-  // class, which takes fewer bytes. `reference` and `camera` are used by tiles_context only: a frame of the same grid
+  // Equals encoding the unpacked frame, in less time; except that with tiles_context a tile without valid bits is coded
+  // as dark or lit, whichever the model expects, for fewer bytes. `reference` and `camera` are used by tiles_context only: a frame of the same grid
   // that the decoder has (may be null), and the camera of this frame (nullopt if it is unknown).
   Result<void> encode(const PackedMaskView& frame, CodecId codec, size_t max_payload_bytes, EncodedMask& out,
                       const MaskReference* reference = nullptr, const std::optional<CameraView>& camera = {});

@@ -102,7 +102,8 @@ std::vector<Shard> rebuild(const Bodies& bodies, std::span<const ParityShard> pa
   const size_t size = parity[0].bytes.size();
   if (size < kShardLengthBytes + std::max<size_t>(1, longest(bodies))) return {};
 
-  // The shards at hand and the matrix rows that made them; a parity shard takes the place of each missing slice.
+  // The shards at hand and the rows of the k x k matrix that made them of all slices: a row of the identity for a slice
+  // that is here, and a parity shard's row in the place of each missing one.
   std::vector<Shard> in;
   std::vector<uint8_t> made;
   size_t next = 0;

@@ -66,7 +66,8 @@ void SliceCutter::cut_frame(EncodedMask& out) {
 }
 
 // Returns approximately the most tiles from range.first_tile on, at most `left`, whose payload fits, and leaves that
-// payload in `best_`.
+// payload in `best_`. The answer lies in [fits, too_many); each trial narrows that, at the place that the bytes per weight
+// of the trial before let one expect. Once something fits, few trials are worth it.
 uint32_t SliceCutter::cut(SliceRange range, uint32_t left) {
   uint32_t fits = 0;
   uint32_t too_many = left + 1;

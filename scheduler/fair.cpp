@@ -72,7 +72,7 @@ class Fair final : public Scheduler {
     session.request = request;
     session.request.cost = charged_cost(request);
     if (request.continues) tenant.begun = *number;
-    tenant.sessions.wait(session.member, in_ns(session.request.cost));
+    tenant.sessions.request(session.member, in_ns(session.request.cost));
     mark_stale(session.tenant);
   }
 
@@ -132,7 +132,7 @@ class Fair final : public Scheduler {
     session.ready = false;
     if (tenant.begun == number) tenant.begun.reset();
     if (tenant.picked == number) tenant.picked.reset();
-    tenant.sessions.rest(session.member);
+    tenant.sessions.set_idle(session.member);
     mark_stale(session.tenant);
   }
 
@@ -143,13 +143,13 @@ class Fair final : public Scheduler {
       Tenant& tenant = *tenants_[id.value];
       tenant.stale = false;
       if (tenant.picked && !sessions_[*tenant.picked].ready) {
-        tenant.sessions.rest(sessions_[*tenant.picked].member);
+        tenant.sessions.set_idle(sessions_[*tenant.picked].member);
       }
       tenant.picked.reset();
       if (tenant.begun || tenant.sessions.best()) {
-        queue_.wait(tenant.member, in_ns(sessions_[next_of(tenant)].request.cost));
+        queue_.request(tenant.member, in_ns(sessions_[next_of(tenant)].request.cost));
       } else {
-        queue_.rest(tenant.member);
+        queue_.set_idle(tenant.member);
       }
     }
     stale_.clear();

@@ -16,7 +16,7 @@ class RateLimit {
   bool limits() const { return per_second_ > 0; }
 
   // The time from which something may be spent; not in the future if it may be spent now.
-  TimePoint open_at() const { return limits() ? next_ - burst_ : TimePoint::min(); }
+  TimePoint eligible_at() const { return limits() ? next_ - burst_ : TimePoint::min(); }
 
   void spend(double amount, TimePoint now) {
     if (!limits()) return;

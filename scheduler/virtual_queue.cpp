@@ -30,7 +30,7 @@ void VirtualQueue::remove(Member member) {
   if (!m.in_play) unused_.push_back(member);  // else when it leaves play
 }
 
-void VirtualQueue::wait(Member member, double cost) {
+void VirtualQueue::request(Member member, double cost) {
   State& m = members_[member];
   m.cost = cost;
   m.waiting = true;
@@ -41,7 +41,7 @@ void VirtualQueue::wait(Member member, double cost) {
   place(member);
 }
 
-void VirtualQueue::rest(Member member) {
+void VirtualQueue::set_idle(Member member) {
   State& m = members_[member];
   if (!m.waiting) return;
   m.waiting = false;

@@ -23,14 +23,14 @@ class VirtualQueue {
   using Member = uint32_t;  // numbers of removed members are reused
 
   Member add(double weight);
-  // Precondition: the member does not wait. Its number is reused once its service in advance is worked off.
+  // Precondition: the member has no request. Its number is reused once its service in advance is worked off.
   void remove(Member member);
 
   // The member waits with a request of that cost, in place of an earlier one. A member that was idle starts at V at the
   // earliest: it has no credit, and service that it has had in advance still counts.
-  void wait(Member member, double cost);
+  void request(Member member, double cost);
   // The member has no request any more. Idempotent.
-  void rest(Member member);
+  void set_idle(Member member);
 
   // The member to serve next; nullopt if no member waits.
   std::optional<Member> best();
@@ -68,7 +68,9 @@ class VirtualQueue {
   IndexedHeap<double> in_advance_;  // in play, v > V; by v
   double now_ = 0;                  // V
   double total_weight_ = 0;         // of the members in play
-  double ahead_ = 0;                // service that V has counted and that was given back; V pauses for as much
+  // Service that was charged, which moved V, and then given back, since jobs cost less than was predicted: V stands still
+  // until as much service has been charged again.
+  double ahead_ = 0;
 };
 
 }  // namespace gnomon::scheduler

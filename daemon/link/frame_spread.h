@@ -19,7 +19,7 @@ class FrameSpread {
   static constexpr Nanoseconds kShortQueue = std::chrono::milliseconds(1);  // no sign of anything
   static constexpr Nanoseconds kLongQueue = std::chrono::milliseconds(2);
 
-  Nanoseconds now() const { return spread_; }
+  Nanoseconds current() const { return spread_; }
 
   // One report of the client: datagrams lost, and how long the last ones queued.
   void observe(uint32_t lost, Nanoseconds queue) {

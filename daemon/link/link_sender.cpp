@@ -61,7 +61,7 @@ size_t LinkSender::add(const protocol::EncodedMask& slices, TimePoint deadline, 
   for (uint16_t i = 0; i < frame.parity_count(); ++i) {
     queue_.push({frame.answer(), frame.frame(), Cargo::parity, i, frame.parity_body(i).size() + kSealBytes});
   }
-  spread_rate_ = static_cast<double>(queue_.bytes()) / to_seconds(std::min(spread_.now(), interval_ / 2));
+  spread_rate_ = static_cast<double>(queue_.bytes()) / to_seconds(std::min(spread_.current(), interval_ / 2));
   return queue_.bytes() - before;
 }
 
@@ -170,7 +170,7 @@ FeedbackVerdict LinkSender::on_feedback(const protocol::Feedback& said, TimePoin
   handle_losses(update.lost, now);
   PathReport report;
   report.rtt = loss_detection_.rtt();
-  report.queue = queue_delay_.now();
+  report.queue = queue_delay_.current();
   report.delivered = delivery_.bytes_per_second();
   for (const Arrival& arrival : update.arrived) report.arrived += arrival.sent.at >= path_began_;
   for (const SentDatagram& datagram : update.lost) {

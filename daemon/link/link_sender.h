@@ -105,7 +105,7 @@ class LinkSender {
 
   double rate() const { return rate_.rate(); }  // bytes a second
   Nanoseconds rtt() const { return loss_detection_.rtt(); }
-  Nanoseconds queue_delay() const { return queue_delay_.now(); }
+  Nanoseconds queue_delay() const { return queue_delay_.current(); }
   const LinkCounters& counters() const { return counters_; }
 
  private:
@@ -117,7 +117,9 @@ class LinkSender {
   bool feedback_, parity_, web_transport_;  // the features
   TimePoint newest_arrived_sent_{};
   TimePoint path_began_{};
-  bool counts_from_here_;  // the client's counters in its next report are the base of those after it
+  // A link that begins in the middle of a session: the client's counters have run before, so that its first report is
+  // what later ones are counted from.
+  bool counts_from_here_;
   uint32_t recovered_before_ = 0, incomplete_before_ = 0;
   StoredFrames frames_;
   SendQueue queue_;

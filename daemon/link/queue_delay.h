@@ -22,7 +22,7 @@ class QueueDelay {
 
   bool known() const { return next_ >= recent_.size(); }
 
-  Nanoseconds now() const {  // 0 until known()
+  Nanoseconds current() const {  // 0 until known()
     if (!known()) return {};
     return *std::min_element(recent_.begin(), recent_.end()) - base();
   }

@@ -165,12 +165,20 @@ struct Metrics::Families {
   Counter& counter_of(const FaultRow& row) { return family_of(row.kind).Add({{"reason", row.label}}); }
 
   void add_tenant(const std::string& name) {
-    auto series = std::make_unique<TenantSeries>(TenantSeries{
-        frames.Add({{"tenant", name}}, kSecondsBuckets), buffers.Add({{"tenant", name}}),
-        bits.Add({{"tenant", name}}), views.Add({{"tenant", name}}), coalesced.Add({{"tenant", name}}),
-        bytes.Add({{"tenant", name}}), queue_seconds.Add({{"tenant", name}}), gpu_seconds.Add({{"tenant", name}}),
-        late.Add({{"tenant", name}}), share.Add({{"tenant", name}}), expected_share.Add({{"tenant", name}}),
-        lag.Add({{"tenant", name}}), sessions.Add({{"tenant", name}})});
+    const prometheus::Labels tenant{{"tenant", name}};
+    auto series = std::make_unique<TenantSeries>(TenantSeries{.frame = frames.Add(tenant, kSecondsBuckets),
+                                                              .buffers = buffers.Add(tenant),
+                                                              .bits = bits.Add(tenant),
+                                                              .views = views.Add(tenant),
+                                                              .coalesced = coalesced.Add(tenant),
+                                                              .bytes_sent = bytes.Add(tenant),
+                                                              .queue_seconds = queue_seconds.Add(tenant),
+                                                              .gpu_seconds = gpu_seconds.Add(tenant),
+                                                              .late = late.Add(tenant),
+                                                              .share = share.Add(tenant),
+                                                              .expected_share = expected_share.Add(tenant),
+                                                              .lag = lag.Add(tenant),
+                                                              .sessions = sessions.Add(tenant)});
     tenants.push_back(std::move(series));
     names.push_back(name);
   }

@@ -138,10 +138,10 @@ size_t DataSocket::send(std::span<const std::vector<uint8_t>> datagrams, const a
     if (error && error != asio::error::message_size && segments_ && run_of_segments(batch) > 1) {
       // Perhaps the route's network device cannot cut a buffer into datagrams (EIO, EINVAL). If it takes them one by one,
       // they go so from now on; else the error says nothing of it, as that of a firewall or of one client's address.
-      segments_ = false;
       error.clear();
+      segments_ = false;
       took = send_batch(batch, to, error);
-      segments_ = took == 0;
+      if (took == 0) segments_ = true;
     }
     if (took == 0) break;
     sent += took;

@@ -233,6 +233,7 @@ bool WebTransport::send(Session& session, TimePoint now) {
   while (has_room) {
     const auto out = sender.next(now);
     if (!out) break;
+    // A number that the endpoint had no room for is not spent: the next datagram has it.
     if (link.unused == 0) link.unused = session.seal().skip();
     std::array<uint8_t, kHeadBytes> head;
     head[0] = static_cast<uint8_t>(out->kind);

@@ -16,7 +16,8 @@ class LinkSteps {
   // The limits hold from the next step on.
   void set_limits(const scheduler::DegradationLimits& tenant, bool has_denser_codec) {
     least_rate_ = tenant.least_rate;
-    // The ladder's first step, which degrades the rate elsewhere, stands for the denser codec here.
+    // A link is degraded by a denser codec first and by size after that, never by rate. The ladder knows rate and size
+    // alone: its first step, a lower rate, is taken for the denser codec here, where there is one.
     ladder_.set_limits({.least_rate = has_denser_codec ? kOneStep : 1, .least_size = tenant.least_size});
   }
 

@@ -65,7 +65,7 @@ void RenderQueue::enqueue(RenderSession& session, TimePoint now) {
 }
 
 void RenderQueue::enqueue_when_allowed(RenderSession& session, TimePoint now) {
-  const TimePoint from = std::max(account_.open_at(session.grant().tenant), session.quality.open_at());
+  const TimePoint from = std::max(account_.eligible_at(session.grant().tenant), session.quality.eligible_at());
   if (from <= now) return enqueue(session, now);
   session.held = true;
   held_.emplace(from, session.opened.session);

@@ -109,7 +109,7 @@ void SceneMotion::apply(SceneId id, State& state) {
     } else {
       log::error("lights not changed", {{"scene", s.name}, {"why", done.error().message}});
     }
-    if (s.asked != asked) return apply(id, s);
+    if (s.asked != asked) return apply(id, s);  // changed once more meanwhile
     for (const auto& shown : std::exchange(s.waiting, {})) shown();
   };
   device_.renderer().set_lights(id, state.wanted, changed, device_.wake());

@@ -58,7 +58,7 @@ bool SessionQuality::adapt(std::span<const scenes::Light> lights, const glm::vec
 
 bool SessionQuality::adopt_size() {
   const TileGrid wanted = wanted_grid();
-  // Occlusion has as many planes of a quarter of the pixels as of all.
+  // Half and full ambient occlusion have the same grid, since their planes are as many: samples are compared too.
   if (wanted == grid() && degradation_.samples() == samples_) return false;
   width_ = wanted.width;
   height_ = wanted.height;
@@ -105,10 +105,9 @@ void SessionQuality::review(Nanoseconds since_last) {
 }
 
 void SessionQuality::review_link(const LinkWindow& window) {
-  const double before = link_.size() - (link_.dense() ? 1 : 0);
-  if (!link_.observe(window)) return;
-  const double after = link_.size() - (link_.dense() ? 1 : 0);
-  metrics_.degraded(after < before);
+  const auto quality = [this] { return std::pair(!link_.dense(), link_.size()); };
+  const auto before = quality();
+  if (link_.observe(window)) metrics_.degraded(quality() < before);
 }
 
 TileGrid SessionQuality::wanted_grid() const {

@@ -33,7 +33,7 @@ class SessionQuality {
   const gpu::LightSet& untraced() const { return untraced_; }
   uint64_t traced_bits(uint64_t pixels) const;  // scheduler::weighted_bits() of the lights that are traced
   bool wants_dense_codec() const { return link_.dense(); }
-  TimePoint open_at() const { return rate_.open_at(); }  // from when the session may start a frame
+  TimePoint eligible_at() const { return rate_.eligible_at(); }  // from when the session may start a frame
 
   // What happened since the last review.
   void view_arrived() { ++arrived_; }

@@ -59,9 +59,10 @@ void ShareAccount::finished(TenantId id, Nanoseconds predicted, Nanoseconds real
   ++tenant.jobs;
 }
 
-TimePoint ShareAccount::open_at(TenantId id) const {
+TimePoint ShareAccount::eligible_at(TenantId id) const {
   const Tenant& tenant = tenants_[id.value];
-  return std::max({tenant.buffers.open_at(), tenant.bits.open_at(), tenant.bytes.open_at(), tenant.gpu.open_at()});
+  return std::max({tenant.buffers.eligible_at(), tenant.bits.eligible_at(), tenant.bytes.eligible_at(),
+                   tenant.gpu.eligible_at()});
 }
 
 ShareReport ShareAccount::report(const scheduler::Scheduler& policy) {

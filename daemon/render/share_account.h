@@ -27,7 +27,7 @@ class ShareAccount {
   void sent(TenantId tenant, size_t bytes, TimePoint now);
   void finished(TenantId tenant, Nanoseconds predicted, Nanoseconds real, TimePoint now);
   // The time from which the tenant may start a frame.
-  TimePoint open_at(TenantId tenant) const;
+  TimePoint eligible_at(TenantId tenant) const;
 
   // The shares since the last report.
   ShareReport report(const scheduler::Scheduler& policy);

@@ -125,7 +125,8 @@ class Session {
   PathValidation path_;
   Way way_ = Way::datagrams;
   bool asked_early_ = false;  // a view was rendered before the client had an address
-  bool moved_ = false;        // since then no view came again: its frame may have gone to the address before
+  bool moved_ =
+      false;  // the path has moved and no view came since: the last frame may have gone to the former address
   std::optional<FrameId> newest_;
   SessionReferencesPtr references_;
   TimePoint last_received_;

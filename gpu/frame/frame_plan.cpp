@@ -137,8 +137,9 @@ Result<void> FramePlan::wire() {
   return {};
 }
 
-// The first use of a resource in a frame needs no barrier, because a slot is reused only when the device has passed its
-// last frame.
+// The first use of a buffer in a frame needs no barrier, because a slot is reused only when the device has passed its last
+// frame; that of an image gives it its layout. Later a barrier stands before and behind what writes, and where the layout
+// changes. Reads that follow each other without one are merged, so that what writes next waits for them all.
 void FramePlan::add_barrier(size_t pass, size_t resource, Use use, LastUse& last) {
   const LastUse next = touch(use);
   const bool image = is_image(resources_[resource].spec);
@@ -337,7 +338,8 @@ void FramePlan::execute(VkCommandBuffer commands, const FrameResources& resource
   for (size_t pass = 0; pass < passes_.size(); ++pass) {
     const RunsIn bands = passes_[pass]->runs_in();
     const bool mine = band.has(bands);
-    // Images change their layout once in a frame; buffers need their barriers in every band.
+    // Images change their layout once in a frame, in the band in which the pass runs, or first runs; buffers need their
+    // barriers in every band.
     if (bands == RunsIn::last_band ? band.last : band.first) {
       wait_for(commands, resources, pass);
     } else if (mine) {

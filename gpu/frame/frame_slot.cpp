@@ -93,6 +93,7 @@ void FrameSlot::write_inputs(const FramePlan& plan, const ResidentScene& scene) 
   silence();
   std::memcpy(resources_->uniforms.mapped(), &uniforms, sizeof(uniforms));
   if (resources_->resting_uniforms.mapped()) {
+    // The same frame for the passes that leave moving lights to others (Pass::for_resting_lights).
     std::copy(posed_->resting_lights.begin(), posed_->resting_lights.end(), uniforms.lights);
     silence();
     std::memcpy(resources_->resting_uniforms.mapped(), &uniforms, sizeof(uniforms));

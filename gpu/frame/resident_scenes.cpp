@@ -142,12 +142,13 @@ ResidentScenes::Variants ResidentScenes::make_variants(const SlotPool& pool, con
 void ResidentScenes::bring_occlusion(const scenes::ScenePtr& scene) {
   background_.run(
       [this, scene, pool = pool_, missing = missing_variants(true), built = built_] {
-        const bool moves = built == Built::what_is_quick || scenes::moves(*scene);  // the first until it is built
+        // A scene without its light buffers is traced as one in motion is, by hierarchies, until they are built.
+        const bool moves = built == Built::what_is_quick || scenes::moves(*scene);
         const auto made =
             std::make_shared<Variants>(make_variants(*pool, missing, moves, scenes::has_area_lights(*scene)));
         return [this, made] { give(*made); };
       },
-      [] {});  // taken over with what is finished next, as the build of the lights
+      [] {});  // nobody waits for it: finish_background takes it over when something else calls it
 }
 
 void ResidentScenes::give(Variants& made) {

@@ -142,7 +142,8 @@ class Pass {
   virtual std::vector<Port> ports() const = 0;
   virtual const PassLayout* layout() const = 0;  // nullptr if the pass binds nothing
   virtual RunsIn runs_in() const { return RunsIn::first_band; }
-  // Whether the pass sees moving lights as lights that reach nothing. Only in plans for scenes in motion.
+  // Whether the pass leaves moving lights to another one: its uniforms have them with a reach of nothing, so that they are
+  // lit nowhere. Only in plans for scenes in motion.
   virtual bool for_resting_lights() const { return false; }
   virtual void record(const FrameContext& frame) const = 0;
 };

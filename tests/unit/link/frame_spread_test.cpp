@@ -16,18 +16,18 @@ constexpr TimePoint kStart{10s};
 
 TEST(FrameSpread, NarrowsWhileNothingQueuesAndWidensAtTheFirstSign) {
   FrameSpread spread;
-  EXPECT_EQ(spread.now(), FrameSpread::kWidest) << "nothing is known of the path";
+  EXPECT_EQ(spread.current(), FrameSpread::kWidest) << "nothing is known of the path";
   for (int i = 0; i < 5; ++i) spread.observe(0, 200us);
-  EXPECT_LT(spread.now(), 3ms);
-  EXPECT_GT(spread.now(), FrameSpread::kNarrowest);
+  EXPECT_LT(spread.current(), 3ms);
+  EXPECT_GT(spread.current(), FrameSpread::kNarrowest);
   for (int i = 0; i < 20; ++i) spread.observe(0, 200us);
-  EXPECT_EQ(spread.now(), FrameSpread::kNarrowest);
+  EXPECT_EQ(spread.current(), FrameSpread::kNarrowest);
   spread.observe(0, FrameSpread::kLongQueue);
-  EXPECT_EQ(spread.now(), FrameSpread::kNarrowest) << "between the two thresholds nothing changes";
+  EXPECT_EQ(spread.current(), FrameSpread::kNarrowest) << "between the two thresholds nothing changes";
   spread.observe(1, 0us);
-  EXPECT_EQ(spread.now(), 2 * FrameSpread::kNarrowest);
+  EXPECT_EQ(spread.current(), 2 * FrameSpread::kNarrowest);
   for (int i = 0; i < 3; ++i) spread.observe(0, FrameSpread::kLongQueue + 1us);
-  EXPECT_EQ(spread.now(), FrameSpread::kWidest);
+  EXPECT_EQ(spread.current(), FrameSpread::kWidest);
 }
 
 // The client's report of these datagrams, which all arrived.

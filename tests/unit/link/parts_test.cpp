@@ -23,11 +23,11 @@ constexpr TimePoint kStart{10s};
 TEST(QueueDelay, IsWhatGoesBeyondTheLeastWhateverTheClocksSay) {
   QueueDelay queue;
   for (int i = 0; i < 10; ++i) queue.add(-1h + 20ms, kStart);
-  EXPECT_EQ(queue.now(), 0ms);
+  EXPECT_EQ(queue.current(), 0ms);
   for (int i = 0; i < 4; ++i) queue.add(-1h + 32ms, kStart);
-  EXPECT_EQ(queue.now(), 12ms);
+  EXPECT_EQ(queue.current(), 12ms);
   queue.add(-1h + 21ms, kStart);
-  EXPECT_EQ(queue.now(), 1ms) << "one that came through tells that there is no queue";
+  EXPECT_EQ(queue.current(), 1ms) << "one that came through tells that there is no queue";
 }
 
 TEST(QueueDelay, ForgetsAnOldPathInAMinute) {
@@ -36,7 +36,7 @@ TEST(QueueDelay, ForgetsAnOldPathInAMinute) {
   for (int s = 1; s < 90; ++s) {
     for (int i = 0; i < 4; ++i) queue.add(50ms, kStart + s * 1s);
   }
-  EXPECT_EQ(queue.now(), 0ms);
+  EXPECT_EQ(queue.current(), 0ms);
 }
 
 TEST(ClientClock, FollowsAnHonestClockOfAnyOrigin) {

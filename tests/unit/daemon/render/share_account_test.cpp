@@ -62,19 +62,19 @@ TEST_F(ShareAccountTest, WhatWasSpentStaysSpentWhenTheConfigurationIsReadAgain) 
   sharing.tenants.push_back({{.weight = 1}, {.buffers_per_second = 10}, {}});
   account_.set_sharing(sharing);
   for (int frame = 0; frame < 20; ++frame) account_.started(kOne, true, 1, kNow);
-  const TimePoint closed_until = account_.open_at(kOne);
+  const TimePoint closed_until = account_.eligible_at(kOne);
   EXPECT_GT(closed_until, kNow + 1s);
   account_.set_sharing(sharing);
-  EXPECT_EQ(account_.open_at(kOne), closed_until);
+  EXPECT_EQ(account_.eligible_at(kOne), closed_until);
   sharing.tenants[0].rates.buffers_per_second = 1000;
   account_.set_sharing(sharing);
-  EXPECT_LE(account_.open_at(kOne), kNow) << "a mistaken limit does not outlive its correction";
+  EXPECT_LE(account_.eligible_at(kOne), kNow) << "a mistaken limit does not outlive its correction";
 }
 
 TEST_F(ShareAccountTest, NobodyIsUnfairlyTreatedAlone) {
   account_.sample_backlog();
   EXPECT_DOUBLE_EQ(account_.report(*policy_).jain, 1);
-  EXPECT_EQ(account_.open_at(kOne), TimePoint::min()) << "and nothing limits it";
+  EXPECT_EQ(account_.eligible_at(kOne), TimePoint::min()) << "and nothing limits it";
 }
 
 }  // namespace
