@@ -5,12 +5,11 @@
 #include <cmath>
 
 #include "scenes/light_samples.h"
-#include "tests/bench/bench_scenes.h"
 #include "tests/bench/client_shares.h"
 #include "tests/bench/embree_shares.h"
 #include "tests/bench/parallel_rows.h"
 #include "tests/bench/penumbra_filter.h"
-#include "tests/bench/suites.h"
+#include "tests/bench/share_suite.h"
 #include "tests/unit/gpu/surface_probe.h"
 
 namespace gnomon::bench {
@@ -55,34 +54,12 @@ struct Shares {
   std::vector<float> own, reference;
 };
 
-class OcclusionSuite : public Suite {
+class OcclusionSuite : public ShareSuite {
  public:
-  void add_options(CLI::App& command) override {
-    command.add_option("--scene", scenes_, "built-in name or glTF file")->capture_default_str();
-    command.add_option("--size", size_text_, "pixels of the traced picture")->capture_default_str();
-    command.add_option("--device", device_, "index, type or part of the name");
-    command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
-    command.add_option("--step", step_, "columns and rows from one pixel that is compared to the next")
-        ->check(CLI::Range(1u, 64u))
-        ->capture_default_str();
-  }
-
-  Result<Report> run() override {
-    const auto size = parse_size(size_text_);
-    if (!size) return size.error();
-    size_ = *size;
-    report_.suite = "occlusion";
-    frames_ = std::max(1u, frames_);
-    for (const std::string& name : scenes_) {
-      const auto scene = open_scene(name);
-      if (!scene) return scene.error();
-      if (auto measured = measure(*scene); !measured) return measured.error();
-    }
-    return std::move(report_);
-  }
+  OcclusionSuite() : ShareSuite("occlusion", "built-in name or glTF file") {}
 
  private:
-  Result<void> measure(const scenes::ScenePtr& scene) {
+  Result<void> measure(const scenes::ScenePtr& scene) override {
     gpu::RendererOptions options;
     options.device = device_;
     options.tracer = "bvh";  // its masks are not used
@@ -95,7 +72,7 @@ class OcclusionSuite : public Suite {
     double open = 0;
     for (uint32_t i = 0; i < frames_; ++i) {
       say("  " + scene->name + ": a camera");
-      const double seconds = path_seconds(*scene) * (i + 0.5) / frames_;
+      const double seconds = seconds_of(*scene, i);
       const gpu::CameraView camera = camera_on_path(*scene, seconds, size_);
       const auto frame = probe->render(camera, size_.width, size_.height);
       if (!frame) return frame.error();
@@ -175,8 +152,6 @@ class OcclusionSuite : public Suite {
     errors[half_filtered].add(filled(camera, frame, shares, x, y, 2, true), reference);
   }
 
-  bool compared(uint32_t x, uint32_t y) const { return x % step_ == 0 && y % step_ == 0; }
-
   Result<void> add_accumulated(ClientShares& client, gpu::SurfaceProbe& probe, double seconds,
                                const gpu::ProbedFrame& frame, const Shares& shares,
                                std::array<Error, kShown>& errors) const {
@@ -194,12 +169,6 @@ class OcclusionSuite : public Suite {
     }
     return {};
   }
-
-  std::vector<std::string> scenes_{"living_room", "temple"};
-  std::string size_text_ = "480x270", device_;
-  uint32_t frames_ = 3, step_ = 1;
-  PictureSize size_;
-  Report report_;
 };
 
 }  // namespace

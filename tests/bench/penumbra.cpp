@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "scenes/light_samples.h"
-#include "tests/bench/bench_scenes.h"
 #include "tests/bench/client_shares.h"
 #include "tests/bench/embree_shares.h"
 #include "tests/bench/parallel_rows.h"
 #include "tests/bench/penumbra_filter.h"
-#include "tests/bench/suites.h"
+#include "tests/bench/share_suite.h"
 #include "tests/unit/gpu/surface_probe.h"
 
 namespace gnomon::bench {
@@ -53,35 +52,12 @@ struct CountErrors {
 };
 using AllErrors = std::array<CountErrors, kCounts.size()>;
 
-class PenumbraSuite : public Suite {
+class PenumbraSuite : public ShareSuite {
  public:
-  void add_options(CLI::App& command) override {
-    command.add_option("--scene", scenes_, "built-in name or glTF file whose lights have an extent")
-        ->capture_default_str();
-    command.add_option("--size", size_text_, "pixels of the traced picture")->capture_default_str();
-    command.add_option("--device", device_, "index, type or part of the name");
-    command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
-    command.add_option("--step", step_, "columns and rows from one pixel that is compared to the next")
-        ->check(CLI::Range(1u, 64u))
-        ->capture_default_str();
-  }
-
-  Result<Report> run() override {
-    const auto size = parse_size(size_text_);
-    if (!size) return size.error();
-    size_ = *size;
-    report_.suite = "penumbra";
-    frames_ = std::max(1u, frames_);
-    for (const std::string& name : scenes_) {
-      const auto scene = open_scene(name);
-      if (!scene) return scene.error();
-      if (auto measured = measure(*scene); !measured) return measured.error();
-    }
-    return std::move(report_);
-  }
+  PenumbraSuite() : ShareSuite("penumbra", "built-in name or glTF file whose lights have an extent") {}
 
  private:
-  Result<void> measure(const scenes::ScenePtr& scene) {
+  Result<void> measure(const scenes::ScenePtr& scene) override {
     gpu::RendererOptions options;
     options.device = device_;
     options.tracer = "bvh";  // its masks are not used
@@ -97,7 +73,7 @@ class PenumbraSuite : public Suite {
     AllErrors errors{};
     for (uint32_t i = 0; i < frames_; ++i) {
       say("  " + scene->name + ": a camera");
-      const double seconds = path_seconds(*scene) * (i + 0.5) / frames_;
+      const double seconds = seconds_of(*scene, i);
       const gpu::CameraView camera = camera_on_path(*scene, seconds, size_);
       const auto frame = probe->render(camera, size_.width, size_.height);
       if (!frame) return frame.error();
@@ -135,8 +111,6 @@ class PenumbraSuite : public Suite {
       report_.rows.push_back(std::move(row));
     }
   }
-
-  bool compared(uint32_t x, uint32_t y) const { return x % step_ == 0 && y % step_ == 0; }
 
   Result<void> add_accumulated(std::vector<ClientShares>& clients, uint32_t light, const LightShares& shares,
                                AllErrors& errors) const {
@@ -209,12 +183,6 @@ class PenumbraSuite : public Suite {
       }
     }
   }
-
-  std::vector<std::string> scenes_{"living_room", "temple"};
-  std::string size_text_ = "480x270", device_;
-  uint32_t frames_ = 3, step_ = 1;
-  PictureSize size_;
-  Report report_;
 };
 
 }  // namespace

@@ -49,62 +49,68 @@ double seconds_per_frame(std::chrono::duration<double> time, SendFrame send_fram
   return (cpu_seconds() - before) / static_cast<double>(frames);
 }
 
-Result<std::vector<ordered_json>> seal_alone(const TransportOptions& options) {
-  const auto made = frame_bodies();
-  if (!made) return made.error();
-  const std::vector<Bytes>& bodies = *made;
-  std::vector<ordered_json> rows;
+using Rows = std::vector<ordered_json>;
+
+// Measures each cipher with the bodies of one frame.
+Result<Rows> of_each_cipher(Result<Rows> (*measure)(const TransportOptions&, CipherId, const std::vector<Bytes>&),
+                            const TransportOptions& options) {
+  const auto bodies = frame_bodies();
+  if (!bodies) return bodies.error();
+  Rows rows;
   for (const CipherId cipher : kCiphers) {
-    auto [server, client] = seals(cipher);
-    std::vector<Bytes> datagrams(bodies.size());
-    double open_s = 0;
-    size_t opened = 0, frames = 0;
-    const double both_s = seconds_per_frame(options.seconds, [&] {
-      for (size_t i = 0; i < bodies.size(); ++i) {
-        server.seal(protocol::DatagramKind::frame_slice, bodies[i], datagrams[i]);
-      }
-      const double before = cpu_seconds();
-      for (const Bytes& datagram : datagrams) opened += client.open(datagram).has_value();
-      open_s += cpu_seconds() - before;
-      ++frames;
-    });
-    if (opened != frames * bodies.size()) return Error{"datagrams were not opened"};
-    const double open_of_frame_s = open_s / static_cast<double>(frames);
-    const size_t bytes = bytes_of(datagrams);
-    rows.push_back(traffic_row("seal", name_of(cipher), bodies.size(), bytes, both_s - open_of_frame_s));
-    rows.push_back(traffic_row("open", name_of(cipher), bodies.size(), bytes, open_of_frame_s));
+    const auto measured = measure(options, cipher, *bodies);
+    if (!measured) return measured.error();
+    rows.insert(rows.end(), measured->begin(), measured->end());
   }
   return rows;
 }
 
+Result<Rows> seal_alone(const TransportOptions& options, CipherId cipher, const std::vector<Bytes>& bodies) {
+  auto [server, client] = seals(cipher);
+  std::vector<Bytes> datagrams(bodies.size());
+  double open_s = 0;
+  size_t opened = 0, frames = 0;
+  const double both_s = seconds_per_frame(options.seconds, [&] {
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      server.seal(protocol::DatagramKind::frame_slice, bodies[i], datagrams[i]);
+    }
+    const double before = cpu_seconds();
+    for (const Bytes& datagram : datagrams) opened += client.open(datagram).has_value();
+    open_s += cpu_seconds() - before;
+    ++frames;
+  });
+  if (opened != frames * bodies.size()) return Error{"datagrams were not opened"};
+  const double open_of_frame_s = open_s / static_cast<double>(frames);
+  const size_t bytes = bytes_of(datagrams);
+  return Rows{traffic_row("seal", name_of(cipher), bodies.size(), bytes, both_s - open_of_frame_s),
+              traffic_row("open", name_of(cipher), bodies.size(), bytes, open_of_frame_s)};
+}
+
 // A datagram damaged at every byte in turn: how fast the forgeries are rejected, and that none is accepted.
-Result<std::vector<ordered_json>> forgeries(const TransportOptions& options) {
-  const auto made = frame_bodies();
-  if (!made) return made.error();
-  const std::vector<Bytes>& bodies = *made;
-  std::vector<ordered_json> rows;
-  for (const CipherId cipher : kCiphers) {
-    auto [server, client] = seals(cipher);
-    Bytes datagram;
-    server.seal(protocol::DatagramKind::frame_slice, bodies.front(), datagram);
-    size_t accepted = 0;
-    // From byte 12 on, as the bytes before are checked before anything is decrypted.
-    const double cpu_s = seconds_per_frame(options.seconds, [&] {
-      for (size_t at = 12; at < datagram.size(); ++at) {
-        datagram[at] ^= 0x01;
-        accepted += client.open(datagram).has_value();
-        datagram[at] ^= 0x01;
-      }
-    });
-    const size_t count = datagram.size() - 12;
-    rows.push_back(traffic_row("forgeries", name_of(cipher), count, count * datagram.size(), cpu_s));
-    rows.back()["accepted_forgeries"] = accepted;
-  }
-  return rows;
+Result<Rows> forgeries(const TransportOptions& options, CipherId cipher, const std::vector<Bytes>& bodies) {
+  auto [server, client] = seals(cipher);
+  Bytes datagram;
+  server.seal(protocol::DatagramKind::frame_slice, bodies.front(), datagram);
+  size_t accepted = 0;
+  // From byte 12 on, as the bytes before are checked before anything is decrypted.
+  const double cpu_s = seconds_per_frame(options.seconds, [&] {
+    for (size_t at = 12; at < datagram.size(); ++at) {
+      datagram[at] ^= 0x01;
+      accepted += client.open(datagram).has_value();
+      datagram[at] ^= 0x01;
+    }
+  });
+  const size_t count = datagram.size() - 12;
+  ordered_json row = traffic_row("forgeries", name_of(cipher), count, count * datagram.size(), cpu_s);
+  row["accepted_forgeries"] = accepted;
+  return Rows{std::move(row)};
 }
 
 }  // namespace
 
-std::vector<TransportCase> seal_cases() { return {{"seal", seal_alone}, {"forgeries", forgeries}}; }
+std::vector<TransportCase> seal_cases() {
+  return {{"seal", [](const TransportOptions& options) { return of_each_cipher(seal_alone, options); }},
+          {"forgeries", [](const TransportOptions& options) { return of_each_cipher(forgeries, options); }}};
+}
 
 }  // namespace gnomon::bench

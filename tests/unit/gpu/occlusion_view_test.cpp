@@ -6,6 +6,7 @@
 
 #include "gpu/picture/reference_view.h"
 #include "tests/unit/gpu/made_scenes.h"
+#include "tests/unit/gpu/plane_bits.h"
 #include "tests/unit/gpu/test_device.h"
 
 namespace gnomon::test {
@@ -36,12 +37,7 @@ struct Ambient {
       for (uint32_t x = 0; x < kWide; ++x) {
         const uint32_t open = count(x, y);
         const uint32_t bits = open == kOcclusionSegments ? 0b1010u : open;  // what does not matter is anything
-        for (uint32_t i = 0; i < 4; ++i) {
-          if ((bits >> (3 - i) & 1) == 0) continue;
-          const size_t tile = size_t{y / 8} * grid.tiles_x() + x / 8;
-          words[size_t{planes.first_of_occlusion() + i} * grid.tile_count() + tile] |= uint64_t{1}
-                                                                                       << (y % 8 * 8 + x % 8);
-        }
+        set_plane_bits(words, grid, planes.first_of_occlusion(), 4, x, y, bits);
       }
     return words;
   }

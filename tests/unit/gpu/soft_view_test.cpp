@@ -5,6 +5,7 @@
 
 #include "gpu/picture/reference_view.h"
 #include "tests/unit/gpu/made_scenes.h"
+#include "tests/unit/gpu/plane_bits.h"
 #include "tests/unit/gpu/test_device.h"
 
 namespace gnomon::test {
@@ -41,11 +42,7 @@ struct Given {
       for (uint32_t x = 0; x < kWidth; ++x) {
         const uint32_t seen = count(x, y);
         const uint32_t bits = seen == kSamples ? 0b10101u : seen;  // what does not matter is anything
-        for (uint32_t i = 0; i < 5; ++i) {
-          if ((bits >> (4 - i) & 1) == 0) continue;
-          const size_t tile = size_t{y / 8} * grid.tiles_x() + x / 8;
-          words[size_t{planes.first(1) + i} * grid.tile_count() + tile] |= uint64_t{1} << (y % 8 * 8 + x % 8);
-        }
+        set_plane_bits(words, grid, planes.first(1), 5, x, y, bits);
       }
     return words;
   }
