@@ -35,24 +35,23 @@ void EncodePool::push(RenderedFrame frame) {
   ready_.notify_one();
 }
 
-bool EncodePool::take(std::optional<uint32_t> home, RenderedFrame& frame, SharedPtr& shared) {
+std::optional<EncodePool::Work> EncodePool::take(std::optional<uint32_t> home) {
   std::unique_lock lock(mutex_);
   for (;;) {
     ready_.wait(lock, [this] { return stopping_ || !queue_.empty() || !shared_.empty(); });
-    if (stopping_) return false;
+    if (stopping_) return std::nullopt;
     if (!shared_.empty()) {
-      shared = shared_.front();
-      if (shared->next < shared->frame.unit_count()) return true;
+      const SharedPtr shared = shared_.front();
+      if (shared->next < shared->frame.unit_count()) return shared;
       shared_.pop_front();  // every unit has a worker
-      shared.reset();
       continue;
     }
     auto next = std::find_if(queue_.begin(), queue_.end(),
                              [home](const RenderedFrame& f) { return !home || f.meta.route.device == *home; });
     if (next == queue_.end()) next = queue_.begin();
-    frame = std::move(*next);
+    Work frame = std::move(*next);
     queue_.erase(next);
-    return true;
+    return frame;
   }
 }
 
@@ -61,25 +60,22 @@ void EncodePool::work(std::optional<uint32_t> home) {
     log::warning("an encode worker stays near no device", {{"why", stays.error().message}});
   }
   protocol::FrameEncoder encoder;
-  RenderedFrame frame;
-  SharedPtr shared;
-  while (take(home, frame, shared)) {
-    if (!shared && frame.meta.spec.codec == protocol::CodecId::tiles_context) {
-      const auto split = within_memory([&]() -> Result<SharedPtr> { return share(frame); });
-      if (!split) {
-        frame.mask.drop();
-        deliver({frame.meta, {}}, split.error());
-        continue;
-      }
-      shared = *split;
-    }
-    if (shared) {
-      help(*shared);
+  while (std::optional<Work> taken = take(home)) {
+    if (RenderedFrame* frame = std::get_if<RenderedFrame>(&*taken)) {
+      begin(*frame, encoder);
     } else {
-      encode(frame, encoder);
+      help(*std::get<SharedPtr>(*taken));
     }
-    shared.reset();
   }
+}
+
+// Encodes the frame, or shares it with the workers that are idle.
+void EncodePool::begin(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
+  if (frame.meta.spec.codec != protocol::CodecId::tiles_context) return encode(frame, encoder);
+  const auto shared = within_memory([&]() -> Result<SharedPtr> { return share(frame); });
+  if (shared) return help(**shared);
+  frame.mask.drop();
+  deliver({frame.meta, {}}, shared.error());
 }
 
 namespace {

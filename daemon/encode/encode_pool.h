@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "daemon/encode/cores.h"
@@ -39,11 +40,13 @@ class EncodePool {
     std::atomic<bool> failed = false;      // a unit ran out of memory
   };
   using SharedPtr = std::shared_ptr<Shared>;
+  using Work = std::variant<RenderedFrame, SharedPtr>;
 
   void work(std::optional<uint32_t> home);  // `home`: the worker's device, if it has one
-  // Takes a shared frame or a frame from the queue; returns false if the pool ends. Shared frames come first, as they
-  // were pushed earlier.
-  bool take(std::optional<uint32_t> home, RenderedFrame& frame, SharedPtr& shared);
+  // Waits for a shared frame or one from the queue; nullopt if the pool ends. Shared frames come first, as they were
+  // pushed earlier.
+  std::optional<Work> take(std::optional<uint32_t> home);
+  void begin(RenderedFrame& frame, protocol::FrameEncoder& encoder);
   void encode(RenderedFrame& frame, protocol::FrameEncoder& encoder);
   SharedPtr share(RenderedFrame& frame);
   void help(Shared& shared);

@@ -43,7 +43,7 @@ void FrameReader::feed(std::span<const uint8_t> bytes) {
 }
 
 // What can be told by the header is told before the payload is waited for.
-std::optional<Violation> FrameReader::objection_to(const Header& header) const {
+std::optional<Violation> FrameReader::violation_of(const Header& header) const {
   const auto wrong = [](const char* why) { return Violation{CloseCode::protocol_error, why}; };
   if (is_control(header.opcode)) {
     if (!header.final) return wrong("a control frame in fragments");
@@ -90,7 +90,7 @@ std::variant<std::optional<FrameReader::Event>, Violation> FrameReader::next() {
     if (const auto* violation = std::get_if<Violation>(&read)) return *violation;
     const auto& header = std::get<std::optional<Header>>(read);
     if (!header) return std::nullopt;
-    if (const auto objection = objection_to(*header)) return *objection;
+    if (const auto violation = violation_of(*header)) return *violation;
     if (buffer_.size() < header->bytes || buffer_.size() - header->bytes < header->payload_bytes)
       return std::nullopt;
     std::vector<uint8_t> payload = take_payload(*header);

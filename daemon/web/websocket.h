@@ -60,7 +60,7 @@ class FrameReader {
     size_t mask_at = 0;
   };
   std::variant<std::optional<Header>, Violation> read_header() const;
-  std::optional<Violation> objection_to(const Header& header) const;
+  std::optional<Violation> violation_of(const Header& header) const;
   std::vector<uint8_t> take_payload(const Header& header);
 
   // A client cuts a message into at most so many frames: empty ones cost it little and us some work.

@@ -27,6 +27,8 @@ Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& s
   return {};
 }
 
+// What is given to background_, light_builds_ and area_builds_ runs on a thread of theirs, and returns what the owner's
+// thread calls in finish_background: here and below the outer function is the work, and the inner one takes over.
 void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
                            std::function<void()> wake) {
   light_builds_.pause();  // until the scene is resident, with at least a hierarchy for its lights
