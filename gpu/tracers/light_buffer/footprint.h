@@ -63,12 +63,13 @@
 
 namespace gnomon::gpu::light_buffer {
 
+// As it is made it has no edges: what stays so is bounded by `box` alone, where `slack` is infinite.
 struct Footprint {
-  std::array<Linear, 3> edges;  // inside: all >= 0
-  std::array<double, 3> slack;  // can be hit if all >= -slack; is certainly hit if all cover_edges >= cover_slack
+  std::array<Linear, 3> edges{};  // inside: all >= 0
+  std::array<double, 3> slack{};  // can be hit if all >= -slack; is certainly hit if all cover_edges >= cover_slack
   // As the edges, for what is hidden from every point of the light; the same unless the light has an extent.
-  std::array<Linear, 3> cover_edges;
-  std::array<double, 3> cover_slack;
+  std::array<Linear, 3> cover_edges{};
+  std::array<double, 3> cover_slack{};
   Linear nearest{0.0};          // no point in front of this nearness is hidden by the triangle
   std::optional<Linear> least;  // nor one in front of this one, which is constant
   // Of each edge, for a light with an extent: nor one in front of edge * widening + rounding. 0: there is no such bound.

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <bit>
+#include <limits>
 
 #include "gpu/tracers/light_buffer/builder.h"
+#include "gpu/tracers/light_buffer/footprint.h"
 #include "gpu/tracers/light_buffer/query.h"
 #include "tests/unit/gpu/light_buffer/soups.h"
 
@@ -87,6 +89,34 @@ TEST_P(AreaExactness, EqualsBruteForce) {
   EXPECT_GT(total.by[static_cast<size_t>(light_buffer::End::list)], 50u);
   std::printf("near %u, cover %u, list %u; all %u, none %u, some %u\n", total.by[0], total.by[1], total.by[2],
               total.all, total.none, total.some);
+}
+
+// Leaves something in the memory where the next call has its variables.
+[[gnu::noinline]] void fill_stack() {
+  std::array<volatile double, 1024> left;
+  for (volatile double& number : left) number = std::numeric_limits<double>::quiet_NaN();
+}
+
+// Edges that were whatever the stack had left a triangle out of lists, here and there.
+TEST(AreaFootprint, OfATriangleInThePlaneOfTheLightIsBoundedByItsBoxAlone) {
+  exact::TracedLight light{};
+  light.radius = 0.5f;
+  const auto faces = light_buffer::light_faces(light, {glm::vec3(-4), glm::vec3(4)});
+  const std::array<glm::dvec3, 3> corners{glm::dvec3(2, -1, 0), {2, 1, 0}, {3, 0, 0.01}};
+  size_t shown = 0;
+  for (const light_buffer::Face& face : faces.faces) {
+    fill_stack();
+    const auto footprint = light_buffer::area_footprint(face, faces.diameter, light.radius, corners);
+    if (!footprint) continue;
+    ++shown;
+    EXPECT_FALSE(footprint->regular);
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(footprint->edges[i], glm::dvec3(0)) << i;
+      EXPECT_EQ(footprint->slack[i], std::numeric_limits<double>::infinity()) << i;
+    }
+    EXPECT_TRUE(light_buffer::meets(*footprint, footprint->box));
+  }
+  EXPECT_GT(shown, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(
