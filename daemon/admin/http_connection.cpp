@@ -151,17 +151,19 @@ void HttpConnection::answer(net::thread_pool& pool, const HttpServer::Answer& ma
   }
   ++all_.answering;
   state_ = State::answering;
-  net::post(pool, [self = shared_from_this(), &make_page, asked = std::move(request),
-                   work = net::make_work_guard(all_.io)]() mutable {
-    Page page;
-    if (!done_or_dropped("an answer", [&] { page = make_page(asked); })) page.status = 503;
-    until_memory_suffices([&] {
-      net::post(self->all_.io, [connection = self, page]() mutable {
-        --connection->all_.answering;
-        connection->write(std::move(page));
-      });
-    });
+  net::post(pool, [answered = std::make_unique<Answered>(Answered{shared_from_this(), {}}), &make_page,
+                   asked = std::move(request), &io = all_.io, work = net::make_work_guard(all_.io)]() mutable {
+    if (!done_or_dropped("an answer", [&] { answered->page = make_page(asked); })) answered->page.status = 503;
+    // The last reference has to be dropped on the thread of `io`, which alone knows the open connections: none is left here.
+    Answered* const handed_over = answered.release();
+    until_memory_suffices(
+        [&] { net::post(io, [handed_over] { finish(std::unique_ptr<Answered>(handed_over)); }); });
   });
+}
+
+void HttpConnection::finish(std::unique_ptr<Answered> answered) {
+  --answered->connection->all_.answering;
+  answered->connection->write(std::move(answered->page));
 }
 
 void HttpConnection::write(Page page) {

@@ -58,6 +58,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void read();
   void on_request(boost::beast::error_code error);
   void answer(boost::asio::thread_pool& pool, const HttpServer::Answer& make_page, HttpRequest request);
+  // An answer on its way from a pool's thread to that of `io`.
+  struct Answered {
+    std::shared_ptr<HttpConnection> connection;
+    Page page;
+  };
+  static void finish(std::unique_ptr<Answered> answered);
   void write(Page page);
   void leave();
   void leave_list();

@@ -89,7 +89,8 @@ CostModels DevicePool::costs() const {
 SceneReports DevicePool::scenes() const {
   SceneReports all;
   for (const auto& device : devices_) {
-    for (const auto& [id, scene] : *device->scenes()) {
+    const auto published = device->scenes();  // kept, as the device may publish others meanwhile
+    for (const auto& [id, scene] : *published) {
       const auto [known, is_new] = all.emplace(id, scene);
       if (!is_new && scene.built_share() < known->second.built_share()) known->second = scene;
     }
