@@ -123,7 +123,7 @@ TEST(SessionStore, TheNextLifeFindsWholeRecordsWheneverTheLastOneWasKilled) {
         if (!before->add(record(id + (1ull << 32)))) before->forget_resting();
       }
     }
-    usleep(static_cast<useconds_t>(200 * round));
+    usleep(static_cast<useconds_t>(400 * round));
     kill(child, SIGKILL);
     ASSERT_EQ(waitpid(child, nullptr, 0), child);
     before.reset();
