@@ -66,7 +66,8 @@ Result<Rows> of_each_cipher(Result<Rows> (*measure)(const TransportOptions&, Cip
 }
 
 Result<Rows> seal_alone(const TransportOptions& options, CipherId cipher, const std::vector<Bytes>& bodies) {
-  auto [server, client] = seals(cipher);
+  Seals both = seals(cipher);
+  Seal &server = both.server, &client = both.client;
   std::vector<Bytes> datagrams(bodies.size());
   double open_s = 0;
   size_t opened = 0, frames = 0;
@@ -88,7 +89,8 @@ Result<Rows> seal_alone(const TransportOptions& options, CipherId cipher, const 
 
 // A datagram damaged at every byte in turn: how fast the forgeries are rejected, and that none is accepted.
 Result<Rows> forgeries(const TransportOptions& options, CipherId cipher, const std::vector<Bytes>& bodies) {
-  auto [server, client] = seals(cipher);
+  Seals both = seals(cipher);
+  Seal &server = both.server, &client = both.client;
   Bytes datagram;
   server.seal(protocol::DatagramKind::frame_slice, bodies.front(), datagram);
   size_t accepted = 0;
