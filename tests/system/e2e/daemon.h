@@ -25,8 +25,8 @@ tenants:
 
 std::filesystem::path living_room_file();
 
-// Where daemons keep the light buffers that they have built, for others of the same build; a configuration that names a
-// `cache_folder` has its own.
+// Where daemons keep the light buffers that they have built, for others of the same build, or the folder that the
+// environment's GNOMON_TEST_LIGHT_BUFFERS names; a configuration that names a `cache_folder` has its own.
 std::filesystem::path kept_light_buffers();
 
 class Daemon {
