@@ -40,9 +40,10 @@ Output output_to_stderr(Format format) {
 }
 
 // Replaced when the format changes: a thread that is writing keeps the one that
-// it began with.
+// it began with. Never destroyed, as all that the log has of its own: threads that
+// outlive main() write until the process ends.
 Published<Output>& output() {
-  static Published<Output> instance;
+  static Published<Output>& instance = *new Published<Output>;
   static std::once_flag made;
   std::call_once(made, [] { instance.publish(output_to_stderr(Format::key_value)); });
   return instance;
@@ -144,7 +145,7 @@ void write(const Output& to, spdlog::level::level_enum level, std::string_view e
 }
 
 void write(spdlog::level::level_enum level, std::string_view event, Fields fields) {
-  static SharedRateLimiter limiter;
+  static SharedRateLimiter& limiter = *new SharedRateLimiter;
   if (level < least_level.load(std::memory_order_relaxed)) return;
   if (const auto left_out = limiter.admit(event)) write(*output().get(), level, event, fields, *left_out);
 }
@@ -196,7 +197,7 @@ struct Audit {
 };
 
 Audit& the_audit() {
-  static Audit instance;
+  static Audit& instance = *new Audit;
   return instance;
 }
 
@@ -230,7 +231,7 @@ void audit(std::string_view event, Fields fields) {
 }
 
 void audit_refusal(std::string_view event, Fields fields) {
-  static SharedRateLimiter limiter;
+  static SharedRateLimiter& limiter = *new SharedRateLimiter;
   const auto left_out = limiter.admit(event);
   if (left_out) write(*the_audit().output.get(), spdlog::level::info, event, fields, *left_out);
 }

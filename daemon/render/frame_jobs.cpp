@@ -119,8 +119,8 @@ void FrameJobs::give_up(RenderSession& session) {
   queue_.withdraw(session);
 }
 
-// The returned function runs on the completion thread: it reports the job's cost to the inbox and passes the mask on to
-// be encoded.
+// The returned function runs on the completion thread: it passes the mask on to be encoded and reports the job's cost to
+// the inbox.
 std::function<void(gpu::FrameDone)> FrameJobs::completion(const RenderSession& session,
                                                           const scheduler::Ticket& ticket,
                                                           const PartialFrame& frame) const {
@@ -139,12 +139,14 @@ std::function<void(gpu::FrameDone)> FrameJobs::completion(const RenderSession& s
     job.device_lost = done.device_lost;
     job.out_of_memory = done.out_of_memory;
     job.last = done.complete;
+    if (done.complete && !done.device_lost && !done.out_of_memory) {
+      meta.times.rendered = done.completed_at;
+      meta.times.gpu = Nanoseconds(done.frame_gpu_ns);
+      meta.times.readback = Nanoseconds(done.readback_ns);
+      done_or_dropped("a rendered frame", [&] { sink.on_rendered({std::move(meta), std::move(done.mask)}); });
+    }
+    // Last: when every job is reported the render thread may end, and the sink with it.
     inbox.push(job);
-    if (!done.complete || done.device_lost || done.out_of_memory) return;
-    meta.times.rendered = done.completed_at;
-    meta.times.gpu = Nanoseconds(done.frame_gpu_ns);
-    meta.times.readback = Nanoseconds(done.readback_ns);
-    done_or_dropped("a rendered frame", [&] { sink.on_rendered({std::move(meta), std::move(done.mask)}); });
   };
 }
 
