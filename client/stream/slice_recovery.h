@@ -29,7 +29,7 @@ class SliceRecovery {
   struct Frame {
     FrameId frame;
     uint16_t groups = 0;                       // 0: no parity yet
-    std::vector<std::vector<uint8_t>> slices;  // bodies; if empty, has not arrived
+    std::vector<std::vector<uint8_t>> slices;  // bodies; if empty, it has not arrived
     std::vector<Shard> parity;
     size_t bytes = 0;
   };

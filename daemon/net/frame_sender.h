@@ -22,7 +22,7 @@ class FrameSender {
   // the local interface the rest of its batch is lost too, and sending goes on.
   std::optional<Fault> send(Session& session, DataSocket& socket, TimePoint now);
 
-  // Sends the challenges that are due to the address that the session's client is to validate.
+  // Sends the challenges that are due to the address that is to be validated.
   void send_challenges(Session& session, DataSocket& socket, TimePoint now);
 
   // Sends one datagram at once; it is lost if the kernel does not take it.

@@ -38,8 +38,8 @@ bool FrameJobs::look_for_room(TimePoint now) {
 
 void FrameJobs::submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
   if (session.partial) return resume(session, ticket, now);
-  if (queue_.account().eligible_at(session.grant().tenant) >
-      now) {  // other sessions have used up the tenant's rate
+  // Other sessions may have used up the tenant's rate.
+  if (queue_.account().eligible_at(session.grant().tenant) > now) {
     queue_.refund(ticket, now);
     return queue_.enqueue_when_allowed(session, now);
   }
