@@ -1,5 +1,8 @@
 #include "common/packed_mask.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace gnomon {
 namespace {
 
@@ -41,10 +44,28 @@ uint64_t filled(uint64_t lit, uint64_t care) {
   return fill.value;
 }
 
+bool lit_before(const PackedMaskView& packed, size_t word) {
+  constexpr uint32_t kHighBits = 0xaaaaaaaa;  // of a class: 0 if the tile is dark or lit
+  const size_t plane_begins = word - word % packed.grid.tile_count();
+  for (size_t end = word; end > plane_begins;) {
+    const size_t at = (end - 1) / kClassesInWord;  // of the class word that holds the tiles before `end`
+    const size_t first = std::max(at * kClassesInWord, plane_begins);
+    const auto among = static_cast<uint32_t>((uint64_t{1} << 2 * (end - at * kClassesInWord)) - 1) &
+                       ~uint32_t{0} << 2 * (first - at * kClassesInWord);
+    const uint32_t uniform = ~packed.classes[at] & kHighBits & among;
+    if (uniform != 0) return packed.classes[at] >> (31 - std::countl_zero(uniform) - 1) & 1;
+    end = first;
+  }
+  return false;
+}
+
 void unpack(const PackedMaskView& packed, std::span<uint64_t> words) {
   assert(words.size() == packed.grid.word_count());
   for_each_word(
-      packed, [&](size_t i, bool lit) { words[i] = lit ? ~uint64_t{0} : 0; },
+      packed,
+      [&](size_t first, uint32_t count, bool lit) {
+        std::fill_n(words.begin() + static_cast<std::ptrdiff_t>(first), count, lit ? ~uint64_t{0} : 0);
+      },
       [&](size_t i, uint64_t word) { words[i] = word; });
 }
 

@@ -11,6 +11,7 @@
 //             does, else from the nearest to the right
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -40,22 +41,48 @@ struct PackedMaskView {
   size_t bytes() const { return classes.size_bytes() + mixed.size_bytes(); }
 };
 
-// Calls uniform(index, lit) or mixed(index, word) for every word in order. Free tiles are reported as uniform, with the
-// class that they take.
+// True if the last tile before `word` in its plane that is dark or lit is lit: what a free tile there takes.
+bool lit_before(const PackedMaskView& packed, size_t word);
+
+// Calls uniform(index, count, lit), for a run of dark or lit words, or mixed(index, word) for the words [first, end) of one
+// plane, in order. Free tiles are reported as uniform, with the class that they take. `next` is the index of the first mixed
+// word from `first` on; returns that of the first from `end` on.
 template <class Uniform, class Mixed>
-void for_each_word(const PackedMaskView& packed, Uniform uniform, Mixed mixed) {
-  size_t next = 0, index = 0;
-  for (uint32_t light = 0; light < packed.grid.planes; ++light) {
-    bool lit = false;
-    for (uint32_t tile = 0; tile < packed.grid.tile_count(); ++tile, ++index) {
+size_t for_words_between(const PackedMaskView& packed, size_t first, size_t end, size_t next, Uniform uniform,
+                         Mixed mixed) {
+  constexpr uint32_t kAllDark = 0, kAllLit = 0x55555555, kAllFree = 0xffffffff;
+  bool lit = lit_before(packed, first);
+  for (size_t index = first; index < end;) {
+    if (index % kClassesInWord == 0 && end - index >= kClassesInWord) {  // most of a picture
+      const uint32_t of_run = packed.classes[index / kClassesInWord];
+      if (of_run == kAllDark || of_run == kAllLit || of_run == kAllFree) {
+        if (of_run != kAllFree) lit = of_run == kAllLit;
+        uniform(index, kClassesInWord, lit);
+        index += kClassesInWord;
+        continue;
+      }
+    }
+    const size_t last = std::min(end, (index / kClassesInWord + 1) * kClassesInWord);
+    for (; index < last; ++index) {
       const PackedClass of_tile = packed.class_of(index);
       if (of_tile == PackedClass::mixed) {
         mixed(index, packed.mixed[next++]);
         continue;
       }
       if (of_tile != PackedClass::free) lit = of_tile == PackedClass::lit;
-      uniform(index, lit);
+      uniform(index, 1, lit);
     }
+  }
+  return next;
+}
+
+// The same for every word of the frame.
+template <class Uniform, class Mixed>
+void for_each_word(const PackedMaskView& packed, Uniform uniform, Mixed mixed) {
+  const size_t tiles = packed.grid.tile_count();
+  size_t next = 0;
+  for (size_t plane = 0; plane < packed.grid.planes; ++plane) {
+    next = for_words_between(packed, plane * tiles, (plane + 1) * tiles, next, uniform, mixed);
   }
   assert(next == packed.mixed.size());
 }

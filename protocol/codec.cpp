@@ -8,17 +8,28 @@
 #include <cstring>
 #include <string>
 
+#include "protocol/band_encoder.h"
 #include "protocol/context/context_slices.h"
 #include "protocol/slice_cutter.h"
 
 namespace gnomon::protocol {
 
 struct FrameEncoder::Workspace {
-  CodedTiles coded;             // of tiles_lz4
+  BandPlan bands;               // of tiles_lz4
+  BandEncoder band_encoder;     // of tiles_lz4
   std::vector<uint64_t> words;  // of a packed frame, for raw32_lz4
-  SliceCutter cutter;           // of both
+  SliceCutter cutter;           // of raw32_lz4
   context::FrameTiles framed;   // of tiles_context
   context::UnitEncoder units;
+
+  template <class MaskView>
+  void cut_bands(const MaskView& frame, size_t limit, EncodedMask& out) {
+    bands.plan(frame);
+    for (size_t band = 0; band < bands.band_count(); ++band) {
+      band_encoder.encode(frame, bands, band, limit, out);
+      if (out.slices.size() > kMaxSlices) return;
+    }
+  }
 
   void cut_context(size_t limit, EncodedMask& out) {
     for (const SliceRange& unit : context::plan_units(framed, limit)) {
@@ -82,10 +93,7 @@ Result<void> FrameEncoder::encode(const TileMaskView& frame, CodecId codec, size
   out.begin(codec);
   switch (codec) {
     case CodecId::raw32_lz4: work.cutter.cut_raw32(frame, max_payload_bytes, out); break;
-    case CodecId::tiles_lz4:
-      work.coded.code(frame.words);
-      work.cutter.cut_tiles(work.coded, frame.grid, max_payload_bytes, out);
-      break;
+    case CodecId::tiles_lz4: work.cut_bands(frame, max_payload_bytes, out); break;
     case CodecId::tiles_context:
       work.framed.take(frame);
       work.framed.refer_to(nullptr, {});
@@ -107,10 +115,7 @@ Result<void> FrameEncoder::encode(const PackedMaskView& frame, CodecId codec, si
       unpack(frame, work.words);
       work.cutter.cut_raw32({frame.grid, work.words}, max_payload_bytes, out);
       break;
-    case CodecId::tiles_lz4:
-      work.coded.code(frame);
-      work.cutter.cut_tiles(work.coded, frame.grid, max_payload_bytes, out);
-      break;
+    case CodecId::tiles_lz4: work.cut_bands(frame, max_payload_bytes, out); break;
     case CodecId::tiles_context:
       work.framed.take(frame);
       work.framed.refer_to(reference, camera);

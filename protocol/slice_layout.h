@@ -7,6 +7,7 @@
 
 #include "common/packed_mask.h"
 #include "common/tile_mask.h"
+#include "protocol/band_plan.h"
 #include "protocol/tile_code.h"
 
 namespace gnomon::protocol {
@@ -22,21 +23,23 @@ struct SliceRange {
 // A slice's plain bytes never exceed this, so that decoding needs a small fixed buffer.
 inline constexpr size_t kMaxPlainBytes = 1 << 16;
 
-// All tiles of a frame, coded, in the order of the frame's words; packing a slice is then a few copies.
+// All tiles of a band of a frame, coded, in the order of the words that the band would have as a frame of its own; packing
+// a slice is then a few copies.
 struct CodedTiles {
   std::vector<TileClass> classes;
   std::vector<uint8_t> bytes;
   std::vector<uint32_t> starts;  // word i has bytes[starts[i] .. starts[i + 1])
 
-  void code(std::span<const uint64_t> words);
-  void code(const PackedMaskView& packed);
+  // `plan` is of the frame.
+  void code(const TileMaskView& frame, const BandPlan& plan, size_t band);
+  void code(const PackedMaskView& frame, const BandPlan& plan, size_t band);
   size_t bytes_between(size_t first_word, size_t words) const {
     return starts[first_word + words] - starts[first_word];
   }
 
  private:
   void begin(size_t words);
-  void add_uniform(size_t index, bool lit);
+  void add_uniform(size_t index, uint32_t count, bool lit);
   void add_mixed(size_t index, uint64_t word);
   size_t used_ = 0;  // of bytes
 };

@@ -3,26 +3,45 @@
 #include <cassert>
 #include <utility>
 
+#include "protocol/band_encoder.h"
+
 namespace gnomon::protocol {
 
-SplitFrame::SplitFrame(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference,
-                       const std::optional<CameraView>& camera)
-    : limit_(max_payload_bytes), reference_(std::move(reference)) {
+SplitFrame SplitFrame::of_context(const PackedMaskView& frame, size_t max_payload_bytes, MaskReferencePtr reference,
+                                  const std::optional<CameraView>& camera) {
   assert(max_payload_bytes >= kMinPayloadBytes);
-  tiles_.take(frame);
-  tiles_.refer_to(reference_.get(), camera);
-  units_ = context::plan_units(tiles_, limit_);
-  encoded_.resize(units_.size());
+  SplitFrame split(CodecId::tiles_context, max_payload_bytes);
+  split.reference_ = std::move(reference);
+  split.tiles_.take(frame);
+  split.tiles_.refer_to(split.reference_.get(), camera);
+  split.units_ = context::plan_units(split.tiles_, max_payload_bytes);
+  split.encoded_.resize(split.units_.size());
+  return split;
+}
+
+SplitFrame SplitFrame::of_bands(const PackedMaskView& frame, size_t max_payload_bytes) {
+  assert(max_payload_bytes >= kMinPayloadBytes);
+  SplitFrame split(CodecId::tiles_lz4, max_payload_bytes);
+  split.mask_ = frame;
+  split.bands_.plan(frame);
+  split.encoded_.resize(split.bands_.band_count());
+  return split;
 }
 
 void SplitFrame::encode(size_t unit) {
-  static thread_local context::UnitEncoder encoder;
-  encoded_[unit].begin(CodecId::tiles_context);
-  encoder.encode(tiles_, units_[unit], limit_, encoded_[unit]);
+  EncodedMask& out = encoded_[unit];
+  out.begin(codec_);
+  if (codec_ == CodecId::tiles_context) {
+    static thread_local context::UnitEncoder encoder;
+    encoder.encode(tiles_, units_[unit], limit_, out);
+  } else {
+    static thread_local BandEncoder encoder;
+    encoder.encode(mask_, bands_, unit, limit_, out);
+  }
 }
 
 Result<void> SplitFrame::join(EncodedMask& out) {
-  out.begin(CodecId::tiles_context);
+  out.begin(codec_);
   for (const EncodedMask& part : encoded_) {
     const size_t first = out.bytes.size();
     out.slices.insert(out.slices.end(), part.slices.begin(), part.slices.end());

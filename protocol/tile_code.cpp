@@ -10,14 +10,6 @@ namespace {
 // n lowest bits set, number n > 8 its 16 - n highest.
 constexpr std::array<uint8_t, 16> kRing = {0x00, 0x01, 0x03, 0x07, 0x0f, 0x1f, 0x3f, 0x7f,
                                            0xff, 0xfe, 0xfc, 0xf8, 0xf0, 0xe0, 0xc0, 0x80};
-constexpr uint8_t kNotInRing = 0xff;
-
-constexpr auto kRingNumbers = [] {
-  std::array<uint8_t, 256> numbers{};
-  numbers.fill(kNotInRing);
-  for (uint8_t n = 0; n < kRing.size(); ++n) numbers[kRing[n]] = n;
-  return numbers;
-}();
 
 // A line's first byte has the first row's number in bits 0 to 3 and these flags. Bit i of its second byte says whether
 // row i + 1 is one step away from row i.
@@ -38,24 +30,41 @@ uint64_t transposed(uint64_t word) {
   return word;
 }
 
+// The functions below compute with the eight rows of a tile at once, a byte each.
+constexpr uint64_t kEach = 0x0101010101010101;  // times a byte: that byte in each row
+
+// Whether each row is in the ring: its pixels change at most once from left to right.
+bool all_in_ring(uint64_t word) {
+  const uint64_t changes = (word ^ word >> 1) & kEach * 0x7f;
+  const uint64_t less_one = (changes | kEach * 0x80) - kEach;
+  return (changes & less_one & kEach * 0x7f) == 0;
+}
+
+// The ring numbers of rows that are in the ring: as many as they have ones if the lowest bit is one of these or all are 0.
+uint64_t ring_numbers(uint64_t word) {
+  uint64_t ones = word - (word >> 1 & kEach * 0x55);
+  ones = (ones & kEach * 0x33) + (ones >> 2 & kEach * 0x33);
+  ones = (ones + (ones >> 4)) & kEach * 0x0f;
+  const uint64_t from_right = (word & kEach) * 0xff;
+  return (ones & from_right) | ((kEach * 16 - ones) & kEach * 0x0f & ~from_right);
+}
+
+// Bit i of the result is the lowest of row i; each row is 0 or 1.
+uint8_t lowest_bits(uint64_t rows) { return static_cast<uint8_t>(rows * 0x0102040810204080 >> 56); }
+
 // Returns whether the rows make a line; if so, `flags` and `steps` are its two bytes.
 bool find_line(uint64_t word, uint8_t& flags, uint8_t& steps) {
-  unsigned number = kRingNumbers[row_of(word, 0)];
-  if (number == kNotInRing) return false;
-  flags = static_cast<uint8_t>(number);
-  unsigned up = 0;
-  unsigned down = 0;
-  for (int row = 1; row < 8; ++row) {
-    const unsigned next = kRingNumbers[row_of(word, row)];
-    const unsigned step = (next - number) & 0x0f;
-    if (next == kNotInRing || (step != 0 && step != 1 && step != 15)) return false;
-    up |= static_cast<unsigned>(step == 1) << (row - 1);
-    down |= static_cast<unsigned>(step == 15) << (row - 1);
-    number = next;
-  }
-  if (up != 0 && down != 0) return false;
-  if (down != 0) flags |= kStepsDown;
-  steps = static_cast<uint8_t>(up | down);
+  if (!all_in_ring(word)) return false;
+  const uint64_t numbers = ring_numbers(word);
+  // From each row to the one below, plus 1: 0 for a step down, 1 for none, 2 for one up.
+  const uint64_t moves = ((numbers >> 8 | kEach * 0x10) - (numbers & ~uint64_t{0} >> 8) + kEach) & kEach * 0x0f;
+  const uint64_t between = ~uint64_t{0} >> 8;  // the last row has none below
+  const uint64_t up = moves >> 1 & kEach, same = moves & kEach;
+  const bool single = ((moves & kEach * 0x0c) | (up & same)) << 8 == 0;
+  const uint64_t down = ~(up | same) & kEach & between;
+  if (!single || ((up & between) != 0 && down != 0)) return false;
+  flags = static_cast<uint8_t>((numbers & 0x0f) | (down != 0 ? kStepsDown : 0));
+  steps = lowest_bits((up & between) | down);
   return true;
 }
 

@@ -1,5 +1,6 @@
 // The layout of tiles_lz4: for each light of the range a plane of classes, four tiles a byte; then for each light the
 // bytes of its tiles that are not uniform, in order.
+#include <algorithm>
 #include <cstring>
 
 #include "protocol/slice_layout.h"
@@ -31,9 +32,9 @@ void CodedTiles::begin(size_t words) {
   used_ = 0;
 }
 
-void CodedTiles::add_uniform(size_t index, bool lit) {
-  starts[index] = static_cast<uint32_t>(used_);
-  classes[index] = lit ? TileClass::lit : TileClass::dark;
+void CodedTiles::add_uniform(size_t index, uint32_t count, bool lit) {
+  std::fill_n(starts.begin() + static_cast<std::ptrdiff_t>(index), count, static_cast<uint32_t>(used_));
+  std::fill_n(classes.begin() + static_cast<std::ptrdiff_t>(index), count, lit ? TileClass::lit : TileClass::dark);
 }
 
 void CodedTiles::add_mixed(size_t index, uint64_t word) {
@@ -44,21 +45,38 @@ void CodedTiles::add_mixed(size_t index, uint64_t word) {
   used_ = static_cast<size_t>(end - bytes.data());
 }
 
-void CodedTiles::code(std::span<const uint64_t> words) {
-  begin(words.size());
-  for (size_t i = 0; i < words.size(); ++i) {
-    const bool uniform = words[i] + 1 <= 1;  // no bit is set, or all are
-    uniform ? add_uniform(i, words[i] & 1) : add_mixed(i, words[i]);
+void CodedTiles::code(const TileMaskView& frame, const BandPlan& plan, size_t band) {
+  const auto [row, rows] = plan.rows(band);
+  const size_t of_plane = size_t{rows} * frame.grid.tiles_x();
+  begin(of_plane * frame.grid.planes);
+  size_t index = 0;
+  for (uint32_t plane = 0; plane < frame.grid.planes; ++plane) {
+    const size_t first = size_t{plane} * frame.grid.tile_count() + size_t{row} * frame.grid.tiles_x();
+    for (const uint64_t word : frame.words.subspan(first, of_plane)) {
+      const bool uniform = word + 1 <= 1;  // no bit is set, or all are
+      uniform ? add_uniform(index, 1, word & 1) : add_mixed(index, word);
+      ++index;
+    }
   }
-  starts[words.size()] = static_cast<uint32_t>(used_);
+  starts[index] = static_cast<uint32_t>(used_);
 }
 
-void CodedTiles::code(const PackedMaskView& packed) {
-  begin(packed.grid.word_count());
-  for_each_word(
-      packed, [this](size_t i, bool lit) { add_uniform(i, lit); },
-      [this](size_t i, uint64_t word) { add_mixed(i, word); });
-  starts[packed.grid.word_count()] = static_cast<uint32_t>(used_);
+void CodedTiles::code(const PackedMaskView& frame, const BandPlan& plan, size_t band) {
+  const auto [row, rows] = plan.rows(band);
+  const size_t of_plane = size_t{rows} * frame.grid.tiles_x();
+  begin(of_plane * frame.grid.planes);
+  size_t index = 0;
+  for (uint32_t plane = 0; plane < frame.grid.planes; ++plane) {
+    const size_t first = size_t{plane} * frame.grid.tile_count() + size_t{row} * frame.grid.tiles_x();
+    for_words_between(
+        frame, first, first + of_plane, plan.mixed_before(plane, row),
+        [&](size_t, uint32_t count, bool lit) {
+          add_uniform(index, count, lit);
+          index += count;
+        },
+        [&](size_t, uint64_t word) { add_mixed(index++, word); });
+  }
+  starts[index] = static_cast<uint32_t>(used_);
 }
 
 bool pack_tiles(const CodedTiles& coded, const TileGrid& grid, const SliceRange& range,

@@ -71,7 +71,7 @@ void EncodePool::work(std::optional<uint32_t> home) {
 
 // Encodes the frame, or shares it with the workers that are idle.
 void EncodePool::begin(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
-  if (frame.meta.spec.codec != protocol::CodecId::tiles_context) return encode(frame, encoder);
+  if (frame.meta.spec.codec == protocol::CodecId::raw32_lz4) return encode(frame, encoder);
   const auto shared = within_memory([&]() -> Result<SharedPtr> { return share(frame); });
   if (shared) return help(**shared);
   frame.mask.drop();
@@ -99,24 +99,26 @@ void EncodePool::encode(RenderedFrame& frame, protocol::FrameEncoder& encoder) {
 }
 
 EncodePool::SharedPtr EncodePool::share(RenderedFrame& frame) {
-  const FrameMeta& meta = frame.meta;
+  const FrameSpec& spec = frame.meta.spec;
   const TimePoint began = Clock::now();
-  auto reference = meta.spec.references ? meta.spec.references->newest(meta.spec.grid, meta.spec.samples) : nullptr;
-  const SharedPtr shared(new Shared{
-      {meta, {}},
-      protocol::SplitFrame(frame.mask.mask(), payload_room(meta), std::move(reference), meta.spec.camera),
-      {},
-      {}});
+  const bool copies = spec.codec == protocol::CodecId::tiles_context;
+  auto split = copies
+                   ? protocol::SplitFrame::of_context(
+                         frame.mask.mask(), payload_room(frame.meta),
+                         spec.references ? spec.references->newest(spec.grid, spec.samples) : nullptr, spec.camera)
+                   : protocol::SplitFrame::of_bands(frame.mask.mask(), payload_room(frame.meta));
+  const SharedPtr shared(new Shared{{frame.meta, {}}, std::move(frame.mask), std::move(split), {}, {}});
   shared->out.meta.times.encode_began = began;
-  frame.mask.drop();
-  if (shared->frame.unit_count() > 1 && workers_.size() > 1) {
+  if (copies) shared->mask.drop();
+  const size_t units = shared->frame.unit_count();
+  if (units == 0) finish(*shared);
+  if (units > 1 && workers_.size() > 1) {
     {
       std::lock_guard lock(mutex_);
       shared_.push_back(shared);
     }
-    ready_.notify_all();
+    for (size_t others = std::min(units, workers_.size()) - 1; others > 0; --others) ready_.notify_one();
   }
-  if (shared->frame.unit_count() == 0) finish(*shared);
   return shared;
 }
 
@@ -134,10 +136,11 @@ void EncodePool::help(Shared& shared) {
 
 void EncodePool::finish(Shared& shared) {
   const FrameMeta& meta = shared.out.meta;
+  shared.mask.drop();
   const auto result = within_memory([&]() -> Result<void> {
     if (shared.failed) throw std::bad_alloc();
     if (auto joined = shared.frame.join(shared.out.slices); !joined) return joined;
-    if (meta.spec.references) {
+    if (meta.spec.references && meta.spec.codec == protocol::CodecId::tiles_context) {
       meta.spec.references->sent(
           std::make_shared<protocol::MaskReference>(meta.route.frame, shared.frame.decoded(), meta.spec.camera),
           meta.spec.samples);

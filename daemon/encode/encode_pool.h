@@ -18,8 +18,8 @@
 
 namespace gnomon::daemon {
 
-// A frame of codec tiles_context takes milliseconds: its units are spread over all idle workers. The slices do not
-// depend on their number. A frame of another codec is encoded by one worker.
+// A large frame takes milliseconds: its units are spread over all idle workers, so that its client waits for the longest
+// unit and not for their sum. The slices do not depend on their number. A frame of raw32_lz4 is encoded by one worker.
 //
 // The queue needs no limit of its own: every frame in it holds one of the device's frame slots.
 class EncodePool {
@@ -35,6 +35,7 @@ class EncodePool {
   // A frame that several workers encode.
   struct Shared {
     EncodedFrame out;
+    gpu::FrameLease mask;  // dropped once all units are encoded, or at once where `frame` has copied it
     protocol::SplitFrame frame;
     std::atomic<size_t> next{0}, done{0};  // units
     std::atomic<bool> failed = false;      // a unit ran out of memory

@@ -115,5 +115,33 @@ TEST(PackedMask, FreeTilesFollowTheLastUniformOneOfTheirLight) {
   EXPECT_EQ(unpacked(packed.view()), (std::vector<uint64_t>{0, lit, lit, mixed, lit, 0, 0, 0, lit, lit}));
 }
 
+// A free tile takes the class of the last one before it, also where a part of a plane is read alone.
+TEST(PackedMask, PartsOfAPlaneReadAsTheWholeDoes) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 200; ++i) {
+    const Frame frame = random_frame(random);
+    if (frame.grid.planes == 0) continue;
+    const PackedMask packed(frame.mask(), frame.valid_bits);
+    const std::vector<uint64_t> whole = unpacked(packed.view());
+    const size_t tiles = frame.grid.tile_count();
+    const size_t plane = random() % frame.grid.planes * tiles;
+    const size_t first = plane + random() % tiles, end = first + random() % (plane + tiles - first + 1);
+    size_t before = 0, mixed = 0;
+    for (size_t word = 0; word < end; ++word) {
+      const bool is_mixed = packed.view().class_of(word) == PackedClass::mixed;
+      before += is_mixed && word < first;
+      mixed += is_mixed;
+    }
+    std::vector<uint64_t> part;
+    const size_t next = for_words_between(
+        packed.view(), first, end, before,
+        [&](size_t, uint32_t count, bool lit) { part.insert(part.end(), count, lit ? ~uint64_t{0} : 0); },
+        [&](size_t, uint64_t word) { part.push_back(word); });
+    EXPECT_EQ(next, mixed);
+    EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin() + static_cast<std::ptrdiff_t>(first),
+                           whole.begin() + static_cast<std::ptrdiff_t>(end)));
+  }
+}
+
 }  // namespace
 }  // namespace gnomon::test

@@ -142,7 +142,7 @@ TEST(Context, AFrameThatIsSplitHasTheSameSlices) {
   for (const Mask* of : {&mask, &before, &sparse}) {
     for (const MaskReferencePtr& kept : {MaskReferencePtr(), MaskReferencePtr(reference)}) {
       const PackedMask packed = all_matters(*of);
-      SplitFrame split(packed.view(), kMaxSlicePayloadBytes, kept);
+      SplitFrame split = SplitFrame::of_context(packed.view(), kMaxSlicePayloadBytes, kept);
       std::vector<std::thread> threads;
       for (size_t unit = split.unit_count(); unit-- > 0;)
         threads.emplace_back([&split, unit] { split.encode(unit); });

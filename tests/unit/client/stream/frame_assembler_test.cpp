@@ -166,8 +166,8 @@ TEST(FrameAssembler, RefusesSlicesThatContradictGridOrFrame) {
 TEST(FrameAssembler, ASliceWhoseReferenceIsGoneIsAsGoodAsLost) {
   const auto mask = tests::noise(kGrid, 5);
   const auto reference = std::make_shared<protocol::MaskReference>(FrameId{1}, mask.view());
-  protocol::SplitFrame split(PackedMask(mask.view(), std::vector<uint64_t>(mask.words.size(), ~uint64_t{0})).view(),
-                             1100, reference);
+  auto split = protocol::SplitFrame::of_context(
+      PackedMask(mask.view(), std::vector<uint64_t>(mask.words.size(), ~uint64_t{0})).view(), 1100, reference);
   for (size_t unit = 0; unit < split.unit_count(); ++unit) split.encode(unit);
   protocol::EncodedMask encoded;
   ASSERT_TRUE(split.join(encoded));
