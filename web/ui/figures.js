@@ -33,8 +33,9 @@ export class Figures {
     const bytes = frames.length > 1 ? frames[frames.length - 1].bytes - frames[0].bytes : 0;
     const last = this.frames[this.frames.length - 1]; // a scene at rest needs no masks; what they took last stays
     return {
-      fps: pictures.length / (SPAN / 1000),
-      masksPerSecond: frames.length / (SPAN / 1000),
+      // null while nothing is drawn or sent: a page at rest is not one that stalls
+      fps: pictures.length ? pictures.length / (SPAN / 1000) : null,
+      masksPerSecond: frames.length ? frames.length / (SPAN / 1000) : null,
       responseMs: responses.length ? responses[responses.length >> 1] : (last?.responseMs ?? null),
       kilobytesPerSecond: span > 0 ? bytes / span : 0,
       predicted: pictures.length ? pictures.filter((each) => each.predicted).length / pictures.length : 0,
