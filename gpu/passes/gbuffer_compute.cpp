@@ -16,7 +16,7 @@ namespace {
 
 // As shaders/raster.glsl declares them: what precedes a list's entries, and an entry of each list.
 constexpr uint32_t kRunsHead = 16, kLargeHead = 24;
-constexpr uint64_t kEntryBytes = 8;
+constexpr uint64_t kEntryBytes = 8, kPreparedBytes = 104, kMostPrepared = 16384;
 constexpr uint32_t kRunTriangles = 64, kTilesAtATime = 8;
 constexpr uint32_t kMostWorkgroups = 65535;  // of a dispatch that every device allows
 constexpr uint32_t kDoubleSided = 0x80000000u, kMasked = 0x40000000u;
@@ -31,11 +31,12 @@ struct RunsPush {
   uint32_t reserved = 0;
 };
 
+uint64_t depth_tiles_bytes(const Capacity& c) { return uint64_t{c.grid().tile_count()} * sizeof(float); }
 uint64_t visibility_bytes(const Capacity& c) { return uint64_t{c.grid().tile_count()} * kTileSize * kTileSize * 8; }
 // An upper bound: each cluster, which becomes a run, has at least one triangle.
 uint64_t runs_bytes(const Capacity& c) { return kRunsHead + kEntryBytes * c.triangles; }
 uint64_t large_bytes(const Capacity& c) {
-  return kLargeHead + kEntryBytes * (uint64_t{c.triangles} + c.moving_triangles);
+  return kLargeHead + kPreparedBytes * kMostPrepared + kEntryBytes * (uint64_t{c.triangles} + c.moving_triangles);
 }
 
 std::span<const std::byte> bytes_of(const auto& push) { return std::as_bytes(std::span(&push, 1)); }
@@ -51,7 +52,7 @@ void dispatch_picture(const FrameContext& frame, const ComputeStep& step, std::s
   vkCmdDispatch(frame.commands, std::min(workgroups, kMostWorkgroups), 1, 1);
 }
 
-// Clears the picture and empties every list.
+// Clears the picture, empties every list, and has nothing hidden yet.
 class ClearPass : public Pass {
  public:
   std::string_view name() const override { return "clear"; }
@@ -61,11 +62,13 @@ class ClearPass : public Pass {
             {resource::kOccluderRuns, Use::fill_target, {{}, runs_bytes}},
             {resource::kOccluderLarge, Use::fill_target, {{}, large_bytes}},
             {resource::kRuns, Use::fill_target, {{}, runs_bytes}},
-            {resource::kLarge, Use::fill_target, {{}, large_bytes}}};
+            {resource::kLarge, Use::fill_target, {{}, large_bytes}},
+            {resource::kDepthTiles, Use::fill_target, {{}, depth_tiles_bytes}}};
   }
   void record(const FrameContext& frame) const override {
-    const std::array<uint64_t, 5> bytes{visibility_bytes(frame.size()), kRunsHead, kLargeHead, kRunsHead,
-                                        kLargeHead};
+    const std::array<uint64_t, 6> bytes{
+        visibility_bytes(frame.size()), kRunsHead, kLargeHead, kRunsHead, kLargeHead,
+        depth_tiles_bytes(frame.size())};
     for (size_t i = 0; i < bytes.size(); ++i)
       vkCmdFillBuffer(frame.commands, frame.ports[i].buffer->handle(), 0, bytes[i], 0);
   }
@@ -166,14 +169,13 @@ class TriangleRunsPass : public ComputePass {
   }
 };
 
-// Ports 0 and 1: the picture and the list; 2: the depth tiles, if the pass tests them.
+// Ports: the picture, the list and the depth tiles.
 class LargePass : public ComputePass {
  public:
   using ComputePass::ComputePass;
   void record(const FrameContext& frame) const override {
     const Buffer& large = *frame.ports[1].buffer;
-    const std::array push{frame.ports[0].buffer->address(), large.address(),
-                          frame.ports.size() > 2 ? frame.ports[2].buffer->address() : 0};
+    const std::array push{frame.ports[0].buffer->address(), large.address(), frame.ports[2].buffer->address()};
     bind(frame, step_, bytes_of(push));
     dispatch_indirect(frame, large);
   }
@@ -183,7 +185,9 @@ class LargeOccludersPass : public LargePass {
  public:
   using LargePass::LargePass;
   std::vector<Port> ports() const override {
-    return {{resource::kVisibility, Use::storage_update}, {resource::kOccluderLarge, Use::indirect_read}};
+    return {{resource::kVisibility, Use::storage_update},
+            {resource::kOccluderLarge, Use::indirect_read},
+            {resource::kDepthTiles, Use::storage_update}};
   }
 };
 
@@ -193,7 +197,7 @@ class LargeTrianglesPass : public LargePass {
   std::vector<Port> ports() const override {
     return {{resource::kVisibility, Use::storage_update},
             {resource::kLarge, Use::indirect_read},
-            {resource::kDepthTiles, Use::storage_read}};
+            {resource::kDepthTiles, Use::storage_update}};
   }
 };
 
@@ -201,8 +205,7 @@ class VisibilityTilesPass : public ComputePass {
  public:
   using ComputePass::ComputePass;
   std::vector<Port> ports() const override {
-    const auto bytes = [](const Capacity& c) { return uint64_t{c.grid().tile_count()} * sizeof(float); };
-    return {{resource::kVisibility, Use::storage_read}, {resource::kDepthTiles, Use::storage_write, {{}, bytes}}};
+    return {{resource::kVisibility, Use::storage_read}, {resource::kDepthTiles, Use::storage_write}};
   }
   void record(const FrameContext& frame) const override {
     const std::array push{frame.ports[0].buffer->address(), frame.ports[1].buffer->address()};

@@ -173,6 +173,47 @@ void plot(Visibility visibility, uint marked, Corners corners, Plane plane, uvec
 // The most workgroups of an indirect dispatch; they share the work, whatever their number.
 const uint kMostGroups = 65535;
 
+// An edge of an outline. Edge values change by multiples of kSubpixels from pixel to pixel, so that their signs are those of
+// values divided by kSubpixels and rounded down, which these are.
+struct Edge {
+  int64_t at_corner;  // value at the centre of the picture's first pixel; inside where values are not negative
+  int dx, dy;         // to the next pixel
+};
+
+Edge edge_between(ivec2 from, ivec2 to) {
+  i64vec2 along = i64vec2(to) - i64vec2(from), off = i64vec2(kSubpixels / 2) - i64vec2(from);
+  int64_t above_or_left = along.y < 0l || (along.y == 0l && along.x >= 0l) ? 0l : -1l;
+  return Edge((along.x * off.y - along.y * off.x + above_or_left) >> 8, -int(along.y), int(along.x));
+}
+
+// What all tiles of a large triangle need.
+struct Prepared {
+  Edge edges[4];
+  Pixels bounds;
+  Plane plane;
+  uint is_long;  // 1 if values of an edge may not fit into 32 bits within a tile
+};
+const uint kMostPrepared = 16384;  // of a frame's list; workgroups prepare further triangles themselves
+const int kLongest = 1 << 23;      // grid points in either direction
+
+Prepared prepare(Corners corners, Outline o, Pixels bounds) {
+  Prepared t;
+  ivec2 low = min(min(o.at[0], o.at[1]), min(o.at[2], o.at[3]));
+  ivec2 high = max(max(o.at[0], o.at[1]), max(o.at[2], o.at[3]));
+  for (uint k = 0u; k < 4u; ++k) t.edges[k] = edge_between(o.at[k], o.at[(k + 1u) % 4u]);
+  t.bounds = bounds;
+  t.plane = plane_of(corners, o);
+  t.is_long = any(greaterThan(high - low, ivec2(kLongest))) ? 1u : 0u;
+  return t;
+}
+
+// `marked`: its number and marks.
+Prepared prepared_of(uint marked) {
+  Corners corners = corners_of(marked & kNumber);
+  Outline o = outline_of(corners, (marked & kDoubleSided) != 0u);
+  return prepare(corners, o, pixels_of(o));
+}
+
 // A triangle that workgroups draw tile by tile. LargeList::count has the number of triangles in the upper half, and
 // that of tiles in the lower.
 struct Large {
@@ -183,6 +224,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeList {
   uint groups, one, also_one;  // VkDispatchIndirectCommand
   uint reserved;
   uint64_t count;
+  Prepared prepared[kMostPrepared];  // of the first triangles
   Large at[];
 };
 

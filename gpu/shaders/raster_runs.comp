@@ -53,11 +53,12 @@ void draw_small(uint marked, Corners corners, Outline o, Pixels p) {
     }
 }
 
-void pass_on(uint marked, Pixels p) {
+void pass_on(uint marked, Corners corners, Outline o, Pixels p) {
   ivec2 tiles = tiles_of(p);
   uint more = uint(tiles.x * tiles.y);
   uvec2 before = unpackUint2x32(atomicAdd(push.large.count, packUint2x32(uvec2(more, 1u))));
   push.large.at[before.y] = Large(marked, before.x);
+  if (before.y < kMostPrepared) push.large.prepared[before.y] = prepare(corners, o, p);
   atomicMax(push.large.groups, min(before.x + more, kMostGroups));
   push.large.one = push.large.also_one = 1u;
 }
@@ -74,7 +75,7 @@ void draw(uint marked) {
   if (pixels.x * pixels.y <= kSmallPixels && all(lessThan(high - low, ivec2(kSmallSide * kSubpixels))))
     draw_small(marked, corners, o, p);
   else
-    pass_on(marked, p);
+    pass_on(marked, corners, o, p);
 }
 
 void main() {

@@ -185,5 +185,21 @@ TEST_F(Raster, LeavesNoHoleBetweenNeighbours) {
   }
 }
 
+// Some 30,000 triangles of 8x8 pixels: of lists that long, workgroups prepare the last themselves (shaders/raster.glsl).
+TEST_F(Raster, DrawsMoreLargeTrianglesThanArePreparedForIt) {
+  const auto scene = floor_of(130, 50.0f);
+  Drawn hardware(scene, "gbuffer_all"), compute(scene, "gbuffer_compute");
+  const CameraView camera = look_at({0.3f, 100, 0.2f}, {0.4f, 0, 0.6f}, 0.9f, 1100, 1100);
+  const Picture picture = compute.look(camera, 1100, 1100);
+  std::vector<uint32_t> shown;
+  for (const SurfaceSample& sample : picture.at) shown.push_back(sample.triangle);
+  std::sort(shown.begin(), shown.end());
+  EXPECT_GT(std::unique(shown.begin(), shown.end()) - shown.begin(), 25'000);
+  const Difference d = compare(hardware.look(camera, 1100, 1100), picture, camera);
+  EXPECT_EQ(d.surfaces, d.pixels);
+  EXPECT_EQ(d.unexplained, 0u);
+  EXPECT_LE(d.edges + d.ties, d.pixels / 100);
+}
+
 }  // namespace
 }  // namespace gnomon::test
