@@ -38,6 +38,8 @@ struct CodedTiles {
   }
 
  private:
+  template <class CodeWords>
+  void code_planes(const TileGrid& grid, TileRows rows, CodeWords code_words);
   void begin(size_t words);
   void add_uniform(size_t index, uint32_t count, bool lit);
   void add_mixed(size_t index, uint64_t word);

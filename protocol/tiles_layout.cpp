@@ -45,38 +45,37 @@ void CodedTiles::add_mixed(size_t index, uint64_t word) {
   used_ = static_cast<size_t>(end - bytes.data());
 }
 
+// Calls code_words(plane, first, end, index) for the words [first, end) of each plane, the first of which is coded as number
+// `index` of the band.
+template <class CodeWords>
+void CodedTiles::code_planes(const TileGrid& grid, TileRows rows, CodeWords code_words) {
+  const size_t of_plane = size_t{rows.count} * grid.tiles_x();
+  begin(of_plane * grid.planes);
+  for (uint32_t plane = 0; plane < grid.planes; ++plane) {
+    const size_t first = size_t{plane} * grid.tile_count() + size_t{rows.first} * grid.tiles_x();
+    code_words(plane, first, first + of_plane, plane * of_plane);
+  }
+  starts.back() = static_cast<uint32_t>(used_);
+}
+
 void CodedTiles::code(const TileMaskView& frame, const BandPlan& plan, size_t band) {
-  const auto [row, rows] = plan.rows(band);
-  const size_t of_plane = size_t{rows} * frame.grid.tiles_x();
-  begin(of_plane * frame.grid.planes);
-  size_t index = 0;
-  for (uint32_t plane = 0; plane < frame.grid.planes; ++plane) {
-    const size_t first = size_t{plane} * frame.grid.tile_count() + size_t{row} * frame.grid.tiles_x();
-    for (const uint64_t word : frame.words.subspan(first, of_plane)) {
+  code_planes(frame.grid, plan.rows(band), [&](uint32_t, size_t first, size_t end, size_t index) {
+    for (const uint64_t word : frame.words.subspan(first, end - first)) {
       const bool uniform = word + 1 <= 1;  // no bit is set, or all are
       uniform ? add_uniform(index, 1, word & 1) : add_mixed(index, word);
       ++index;
     }
-  }
-  starts[index] = static_cast<uint32_t>(used_);
+  });
 }
 
 void CodedTiles::code(const PackedMaskView& frame, const BandPlan& plan, size_t band) {
-  const auto [row, rows] = plan.rows(band);
-  const size_t of_plane = size_t{rows} * frame.grid.tiles_x();
-  begin(of_plane * frame.grid.planes);
-  size_t index = 0;
-  for (uint32_t plane = 0; plane < frame.grid.planes; ++plane) {
-    const size_t first = size_t{plane} * frame.grid.tile_count() + size_t{row} * frame.grid.tiles_x();
+  const TileRows rows = plan.rows(band);
+  code_planes(frame.grid, rows, [&](uint32_t plane, size_t first, size_t end, size_t index) {
     for_words_between(
-        frame, first, first + of_plane, plan.mixed_before(plane, row),
-        [&](size_t, uint32_t count, bool lit) {
-          add_uniform(index, count, lit);
-          index += count;
-        },
-        [&](size_t, uint64_t word) { add_mixed(index++, word); });
-  }
-  starts[index] = static_cast<uint32_t>(used_);
+        frame, first, end, plan.mixed_before(plane, rows.first),
+        [&](size_t word, uint32_t count, bool lit) { add_uniform(index + word - first, count, lit); },
+        [&](size_t word, uint64_t bits) { add_mixed(index + word - first, bits); });
+  });
 }
 
 bool pack_tiles(const CodedTiles& coded, const TileGrid& grid, const SliceRange& range,
