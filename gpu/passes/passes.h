@@ -12,14 +12,16 @@
 //   gbuffer_all  the same result as gbuffer, bit for bit, by drawing everything: for comparison
 //   gbuffer_compute  the same result as gbuffer except at edges, without the graphics pipeline, in these steps
 //             (shaders/raster.glsl):
-//     clear        -> visibility (64 bits a pixel: depth, triangle), occluder_runs, occluder_large, runs, large
+//     clear        -> visibility (64 bits a pixel: depth, triangle), and all lists, empty
 //     cull         -> occluder_runs: clusters of the large triangles that may show
 //     occluders    occluder_runs -> visibility, occluder_large (what is too large for one invocation)
-//     occluders_large  occluder_large -> visibility
+//     occluders_large  occluder_large -> occluder_blocks (of the triangles that are divided), visibility (the others)
+//     occluder_blocks  occluder_blocks -> visibility
 //     depth_tiles  visibility -> depth_tiles
 //     cull_hidden  depth_tiles -> runs: clusters of all others that may show
 //     triangles    runs -> visibility, large; also the moving triangles
-//     large        large -> visibility
+//     large        large -> blocks, visibility
+//     blocks       blocks -> visibility
 //     resolve      visibility -> triangle_id
 //   trace     triangle_id -> masks (tile words, see common/tile_mask.h), valid_bits (words of the same layout: 1 where
 //             the pair of pixel and light was traced, see exact.glsl; elsewhere the bit of the mask is 0, whatever
@@ -77,8 +79,10 @@ inline constexpr std::string_view kDrawn = "drawn";
 inline constexpr std::string_view kVisibility = "visibility";
 inline constexpr std::string_view kOccluderRuns = "occluder_runs";
 inline constexpr std::string_view kOccluderLarge = "occluder_large";
+inline constexpr std::string_view kOccluderBlocks = "occluder_blocks";
 inline constexpr std::string_view kRuns = "runs";
 inline constexpr std::string_view kLarge = "large";
+inline constexpr std::string_view kBlocks = "blocks";
 inline constexpr std::string_view kHostOccluderDraws = "host_occluder_draws";
 inline constexpr std::string_view kHostDraws = "host_draws";
 inline constexpr std::string_view kMasks = "masks";
@@ -141,9 +145,11 @@ Result<std::unique_ptr<Pass>> make_cull_runs_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_cull_hidden_runs_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_occluder_runs_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_large_occluders_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_occluder_blocks_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_visibility_tiles_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_triangle_runs_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_large_triangles_pass(const DevicePtr& device);
+Result<std::unique_ptr<Pass>> make_blocks_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_resolve_pass(const DevicePtr& device);
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion);
 Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device);

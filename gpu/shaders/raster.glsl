@@ -32,7 +32,6 @@ bool is_in_picture(uvec2 pixel) { return pixel.x < frame.width && pixel.y < fram
 const int kSubpixels = 256;
 // Grid points. Corners are clamped to this distance, so that edge values fit into 64 bits.
 const float kFarthest = 536870912.0;
-const uint kTileSide = 64;  // pixels of the tiles that large triangles are cut into: 8x8 blocks of 8x8
 
 // Marks beside the triangle's number, in lists of triangles.
 const uint kDoubleSided = 0x80000000u;
@@ -159,10 +158,12 @@ bool solid_at(uint triangle, Corners corners, uvec2 pixel) {
   return passes_alpha_test(triangle, uv_at(triangle, weights / (weights.x + weights.y + weights.z)));
 }
 
+uint64_t value_of(uint triangle, float depth) { return packUint2x32(uvec2(~triangle, floatBitsToUint(depth))); }
+
 // Writes a pixel of a triangle. `marked`: its number and marks.
 void plot(Visibility visibility, uint marked, Corners corners, Plane plane, uvec2 pixel) {
   uint triangle = marked & kNumber;
-  uint64_t value = packUint2x32(uvec2(~triangle, floatBitsToUint(depth_at(plane, vec2(pixel)))));
+  uint64_t value = value_of(triangle, depth_at(plane, vec2(pixel)));
   uint place = place_of(pixel);
   // The value that is read may be outdated, but values only grow: no triangle is lost, and most writes are avoided.
   if (visibility.at[place] >= value) return;
@@ -186,49 +187,67 @@ Edge edge_between(ivec2 from, ivec2 to) {
   return Edge((along.x * off.y - along.y * off.x + above_or_left) >> 8, -int(along.y), int(along.x));
 }
 
-// What all tiles of a large triangle need.
+// What all parts of a large triangle need.
 struct Prepared {
   Edge edges[4];
   Pixels bounds;
   Plane plane;
-  uint is_long;  // 1 if values of an edge may not fit into 32 bits within a tile
+  uint triangle;  // marked
 };
-const uint kMostPrepared = 16384;  // of a frame's list; workgroups prepare further triangles themselves
-const int kLongest = 1 << 23;      // grid points in either direction
 
-Prepared prepare(Corners corners, Outline o, Pixels bounds) {
+Prepared prepared_of(uint marked, Corners corners, Outline o, Pixels bounds) {
   Prepared t;
-  ivec2 low = min(min(o.at[0], o.at[1]), min(o.at[2], o.at[3]));
-  ivec2 high = max(max(o.at[0], o.at[1]), max(o.at[2], o.at[3]));
   for (uint k = 0u; k < 4u; ++k) t.edges[k] = edge_between(o.at[k], o.at[(k + 1u) % 4u]);
   t.bounds = bounds;
   t.plane = plane_of(corners, o);
-  t.is_long = any(greaterThan(high - low, ivec2(kLongest))) ? 1u : 0u;
+  t.triangle = marked;
   return t;
 }
 
-// `marked`: its number and marks.
-Prepared prepared_of(uint marked) {
-  Corners corners = corners_of(marked & kNumber);
-  Outline o = outline_of(corners, (marked & kDoubleSided) != 0u);
-  return prepare(corners, o, pixels_of(o));
+// An edge's values at the pixels of an 8x8 block, from the block's first pixel on: they fit into 32 bits if the outline's
+// bounding rectangle is at most kLongest wide and high. Farther from the edge they are clamped, which keeps their signs.
+struct BlockEdge {
+  int at_corner, dx, dy;
+};
+const int kLongest = 1 << 26;                  // grid points
+const int64_t kFarOutside = int64_t(1) << 30;  // more than such an edge changes within a block
+
+BlockEdge in_block(Edge e, ivec2 corner) {
+  int64_t at_corner = e.at_corner + int64_t(e.dx) * corner.x + int64_t(e.dy) * corner.y;
+  return BlockEdge(int(clamp(at_corner, -kFarOutside, kFarOutside)), e.dx, e.dy);
 }
 
-// A triangle that workgroups draw tile by tile. LargeList::count has the number of triangles in the upper half, and
-// that of tiles in the lower.
-struct Large {
-  uint triangle;  // marked
-  uint first_tile;
-};
+int value_at(BlockEdge e, ivec2 offset) { return e.at_corner + e.dx * offset.x + e.dy * offset.y; }
+
+// Lists of what is too large for one invocation of raster_runs.comp. Most such triangles are divided into 8x8 blocks by
+// divide_large.comp; raster_large.comp draws the others whole.
+const uint kMostDivided = 32768;  // triangles of a list
+const uint kStripes = 16;         // workgroups of raster_large.comp for a triangle
+const int kBlocksOfCount = 40;    // bits: LargeList::divided counts triangles in those above
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeList {
-  uint groups, one, also_one;  // VkDispatchIndirectCommand
+  uint groups, one, also_one;  // VkDispatchIndirectCommand of raster_large.comp
+  uint count;                  // of triangles that are drawn whole
+  uint dividing_groups, dividing_one, dividing_also_one;  // VkDispatchIndirectCommand of divide_large.comp
   uint reserved;
-  uint64_t count;
-  Prepared prepared[kMostPrepared];  // of the first triangles
-  Large at[];
+  // The numbers of divided triangles and of the blocks of their bounding rectangles. Triangles that find no room are not
+  // divided: from the first one on none does, and `~refused`, if that is not 0, has the numbers before it.
+  uint64_t divided, refused;
+  Prepared prepared[kMostDivided];
+  uint first_block[kMostDivided];  // of each divided triangle, counted through the list
+  uint at[];                       // triangles that are drawn whole, marked
 };
 
-ivec2 tiles_of(Pixels p) { return p.last / int(kTileSide) - p.first / int(kTileSide) + 1; }
+// Blocks that divided triangles may show in: the number of the picture's 8x8 tile, and above it the triangle's place in
+// its list.
+const int kPlaceBits = 17;
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer BlockList {
+  uint groups, one, also_one;  // VkDispatchIndirectCommand of raster_blocks.comp
+  uint count;
+  uint at[];
+};
+const uint kBlocksOfGroup = 8;  // of a workgroup of raster_blocks.comp
+
+ivec2 blocks_of(Pixels p) { return p.last / 8 - p.first / 8 + 1; }
 
 // A run of at most 64 triangles, which a workgroup draws together.
 struct Run {

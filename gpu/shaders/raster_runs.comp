@@ -1,8 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 // Draws runs of triangles, one triangle for each invocation: small ones are drawn pixel by pixel, the others are listed
-// for raster_large.comp.
+// for divide_large.comp and raster_large.comp.
 layout(local_size_x = 64) in;
 
 #include "raster.glsl"
@@ -16,6 +18,7 @@ layout(push_constant, scalar) uniform Push {
   uint first;
   uint count;
   uint marks;
+  uint most_blocks;  // of divided triangles; 0: divide none, as a list's counts may not hold them
 } push;
 
 const int kSmallSide = 64;    // pixels: edges then fit into 32 bits
@@ -53,13 +56,37 @@ void draw_small(uint marked, Corners corners, Outline o, Pixels p) {
     }
 }
 
-void pass_on(uint marked, Corners corners, Outline o, Pixels p) {
-  ivec2 tiles = tiles_of(p);
-  uint more = uint(tiles.x * tiles.y);
-  uvec2 before = unpackUint2x32(atomicAdd(push.large.count, packUint2x32(uvec2(more, 1u))));
-  push.large.at[before.y] = Large(marked, before.x);
-  if (before.y < kMostPrepared) push.large.prepared[before.y] = prepare(corners, o, p);
-  atomicMax(push.large.groups, min(before.x + more, kMostGroups));
+// Numbers in the upper bits and blocks in the lower ones, as LargeList::divided counts them, are given out to all
+// invocations of a subgroup that come here by one atomic: those of one address wait for each other. False if the list has
+// no room.
+bool divide(uint marked, Corners corners, Outline o, Pixels p) {
+  if (push.most_blocks == 0u) return false;
+  ivec2 blocks = blocks_of(p);
+  uint more = uint(blocks.x * blocks.y), more_before = subgroupExclusiveAdd(more), one_before = subgroupExclusiveAdd(1u);
+  uint64_t all = (uint64_t(subgroupAdd(1u)) << kBlocksOfCount) + uint64_t(subgroupAdd(more));
+  uvec2 given = uvec2(0u);
+  if (subgroupElect()) {
+    given = unpackUint2x32(atomicAdd(push.large.divided, all));
+    uint64_t end = (packUint2x32(given) + all) & ((uint64_t(1) << kBlocksOfCount) - 1ul);
+    atomicMax(push.large.dividing_groups, uint(min((end + 255ul) / 256ul, uint64_t(kMostGroups))));
+    push.large.dividing_one = push.large.dividing_also_one = 1u;
+  }
+  uint64_t before = packUint2x32(subgroupBroadcastFirst(given)) + (uint64_t(one_before) << kBlocksOfCount) +
+                    uint64_t(more_before);
+  uint64_t first_block = before & ((uint64_t(1) << kBlocksOfCount) - 1ul), number = before >> kBlocksOfCount;
+  if (first_block + uint64_t(more) > uint64_t(push.most_blocks) || number >= uint64_t(kMostDivided)) {
+    atomicMax(push.large.refused, ~before);
+    return false;
+  }
+  push.large.first_block[uint(number)] = uint(first_block);
+  push.large.prepared[uint(number)] = prepared_of(marked, corners, o, p);
+  return true;
+}
+
+void list_whole(uint marked) {
+  uint place = atomicAdd(push.large.count, 1u);
+  push.large.at[place] = marked;
+  atomicMax(push.large.groups, min((place + 1u) * kStripes, kMostGroups));
   push.large.one = push.large.also_one = 1u;
 }
 
@@ -74,8 +101,8 @@ void draw(uint marked) {
   ivec2 high = max(max(o.at[0], o.at[1]), max(o.at[2], o.at[3]));
   if (pixels.x * pixels.y <= kSmallPixels && all(lessThan(high - low, ivec2(kSmallSide * kSubpixels))))
     draw_small(marked, corners, o, p);
-  else
-    pass_on(marked, corners, o, p);
+  else if (any(greaterThan(high - low, ivec2(kLongest))) || !divide(marked, corners, o, p))
+    list_whole(marked);
 }
 
 void main() {

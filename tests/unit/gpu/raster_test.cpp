@@ -185,17 +185,26 @@ TEST_F(Raster, LeavesNoHoleBetweenNeighbours) {
   }
 }
 
-// Some 30,000 triangles of 8x8 pixels: of lists that long, workgroups prepare the last themselves (shaders/raster.glsl).
-TEST_F(Raster, DrawsMoreLargeTrianglesThanArePreparedForIt) {
-  const auto scene = floor_of(130, 50.0f);
+// Of such a picture no triangle is divided (gpu/passes/gbuffer_compute.cpp, kMostTiles).
+TEST_F(Raster, LeavesNoHoleInAPictureOfMoreTilesThanItDivides) {
+  constexpr uint32_t kWidth = 4096, kHeight = 2200;
+  Drawn drawn(floor_of(13, 50.0f), "gbuffer_compute");
+  const Picture picture =
+      drawn.look(look_at({0.3f, 3, 0.2f}, {1, 0, 1.5f}, 0.9f, kWidth, kHeight), kWidth, kHeight);
+  EXPECT_EQ(std::count_if(picture.at.begin(), picture.at.end(), [](const auto& s) { return s.triangle == 0; }), 0);
+}
+
+// Some 45,000 triangles of 9x9 pixels: of lists that long, the last are drawn whole (shaders/raster.glsl, kMostDivided).
+TEST_F(Raster, DrawsMoreLargeTrianglesThanItDivides) {
+  const auto scene = floor_of(150, 50.0f);
   Drawn hardware(scene, "gbuffer_all"), compute(scene, "gbuffer_compute");
-  const CameraView camera = look_at({0.3f, 100, 0.2f}, {0.4f, 0, 0.6f}, 0.9f, 1100, 1100);
-  const Picture picture = compute.look(camera, 1100, 1100);
+  const CameraView camera = look_at({0.3f, 100, 0.2f}, {0.4f, 0, 0.6f}, 0.9f, 1400, 1400);
+  const Picture picture = compute.look(camera, 1400, 1400);
   std::vector<uint32_t> shown;
   for (const SurfaceSample& sample : picture.at) shown.push_back(sample.triangle);
   std::sort(shown.begin(), shown.end());
-  EXPECT_GT(std::unique(shown.begin(), shown.end()) - shown.begin(), 25'000);
-  const Difference d = compare(hardware.look(camera, 1100, 1100), picture, camera);
+  EXPECT_GT(std::unique(shown.begin(), shown.end()) - shown.begin(), 40'000);
+  const Difference d = compare(hardware.look(camera, 1400, 1400), picture, camera);
   EXPECT_EQ(d.surfaces, d.pixels);
   EXPECT_EQ(d.unexplained, 0u);
   EXPECT_LE(d.edges + d.ties, d.pixels / 100);
