@@ -146,7 +146,8 @@ FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker)
       ready(std::move(scene));
       return id;
     }
-    requests_.push(asker, {id, name, counted(name, std::move(ready)), asker});
+    Ready answer = counted(name, std::move(ready));
+    requests_.push(asker, {id, name, std::move(answer), asker});
   }
   changed_.notify_all();
   return id;

@@ -65,7 +65,7 @@ DatagramOutcome Session::receive(std::span<const uint8_t> datagram, const asio::
   if (!is_sound(received)) return received;
   path_.received(from, datagram.size(), newest, streams, now);
   if (streams && newest && path_.current() == from) way_ = Way::datagrams;
-  return release(std::move(received), now);
+  return release(received, now);
 }
 
 DatagramOutcome Session::receive(const protocol::Data& data, TimePoint now, Way way) {

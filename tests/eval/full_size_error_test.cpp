@@ -134,7 +134,8 @@ void count(const Look& fresh, const std::vector<uint64_t>& predicted, const gpu:
 class FullSizeError : public testing::TestWithParam<std::pair<const char*, double>> {};
 
 TEST_P(FullSizeError, FourFramesAheadIsAtMostTwoPercentOfEachLight) {
-  const auto [name, fps] = GetParam();
+  const char* name = GetParam().first;
+  const double fps = GetParam().second;
   const auto scene = bench::open_scene(name).value();
   Eye eye(scene);
   auto reprojection = gpu::Reprojection::create(eye.frame()).value();

@@ -44,12 +44,14 @@ Model rug(const Palette& palette) {
     append(model.in(wool), part);
   }
   for (const float side : {-1.0f, 1.0f}) {
-    for (float z = -0.5f * kRugZ + 0.02f; z < 0.5f * kRugZ; z += 0.045f) {
+    float z = -0.5f * kRugZ + 0.02f;
+    while (z < 0.5f * kRugZ) {
       const float x = side * 0.5f * kRugX, bend = random.range(-0.02f, 0.02f);
       append(model.in(palette.rug_field), tube({{x - side * 0.02f, 0.012f, z},
                                                 {x + side * 0.03f, 0.010f, z + 0.3f * bend},
                                                 {x + side * 0.09f, 0.005f, z + bend}},
                                                0.005f, 5));
+      z += 0.045f;
     }
   }
   return model;

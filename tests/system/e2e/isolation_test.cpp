@@ -74,7 +74,7 @@ class Stranger {
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address);
+    static_cast<void>(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address));
   }
   ~Stranger() { close(socket_); }
   Stranger(const Stranger&) = delete;

@@ -24,9 +24,10 @@ class TcpAccessTest : public testing::Test {
     return {.address = "192.0.2.9:40000", .network = "192.0.2.9", .reached = {"192.0.2.1", 7601, true}};
   }
   static HttpRequest get(const std::string& path, Caller caller = local()) {
+    const std::string host = caller.reached.address + ":7601";
     return {.changes = false,
             .path = path,
-            .host = caller.reached.address + ":7601",
+            .host = host,
             .origin = {},
             .content_type = {},
             .authorization = {},
