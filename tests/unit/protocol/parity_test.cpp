@@ -99,6 +99,7 @@ TEST(Parity, HeadersComeBackAndWrongOnesDoNot) {
   };
   EXPECT_TRUE(refused({FrameId{7}, 100, 0, 0, 0, 0})) << "no groups";
   EXPECT_TRUE(refused({FrameId{7}, 100, 4, 4, 0, 0})) << "beyond the groups";
+  EXPECT_TRUE(refused({FrameId{7}, 3, 4, 3, 0, 0})) << "the first group without slices";
   EXPECT_TRUE(refused({FrameId{7}, 2, 4, 3, 0, 0})) << "a group without slices";
   EXPECT_FALSE(refused({FrameId{7}, kMaxGroupSlices, 1, 0, 0, 0})) << "one group, the largest";
   EXPECT_TRUE(refused({FrameId{7}, kMaxGroupSlices + 1, 1, 0, 0, 0})) << "a group too large";
