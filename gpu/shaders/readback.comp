@@ -1,9 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "pack.glsl"
 
 // Writes the classes, and the mixed words without gaps, directly to host memory, so that only as many bytes as needed
-// cross the bus.
+// cross the bus. A workgroup writes the words of as many groups as it has invocations: each of these looks up the places
+// of one group, and then writes every INVOCATIONS-th word, so that neighbours in memory are neighbours in a subgroup.
 layout(push_constant, scalar) uniform Push {
   TileWords masks;
   TileWords valid_bits;
@@ -51,28 +53,37 @@ uvec2 filled(uvec2 lit, uvec2 care) {
 }
 
 shared uint mixed_before;  // mixed words of all workgroups before
+// Of the workgroup's groups: the classes of their words, and the mixed words of groups before.
+shared uint classes_of_group[INVOCATIONS], place_of_group[INVOCATIONS];
+
+// Bit 2i is set if the group's word i is mixed.
+uint mixed_words(uint classes) { return (classes >> 1) & ~classes & 0x55555555u; }
 
 void main() {
-  uint group = gl_GlobalInvocationID.x, first = group * kClassesInWord;
-  uint groups = groups_of(push.words);
-  if (gl_LocalInvocationIndex == 0u) mixed_before = 0u;
+  uint i = gl_LocalInvocationIndex, group = gl_GlobalInvocationID.x, groups = groups_of(push.words);
+  if (i == 0u) mixed_before = 0u;
+  classes_of_group[i] = 0u;
+  if (group < groups) {
+    classes_of_group[i] = push.classes.at[group];
+    place_of_group[i] = push.mixed_places.at[group];
+    push.host_classes.at[group] = classes_of_group[i];
+  }
   barrier();
   uint sum = 0u;
-  for (uint w = gl_LocalInvocationIndex; w < gl_WorkGroupID.x; w += INVOCATIONS) sum += push.mixed_places.at[groups + w];
+  for (uint w = i; w < gl_WorkGroupID.x; w += INVOCATIONS) sum += push.mixed_places.at[groups + w];
   if (sum != 0u) atomicAdd(mixed_before, sum);
   barrier();
   bool is_last_workgroup = gl_WorkGroupID.x == gl_NumWorkGroups.x - 1u;
-  if (is_last_workgroup && gl_LocalInvocationIndex == 0u)
+  if (is_last_workgroup && i == 0u)
     push.host_mixed_count.at[0] =
         push.words > 0u ? mixed_before + push.mixed_places.at[groups + gl_WorkGroupID.x] : 0u;
-  if (first >= push.words) return;
-  uint classes = push.classes.at[group];
-  push.host_classes.at[group] = classes;
-  uint place = mixed_before + push.mixed_places.at[group];
-  // In `mixed`, bit 2i is set if word i is mixed (class 2).
-  for (uint mixed = (classes >> 1) & ~classes & 0x55555555u; mixed != 0u; mixed &= mixed - 1u) {
-    uint word = first + uint(findLSB(mixed)) / 2u;
-    push.host_mixed.at[place] = filled(push.masks.at[word], push.valid_bits.at[word]);
-    ++place;
+  uint first = gl_WorkGroupID.x * INVOCATIONS * kClassesInWord;
+  uint bit = 1u << (2u * (i % kClassesInWord));
+  [[unroll]] for (uint k = 0u; k < kClassesInWord; ++k) {
+    uint w = k * INVOCATIONS + i;
+    uint mixed = mixed_words(classes_of_group[w / kClassesInWord]);
+    if ((mixed & bit) == 0u) continue;
+    uint place = mixed_before + place_of_group[w / kClassesInWord] + uint(bitCount(mixed & (bit - 1u)));
+    push.host_mixed.at[place] = filled(push.masks.at[first + w], push.valid_bits.at[first + w]);
   }
 }
