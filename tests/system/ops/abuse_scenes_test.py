@@ -13,7 +13,7 @@ import unittest
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
 import bombs
-from node import Node, eventually
+from node import Node, eventually, unsanitized
 
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 LIMIT_MB = 600
@@ -61,6 +61,7 @@ class Bombs(unittest.TestCase):
         finally:
             honest.kill()
 
+    @unsanitized(BUILD, "takes memory of its own")
     def test_memory_stays_within_its_account(self):
         for file in self.files:
             ask(self.node, "arcade", file)
@@ -77,6 +78,7 @@ class Bombs(unittest.TestCase):
         self.assertEqual(ask(self.node, "arcade", file), first)
         self.assertLess(self.node.cpu_seconds() - cpu, 5)
 
+    @unsanitized(BUILD, "needs the worker unconfined")
     def test_a_link_leads_to_no_other_folder(self):
         with tempfile.TemporaryDirectory() as elsewhere:
             target = pathlib.Path(elsewhere, "scene.glb")
@@ -88,6 +90,7 @@ class Bombs(unittest.TestCase):
                 self.assertRegex(ask(other, "arcade", "linked.glb"), "refused")
 
 
+@unsanitized(BUILD, "maps terabytes of addresses")
 class LittleMemory(unittest.TestCase):
     def test_a_scene_that_finds_no_memory_is_refused_and_nothing_dies(self):
         scenes = {"list": [{"name": "living_room", "file": "living_room.glb"}], "allow_files": ["bombs"],

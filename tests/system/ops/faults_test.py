@@ -12,7 +12,7 @@ import sys
 import time
 import unittest
 
-from node import Node, eventually
+from node import PATIENCE_S, Node, eventually, is_sanitized
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("build")
@@ -20,6 +20,7 @@ parser.add_argument("--kills", type=int, default=2)
 parser.add_argument("--reloads", type=int, default=20)
 OPTIONS, sys.argv[1:] = parser.parse_known_args()
 BUILD = OPTIONS.build
+LIGHT_BUFFERS_S = PATIENCE_S * (5 if is_sanitized(BUILD) else 1)
 FRAMES = "gnomon_visibility_buffers_total"
 figures = []  # (fault, seconds to the first frame after it)
 
@@ -188,12 +189,14 @@ class Faults(unittest.TestCase):
         figures.append(("start with a full disk below the cache, nothing cached", time.monotonic() - since))
         # The daemon serves while the light buffers are built, so the first refused write may come after the first frame.
         refused = re.compile(r"warning .*cache|cache.*(refused|writing)")
-        eventually(lambda: refused.search(node.log_text()), "the refused cache in the log")
+        eventually(lambda: refused.search(node.log_text()), "the refused cache in the log",
+                   patience=LIGHT_BUFFERS_S)
         self.assertEqual([file for file in node.cache.rglob("*") if file.is_file() and file.stat().st_size], [])
         self.assertEqual(node.stop(), 0)
         node.withdraw("disk_full")
         node.start()
-        eventually(lambda: list(node.cache.glob("*.lightbuffer")), "the cache, written with room again")
+        eventually(lambda: list(node.cache.glob("*.lightbuffer")), "the cache, written with room again",
+                   patience=LIGHT_BUFFERS_S)
 
     def test_no_memory_now_and_then(self):
         """Allocations of the daemon fail: large ones often, smaller ones now and then. It costs events, never the

@@ -9,7 +9,7 @@ import sys
 import time
 import unittest
 
-from node import Node, eventually
+from node import Node, eventually, is_sanitized
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("build")
@@ -199,7 +199,8 @@ class ManyClients(unittest.TestCase):
         self.assertEqual(node.metric("gnomon_sessions"), idle)
         self.assertGreater(received, idle, "they are there")
         self.assertLess(share, 0.5)
-        self.assertLess(each, 500e3)
+        if not is_sanitized(node.build):  # a sanitizer keeps what is freed, and surrounds what is not
+            self.assertLess(each, 500e3)
         self.assertGreater(self.load(2, seconds=0.5).rows()[-1]["frames"], 0, "and others are served")
         load.process.send_signal(signal.SIGINT)
         rows = load.rows()

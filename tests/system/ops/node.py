@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unittest
 import urllib.error
 import urllib.request
 
@@ -32,6 +33,16 @@ def eventually(condition, what, patience=PATIENCE_S):
         if time.monotonic() > deadline:
             raise AssertionError("never: " + what)
         time.sleep(0.02)
+
+
+def is_sanitized(build):
+    cache = pathlib.Path(build, "CMakeCache.txt").read_text()
+    return re.search(r"^GNOMON_SANITIZE:\w+=.+$", cache, re.M) is not None
+
+
+def unsanitized(build, why):
+    """Skips a test, or a class of them, in builds with a sanitizer."""
+    return unittest.skipIf(is_sanitized(build), "a sanitizer " + why)
 
 
 class Node:
@@ -75,8 +86,9 @@ class Node:
         environment = dict(self.environment)
         if preload:
             environment["LD_PRELOAD"] = str(preload)
-            # A build with that sanitizer otherwise refuses to start behind another library.
-            environment["ASAN_OPTIONS"] = ":".join([environment.get("ASAN_OPTIONS", ""), "verify_asan_link_order=0"])
+            # A build with that sanitizer otherwise refuses to start behind another library, whose `new` is our malloc.
+            environment["ASAN_OPTIONS"] = ":".join([environment.get("ASAN_OPTIONS", ""), "verify_asan_link_order=0",
+                                                    "alloc_dealloc_mismatch=0"])
         self.log = open(self.log_file, "w")
         command = [*wrapper, self.bin / "gnomond", "--config", self.write_config()]
         self.process = subprocess.Popen([str(part) for part in command], stdout=self.log, stderr=subprocess.STDOUT,
