@@ -1,11 +1,9 @@
 #include "daemon/scenes/scene_packs.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <utility>
 
 #include "common/brotli.h"
+#include "common/niceness.h"
 #include "common/within_memory.h"
 #include "daemon/security/digests.h"
 #include "daemon/security/tokens.h"
@@ -57,7 +55,7 @@ void ScenePacks::get(const std::string& name, SceneForUse scene, Ready ready) {
 }
 
 void ScenePacks::serve() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  be_nicer(kNice);
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return ending_ || !wanted_.empty(); });

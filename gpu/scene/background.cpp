@@ -1,12 +1,10 @@
 #include "gpu/scene/background.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <utility>
 #include <vector>
 
 #include "common/freed_memory.h"
+#include "common/niceness.h"
 
 namespace gnomon::gpu {
 
@@ -21,8 +19,7 @@ void Background::run(std::function<Finish()> work, std::function<void()> wake) {
 }
 
 void Background::serve() {
-  // On Linux each thread has a niceness of its own, which threads that it starts inherit.
-  if (niceness_ != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness_);
+  if (niceness_ != 0) be_nicer(niceness_);
   std::vector<Job> batch;
   for (jobs_.take(batch); !batch.empty(); jobs_.take(batch)) {
     for (Job& job : batch) {

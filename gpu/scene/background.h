@@ -12,7 +12,7 @@ class Background {
  public:
   using Finish = std::function<void()>;
 
-  // `niceness`: of the thread and of those that the work starts, in the units of nice(2); 0: that of the process.
+  // `niceness`: by how much the thread and those that the work starts are nicer than the process (nice(2)).
   explicit Background(int niceness = 0) : niceness_(niceness) {}
   ~Background();  // waits for the job in progress; other jobs, and results that were not finished, are dropped
 
