@@ -86,10 +86,10 @@ int32_t floor_within(double value, int32_t low, int32_t high) {
 LeafEntries::LeafEntries(const Face& face, uint32_t level, uint32_t i, uint32_t j)
     : face_(face),
       square_(face.square(level, i, j)),
-      corner_(face.low_u + i * std::ldexp(face.size, -static_cast<int>(level)),
-              face.low_v + j * std::ldexp(face.size, -static_cast<int>(level))),
-      scale_(std::ldexp(256.0 / face.size, static_cast<int>(level))) {
-  const double unit = std::ldexp(1.0, static_cast<int>(level) - 8);
+      corner_(face.low_u + i * face.size * power_of_two(-static_cast<int>(level)),
+              face.low_v + j * face.size * power_of_two(-static_cast<int>(level))),
+      scale_(256.0 / face.size * power_of_two(static_cast<int>(level))) {
+  const double unit = power_of_two(static_cast<int>(level) - 8);
   unit_ = std::max(static_cast<int32_t>(unit), 1);
   pad_ = 0.5 * unit;
   rounding_ = std::max(unit, 1.0) + pad_;

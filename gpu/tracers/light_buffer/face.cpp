@@ -61,7 +61,7 @@ LightFaces directional_face(const exact::TracedLight& light, const scenes::Bound
   face.size = 1.05 * diameter;
   face.low_u = glm::dot(face.u_axis, center - result.reference) - 0.5 * face.size;
   face.low_v = glm::dot(face.v_axis, center - result.reference) - 0.5 * face.size;
-  const double scale = std::ldexp(1.0, kIndexBits) / face.size;
+  const double scale = power_of_two(kIndexBits) / face.size;
   result.view.u_axis = glm::vec3(face.u_axis * scale);
   result.view.v_axis = glm::vec3(face.v_axis * scale);
   result.view.u_offset = static_cast<float>(-face.low_u * scale);
@@ -76,8 +76,8 @@ LightFaces directional_face(const exact::TracedLight& light, const scenes::Bound
 }  // namespace
 
 Rect Face::square(uint32_t level, uint32_t i, uint32_t j) const {
-  const double pitch = size * std::ldexp(1.0, -static_cast<int>(level));
-  const double pad = size * kPadding * std::ldexp(1.0, -static_cast<int>(kIndexBits));
+  const double pitch = size * power_of_two(-static_cast<int>(level));
+  const double pad = size * kPadding * power_of_two(-static_cast<int>(kIndexBits));
   return {low_u + i * pitch - pad, low_v + j * pitch - pad, low_u + (i + 1) * pitch + pad,
           low_v + (j + 1) * pitch + pad};
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -17,6 +19,11 @@ namespace gnomon::gpu::light_buffer {
 using Linear = glm::dvec3;
 
 inline double at(const Linear& f, double u, double v) { return f.x * u + f.y * v + f.z; }
+
+// 2^exponent, exactly, which std::ldexp takes far longer for.
+constexpr double power_of_two(int exponent) {
+  return std::bit_cast<double>(static_cast<uint64_t>(1023 + exponent) << 52);
+}
 
 struct Rect {
   double u0, v0, u1, v1;

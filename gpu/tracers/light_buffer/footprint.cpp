@@ -68,8 +68,7 @@ std::optional<Footprint> footprint(const Face& face, double diameter, const Corn
   return f;
 }
 
-bool meets(const Footprint& f, const Rect& rect) {
-  if (f.box.u0 > rect.u1 || f.box.u1 < rect.u0 || f.box.v0 > rect.v1 || f.box.v1 < rect.v0) return false;
+bool edges_meet(const Footprint& f, const Rect& rect) {
   const double u = 0.5 * (rect.u0 + rect.u1), v = 0.5 * (rect.v0 + rect.v1);
   const double half_u = 0.5 * (rect.u1 - rect.u0), half_v = 0.5 * (rect.v1 - rect.v0);
   bool upright = true, turned = !f.regular;
@@ -82,8 +81,7 @@ bool meets(const Footprint& f, const Rect& rect) {
   return upright || turned;
 }
 
-bool covers(const Footprint& f, const Rect& rect) {
-  if (!f.can_cover) return false;
+bool edges_cover(const Footprint& f, const Rect& rect) {
   const double u = 0.5 * (rect.u0 + rect.u1), v = 0.5 * (rect.v0 + rect.v1);
   const double half_u = 0.5 * (rect.u1 - rect.u0), half_v = 0.5 * (rect.v1 - rect.v0);
   for (size_t i = 0; i < 3; ++i) {

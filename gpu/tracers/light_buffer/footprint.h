@@ -92,11 +92,22 @@ std::optional<Footprint> footprint(const Face& face, double diameter, const std:
 std::optional<Footprint> area_footprint(const Face& face, double diameter, double radius,
                                         const std::array<glm::dvec3, 3>& corners);
 
-// Whether a segment through the rectangle may be found to hit the triangle.
-bool meets(const Footprint& f, const Rect& rect);
+// As meets and covers, where the boxes allow it.
+bool edges_meet(const Footprint& f, const Rect& rect);
+bool edges_cover(const Footprint& f, const Rect& rect);
 
-// Whether every segment through the rectangle, to a point behind `cover`, is found to hit the triangle.
-bool covers(const Footprint& f, const Rect& rect);
+// Whether a segment through the rectangle may be found to hit the triangle.
+inline bool meets(const Footprint& f, const Rect& rect) {
+  return !(f.box.u0 > rect.u1 || f.box.u1 < rect.u0 || f.box.v0 > rect.v1 || f.box.v1 < rect.v0) &&
+         edges_meet(f, rect);
+}
+
+// Whether every segment through the rectangle, to a point behind `cover`, is found to hit the triangle. What covers the
+// rectangle reaches beyond it on all sides.
+inline bool covers(const Footprint& f, const Rect& rect) {
+  return f.box.u0 <= rect.u0 && f.box.u1 >= rect.u1 && f.box.v0 <= rect.v0 && f.box.v1 >= rect.v1 && f.can_cover &&
+         edges_cover(f, rect);
+}
 
 // An upper bound of f.nearest - plane over the part of a bounded triangle that the rectangle shows.
 double excess(const Footprint& f, const Rect& rect, const Linear& plane);

@@ -22,11 +22,17 @@ class Builder {
     const Rect rect = face_.square(level, i, j);
     Leaf leaf;
     drop_hidden(leaf, rect, met);
-    const Linear near = set_near_plane(leaf, rect, met);
     out_.work += met.size() + 1;
+    // What divides a long list is not asked for its near plane, which takes time with every footprint.
+    const bool is_long = met.size() > kLong;
+    const Linear near = is_long ? Linear(0.0) : set_near_plane(leaf, rect, met);
     const bool fine = met.size() <= 1 || level >= detail_.finest_level ||
-                      cost(rect, met, near) <= detail_.cost_per_byte * bytes_to_divide(level, met);
-    if (fine || !divide(level, i, j, met)) place(level, i, j, add_leaf(leaf, level, i, j, met));
+                      (is_long ? rough_cost(rect, met) : cost(rect, met, near)) <=
+                          detail_.cost_per_byte * bytes_to_divide(level, met);
+    if (fine || !divide(level, i, j, met)) {
+      if (is_long) set_near_plane(leaf, rect, met);
+      place(level, i, j, add_leaf(leaf, level, i, j, met));
+    }
     if (level == kTopLevel) close_cell(i, j);
   }
 
@@ -38,16 +44,19 @@ class Builder {
     }
   }
 
+  // Leaves the nearness of each footprint in `nearness_`.
   Linear set_near_plane(Leaf& leaf, const Rect& rect, const Met& met) {
-    Linear nearness(0, 0, 1e30);
-    if (met.empty()) return nearness;
-    if (!fit_near_plane(met, rect, nearness) ||
-        (!face_.plane(nearness, 1.0, leaf.near_plane) &&
-         !face_.plane(Linear(0, 0, nearest_of_all(rect, met)), 1.0, leaf.near_plane))) {
+    Linear plane(0, 0, 1e30);
+    nearness_.clear();
+    if (met.empty()) return plane;
+    for (const Footprint* f : met) nearness_.push_back(nearest_in(*f, rect));
+    if (!fit_near_plane(met, nearness_, rect, plane) ||
+        (!face_.plane(plane, 1.0, leaf.near_plane) &&
+         !face_.plane(Linear(0, 0, std::ranges::max(nearness_)), 1.0, leaf.near_plane))) {
       // There is no near plane: this one has no point in front of it at any depth that a float can hold.
       leaf.near_plane = glm::vec3(face_.depth_axis * 1e30);
     }
-    return nearness;
+    return plane;
   }
 
   // What a query costs that asks this leaf, times the share of the scene's surface that asks it. It assumes that the
@@ -55,15 +64,13 @@ class Builder {
   // lies here. It costs nothing where that lies on the near plane, else a start, a step for each footprint before it,
   // and a test for each of these whose box holds it. Steps are the unit.
   double cost(const Rect& rect, const Met& met, const Linear& near) {
-    constexpr double kStart = 3.0, kStep = 1.0, kTest = 3.0;
-    constexpr size_t kLong = 256;  // beyond that, what is exact takes longer than it is worth
-    if (met.size() > kLong) return rough_cost(rect, met, kStart + kStep * static_cast<double>(met.size()));
     const double whole = area(rect);
     asking_.clear();
-    for (const Footprint* f : met) {
-      const Rect part = common(rect, f->box);
-      asking_.push_back({nearest_in(*f, rect), kStep + kTest * std::min(1.0, area(part) / whole),
-                         asks(*f, part) * walking(*f, part, near)});
+    for (size_t k = 0; k < met.size(); ++k) {
+      const Footprint& f = *met[k];
+      const Rect part = common(rect, f.box);
+      asking_.push_back({nearness_[k], kStep + kTest * std::min(1.0, area(part) / whole),
+                         asks(f, part) * walking(f, part, near)});
     }
     std::sort(asking_.begin(), asking_.end(),
               [](const Asking& a, const Asking& b) { return a.nearness > b.nearness; });
@@ -75,7 +82,9 @@ class Builder {
     return sum / surface_ + elsewhere(rect, price);
   }
 
-  double rough_cost(const Rect& rect, const Met& met, double price) const {
+  // Of a list so long that more takes longer than it is worth.
+  double rough_cost(const Rect& rect, const Met& met) const {
+    const double price = kStart + kStep * static_cast<double>(met.size());
     double sum = 0;
     for (const Footprint* f : met) sum += asks(*f, common(rect, f->box));
     return sum * waited_for(price) / surface_ + elsewhere(rect, price);
@@ -126,38 +135,34 @@ class Builder {
 
   // Of a cell whose finest leaves are of this level.
   static double block_bytes(uint32_t level) {
-    return std::ldexp(sizeof(uint32_t), 2 * static_cast<int>(level - kTopLevel));
-  }
-
-  static double nearest_of_all(const Rect& rect, const Met& met) {
-    double nearest = nearest_in(*met.front(), rect);
-    for (const Footprint* f : met) nearest = std::max(nearest, nearest_in(*f, rect));
-    return nearest;
+    return sizeof(uint32_t) * power_of_two(2 * static_cast<int>(level - kTopLevel));
   }
 
   // Divides the square; returns false if that would not shorten the lists.
   bool divide(uint32_t level, uint32_t i, uint32_t j, const Met& met) {
-    std::array<Met, 4> child;
-    size_t total = 0;
+    std::array<Met, 4>& child = children_[level];
+    std::array<Rect, 4> rects;
     for (uint32_t c = 0; c < 4; ++c) {
-      const Rect rect = face_.square(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1));
-      for (const Footprint* f : met) {
-        if (meets(*f, rect)) child[c].push_back(f);
-      }
-      total += child[c].size();
+      child[c].clear();
+      rects[c] = face_.square(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1));
     }
+    for (const Footprint* f : met) {
+      for (uint32_t c = 0; c < 4; ++c)
+        if (meets(*f, rects[c])) child[c].push_back(f);
+    }
+    const size_t total = child[0].size() + child[1].size() + child[2].size() + child[3].size();
     if (level >= kTopLevel && 10 * total > 36 * met.size() && met.size() < 64) return false;
     for (uint32_t c = 0; c < 4; ++c) build(level + 1, 2 * i + (c & 1), 2 * j + (c >> 1), child[c]);
     return true;
   }
 
+  // set_near_plane has seen these footprints last.
   uint32_t add_leaf(Leaf leaf, uint32_t level, uint32_t i, uint32_t j, const Met& met) {
     if (met.empty() && leaf.cover_plane == glm::vec3(0.0f)) return 0;
     leaf.first = static_cast<uint32_t>(out_.entries.size());
-    const Rect rect = face_.square(level, i, j);
     const LeafEntries entries(face_, level, i, j);
-    for (const Footprint* f : met) {
-      const auto entry = entries.entry(*f, nearest_in(*f, rect));
+    for (size_t k = 0; k < met.size(); ++k) {
+      const auto entry = entries.entry(*met[k], nearness_[k]);
       if (entry) out_.entries.push_back(*entry);
     }
     const auto count = static_cast<uint32_t>(out_.entries.size()) - leaf.first;
@@ -205,6 +210,8 @@ class Builder {
   }
 
   static constexpr uint32_t kPatchSide = 1u << kBlockBits;
+  static constexpr double kStart = 3.0, kStep = 1.0, kTest = 3.0;  // of what a query costs
+  static constexpr size_t kLong = 256;                             // of a list: beyond it, costs are rough
 
   // A footprint as cost() sees it.
   struct Asking {
@@ -215,7 +222,9 @@ class Builder {
   const Detail& detail_;
   const double surface_;
   Piece& out_;
-  std::vector<Asking> asking_;                             // kept for its memory
+  std::vector<Asking> asking_;                             // kept for their memory, as
+  std::array<std::array<Met, 4>, kFinestLevel> children_;  // of the open square of each level
+  std::vector<double> nearness_;                           // of the footprints of the last near plane
   uint32_t deepest_ = kTopLevel;                           // finest level of the open cell's leaves
   std::array<uint32_t, kPatchSide * kPatchSide> patch_{};  // its leaves, at the finest level
 };
