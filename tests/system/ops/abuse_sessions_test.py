@@ -19,7 +19,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "wire_client"))
 
-from node import Node, eventually, skip
+from node import Node, eventually, skip, unsanitized
 
 try:
     import messages
@@ -215,6 +215,7 @@ class Memory(unittest.TestCase):
             session.close()
         eventually(lambda: self.account()["bytes"] == 0, "all given back")
 
+    @unsanitized(BUILD, "takes memory of its own")
     def test_hoarders_take_no_more_than_was_predicted(self):
         """They keep every reference alive, and say of no slice that it has arrived."""
         first = self.open("arcade")
