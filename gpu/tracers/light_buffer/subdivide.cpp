@@ -23,7 +23,7 @@ class Builder {
     Leaf leaf;
     drop_hidden(leaf, rect, met);
     out_.work += met.size() + 1;
-    // What divides a long list is not asked for its near plane, which takes time with every footprint.
+    // A square with a long list is mostly divided, and then needs no near plane, which looks at every footprint.
     const bool is_long = met.size() > kLong;
     const Linear near = is_long ? Linear(0.0) : set_near_plane(leaf, rect, met);
     const bool fine = met.size() <= 1 || level >= detail_.finest_level ||
@@ -222,7 +222,8 @@ class Builder {
   const Detail& detail_;
   const double surface_;
   Piece& out_;
-  std::vector<Asking> asking_;                             // kept for their memory, as
+  // Kept for their memory from square to square.
+  std::vector<Asking> asking_;
   std::array<std::array<Met, 4>, kFinestLevel> children_;  // of the open square of each level
   std::vector<double> nearness_;                           // of the footprints of the last near plane
   uint32_t deepest_ = kTopLevel;                           // finest level of the open cell's leaves
