@@ -24,11 +24,16 @@ inline Hierarchy resting_hierarchy(const PosedScene& posed) {
   return still;
 }
 
-// `moving_bvh`: that resource of the frame.
+// Of the resource moving_bvh, as gpu/passes/pose.cpp lays it out.
 inline Hierarchy moving_hierarchy(const FrameContext& frame, const Buffer& moving_bvh) {
   const uint64_t most_nodes = 2 * uint64_t{frame.scene.moving_size().triangles};
   return {moving_bvh.address(), moving_bvh.address() + most_nodes * sizeof(BvhNode),
           static_cast<uint32_t>(frame.posed.bvh.nodes.size()), frame.scene.moving_place(frame.slot).first_triangle};
+}
+
+inline VkDeviceAddress moving_parts(const FrameContext& frame, const Buffer& moving_bvh) {
+  return moving_hierarchy(frame, moving_bvh).triangles +
+         uint64_t{frame.scene.moving_size().triangles} * sizeof(BvhTriangle);
 }
 
 }  // namespace gnomon::gpu

@@ -87,10 +87,10 @@ Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const
 
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader, uint32_t storage_images,
-                                      uint32_t subgroup_size) {
+                                      uint32_t subgroup_size, std::span<const uint32_t> constants) {
   auto layout = make_pass_layout(device, sampled_images, storage_images);
   if (!layout) return layout.error();
-  auto pipeline = make_compute_pipeline(device, *layout, shader, subgroup_size);
+  auto pipeline = make_compute_pipeline(device, *layout, shader, subgroup_size, constants);
   if (!pipeline) return pipeline.error();
   // lavapipe gives each thread one contiguous part of a dispatch, and the rows of a picture differ in cost: several
   // small dispatches balance the threads.

@@ -188,10 +188,10 @@ struct ComputeStep {
   uint32_t rows_at_once = 0;   // tile rows of one dispatch
   uint32_t tiles_at_once = 1;  // tiles of one workgroup, side by side
 };
-// `subgroup_size`: as of make_compute_pipeline.
+// `subgroup_size`, `constants`: as of make_compute_pipeline.
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader, uint32_t storage_images = 0,
-                                      uint32_t subgroup_size = 0);
+                                      uint32_t subgroup_size = 0, std::span<const uint32_t> constants = {});
 
 // Makes the pass `Made`, whose constructor takes the step first. Error: that of the step.
 template <class Made, class... More>

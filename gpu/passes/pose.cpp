@@ -7,9 +7,10 @@
 namespace gnomon::gpu {
 namespace {
 
-// Offsets in moving_host. The hierarchy's two parts lie at the same distance in moving_bvh.
+// Offsets in moving_host. What belongs to the hierarchy lies at the same distances in moving_bvh.
 struct Layout {
-  uint64_t positions = 0, normals = 0, uvs = 0, triangles = 0, materials = 0, nodes = 0, leaves = 0, bytes = 0;
+  uint64_t positions = 0, normals = 0, uvs = 0, triangles = 0, materials = 0, nodes = 0, leaves = 0, parts = 0,
+           bytes = 0;
 
   Layout(uint32_t vertex_count, uint32_t triangle_count) {
     const auto take = [this](uint64_t count, size_t size) {
@@ -24,6 +25,7 @@ struct Layout {
     materials = take(triangle_count, sizeof(uint32_t));
     nodes = take(2 * uint64_t{triangle_count}, sizeof(BvhNode));
     leaves = take(triangle_count, sizeof(BvhTriangle));
+    parts = take(kMostParts, sizeof(BvhPart));
   }
   explicit Layout(const scenes::MovingMeshSize& size) : Layout(size.vertices, size.triangles) {}
 };
@@ -98,6 +100,7 @@ void write_moving(std::span<std::byte> into, const ResidentScene& scene, const P
   write(to.materials, posed.mesh.materials);
   write(to.nodes, posed.bvh.nodes);
   write(to.leaves, posed.bvh.triangles);
+  write(to.parts, posed.parts);
 }
 
 }  // namespace gnomon::gpu

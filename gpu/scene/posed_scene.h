@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "gpu/builds/bvh.h"
+#include "gpu/builds/moving_bvh.h"
 #include "gpu/scene/frame_uniforms.h"
 #include "gpu/tracers/tracer.h"
 #include "scenes/geometry/clusters.h"
@@ -22,6 +22,7 @@ struct PosedScene {
   scenes::SceneTime time{};
   scenes::WorldMesh mesh;                   // the moving geometry
   Bvh bvh;                                  // over `mesh`; empty if nothing is traced
+  std::vector<BvhPart> parts;               // of `bvh`
   std::vector<scenes::ClusterGroup> draws;  // triangles of `mesh` by pipeline state; without chunks
   std::vector<exact::TracedLight> lights;
   std::vector<scenes::LightArea> areas;                   // of each light

@@ -168,7 +168,8 @@ PosedScenePtr ResidentScene::pose(scenes::SceneTime time) const {
   auto posed = std::make_shared<PosedScene>();
   posed->time = time;
   posed->mesh = scenes::build_moving_mesh(*scene_, time);
-  if (traced_.traced) posed->bvh = build_bvh(posed->mesh, 1);
+  if (traced_.traced) posed->bvh = moving_bvh_.follow(posed->mesh);
+  posed->parts = parts_of(posed->bvh);
   posed->draws = draws_of(*scene_, posed->mesh);
   const std::vector<scenes::Light> lights = scenes::lights_at(*scene_, lights_, time);
   posed->lights = traced_lights(*scene_, lights);

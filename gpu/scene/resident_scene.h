@@ -102,6 +102,7 @@ class ResidentScene {
   // Of the resting geometry: for lights that are not where the tracer built for them, the points of area lights, and the
   // occlusion of ambient light. May be traced_.traced itself.
   std::shared_ptr<const TracedScene> static_bvh_;
+  mutable MovingBvh moving_bvh_;
   mutable PosedScenePtr posed_;  // the last result of pose()
 };
 

@@ -4,7 +4,13 @@
 #ifndef TILE_INVOCATIONS
 #define TILE_INVOCATIONS 64
 #endif
+#ifdef LANES_OF_PIPELINE
+layout(local_size_x_id = 0) in;  // as make_compute_pipeline has it
+layout(constant_id = 1) const uint kLanes = 8u;       // of a subgroup
+layout(constant_id = 2) const uint kSharers = 1u;     // subgroups that share a tile
+#else
 layout(local_size_x = TILE_INVOCATIONS) in;
+#endif
 layout(set = 0, binding = 1) uniform utexture2D triangle_ids;
 
 // Eight consecutive invocations, the narrowest subgroup, form a block of 4x2 pixels, which share many texels, triangles

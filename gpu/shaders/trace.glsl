@@ -2,7 +2,7 @@
 // and a word with a 1 for each bit that was traced.
 //
 // The includer defines TRACER_PUSH, the members of the tracer's push constants, before including this file, and
-// afterwards bool occluded(vec3 origin, vec3 direction) or, with TRACE_COMBINES, answer and store.
+// afterwards bool occluded(vec3 origin, vec3 direction).
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "frame.glsl"
@@ -16,28 +16,18 @@ layout(push_constant, scalar) uniform Push {
   TRACER_PUSH
 } push;
 
-// The pixel's bit in the two halves of the tile's visibility word (xy) and of its word of traced bits (zw).
-uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit);
-void store(uint light, uint word, uvec4 halves);
+bool occluded(vec3 origin, vec3 direction);
 
 const uint kLightsAtATime = 32;
 // For each light the two halves of its visibility word, then those of its word of traced bits.
 shared uint tile_words[4 * kLightsAtATime];
 
-#ifndef TRACE_COMBINES
-bool occluded(vec3 origin, vec3 direction);
-
-uvec4 answer(SurfacePoint surface, uint light, uint word, uvec2 my_bit) {
+// The pixel's bit in the two halves of the tile's visibility word (xy) and of its word of traced bits (zw).
+uvec4 answer(SurfacePoint surface, uint light, uvec2 my_bit) {
   ShadowSegment segment = shadow_segment(frame.camera, surface, frame.lights[light]);
   if (!segment.traced) return uvec4(0u);
   return uvec4(occluded(segment.origin, segment.direction) ? uvec2(0u) : my_bit, my_bit);
 }
-
-void store(uint light, uint word, uvec4 halves) {
-  push.masks.at[word] = halves.xy;
-  push.valid_bits.at[word] = halves.zw;
-}
-#endif
 
 // The tile's word of the light's mask.
 uint word_of(uint light) {
@@ -62,7 +52,7 @@ void main() {
     for (uint light = 0u; light < lights; ++light) {
       if (frame.planes[first + light] == kLeftOut) continue;
       uvec4 bits = uvec4(0u);
-      if (id != 0u) bits = answer(surface, first + light, word_of(first + light), my_bit);
+      if (id != 0u) bits = answer(surface, first + light, my_bit);
       bits = subgroupOr(bits);
       if (subgroupElect())
         for (uint i = 0u; i < 4u; ++i) atomicOr(tile_words[4u * light + i], bits[i]);
@@ -70,8 +60,8 @@ void main() {
     barrier();
     if (invocation < lights && frame.planes[first + invocation] != kLeftOut) {
       uint i = 4u * invocation, light = first + invocation;
-      store(light, word_of(light),
-            uvec4(tile_words[i], tile_words[i + 1u], tile_words[i + 2u], tile_words[i + 3u]));
+      push.masks.at[word_of(light)] = uvec2(tile_words[i], tile_words[i + 1u]);
+      push.valid_bits.at[word_of(light)] = uvec2(tile_words[i + 2u], tile_words[i + 3u]);
     }
     barrier();
   }

@@ -101,13 +101,19 @@ Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_im
 }
 
 Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,
-                                       std::span<const uint32_t> shader, uint32_t subgroup_size) {
+                                       std::span<const uint32_t> shader, uint32_t subgroup_size,
+                                       std::span<const uint32_t> constants) {
   const auto module = make_module(device, shader);
   if (!module) return module.error();
   VkComputePipelineCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
   create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;  // for bands of a frame
   create.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, *module);
+  std::vector<VkSpecializationMapEntry> entries;
+  for (uint32_t id = 0; id < constants.size(); ++id) entries.push_back({id, id * 4, 4});
+  const VkSpecializationInfo specialization{static_cast<uint32_t>(entries.size()), entries.data(),
+                                            constants.size_bytes(), constants.data()};
+  create.stage.pSpecializationInfo = &specialization;
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{};
   if (subgroup_size != 0 && device->features().subgroups.requests) {
     size.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;

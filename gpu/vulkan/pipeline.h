@@ -26,9 +26,11 @@ inline constexpr uint32_t kPushConstantBytes = 128;
 Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images, uint32_t storage_images = 0);
 
 // `subgroup_size`: lanes of the shader's subgroups, all of which take part in every one; 0: the device may choose.
+// `constants`: the shader's specialization constants 0, 1 and so on.
 // Precondition: the size is among those that the device's features list.
 Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,
-                                       std::span<const uint32_t> shader, uint32_t subgroup_size = 0);
+                                       std::span<const uint32_t> shader, uint32_t subgroup_size = 0,
+                                       std::span<const uint32_t> constants = {});
 
 struct RasterPipeline {
   std::span<const uint32_t> vertex_shader;

@@ -40,6 +40,8 @@ int main(int argc, char** argv) {
                       gnomon::bench::make_tracers_suite()});
   commands.push_back(
       {"queries", "what the queries of light buffers cost, counted", gnomon::bench::make_queries_suite()});
+  commands.push_back({"motion", "what instances that move cost, beside the hard shadows of what rests",
+                      gnomon::bench::make_motion_suite()});
   commands.push_back({"soft", "shadow stages with 1, 4 and 16 sample points of each area light",
                       gnomon::bench::make_soft_suite()});
   commands.push_back(

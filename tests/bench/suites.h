@@ -17,6 +17,7 @@ class Suite {
 };
 
 std::unique_ptr<Suite> make_tracers_suite();
+std::unique_ptr<Suite> make_motion_suite();
 std::unique_ptr<Suite> make_queries_suite();
 std::unique_ptr<Suite> make_soft_suite();
 std::unique_ptr<Suite> make_soft_pictures_suite();

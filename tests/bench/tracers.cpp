@@ -8,6 +8,7 @@
 #include "common/clock.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/bench/scratch_folder.h"
+#include "tests/bench/steady_times.h"
 #include "tests/bench/suites.h"
 #include "tests/unit/gpu/embree_oracle.h"
 #include "tests/unit/gpu/surface_probe.h"
@@ -21,8 +22,6 @@ using test::EmbreeQuery;
 
 constexpr unsigned kEmbreeThreads = 2;
 constexpr int kRasterRepeats = 3;  // the fastest one counts
-// A device that waits between frames lowers its clocks, and then takes several times as long for one.
-constexpr Nanoseconds kKeptBusy = std::chrono::milliseconds(150);
 
 // Embree's results for one camera's surface points: the reference by robust single rays, and the time of the packets.
 struct PeerFrame {
@@ -37,41 +36,6 @@ uint64_t differing_bits(const std::vector<uint64_t>& a, const std::vector<uint64
   uint64_t bits = 0;
   for (size_t i = 0; i < a.size(); ++i) bits += static_cast<uint64_t>(__builtin_popcountll(a[i] ^ b[i]));
   return bits;
-}
-
-std::map<std::string, double> stage_times(const gpu::FrameTiming& timing) {
-  std::map<std::string, double> ms;
-  for (const gpu::StageTime& stage : timing.stages)
-    ms[std::string(stage.pass)] += static_cast<double>(stage.gpu_ns) / 1e6;
-  return ms;
-}
-
-struct SteadyTimes {
-  double frame_ms = 0;
-  std::map<std::string, double> stage_ms;  // by the pass; passes of one name are added
-
-  double shadow_stage_ms() const { return stage_ms.at("trace"); }
-};
-
-// Renders the camera's frame again and again until the device has been kept busy; medians of the second half. One frame, if
-// it takes that long.
-Result<SteadyTimes> steady_times(gpu::BlockingFrame& frame, const gpu::CameraView& camera, const TileGrid& grid) {
-  std::map<std::string, std::vector<double>> stages;
-  std::vector<double> whole;
-  const TimePoint end = Clock::now() + kKeptBusy;
-  do {
-    const auto timing = frame.render(camera, grid);
-    if (!timing) return timing.error();
-    for (const auto& [pass, ms] : stage_times(*timing)) stages[pass].push_back(ms);
-    whole.push_back(static_cast<double>(timing->total_ns) / 1e6);
-  } while (Clock::now() < end);
-  const auto steady = [](std::vector<double>& ms) {
-    ms.erase(ms.begin(), ms.begin() + static_cast<ptrdiff_t>(ms.size() / 2));
-    return median(ms);
-  };
-  SteadyTimes out{steady(whole), {}};
-  for (auto& [pass, ms] : stages) out.stage_ms[pass] = steady(ms);
-  return out;
 }
 
 // Medians over the cameras.

@@ -32,26 +32,42 @@ bool leaf_blocks(Hierarchy h, uint leaf, vec3 origin, vec3 direction) {
   return false;
 }
 
-bool meets(Hierarchy h, vec3 origin, vec3 direction) {
+struct Way {
+  vec3 origin, direction;
+  vec3 slope;  // one over the direction
+};
+
+Way way_of(vec3 origin, vec3 direction) {
   // No component is zero, so no product below is 0 * infinity.
   vec3 tiny = vec3(1e-20);
-  vec3 slope = 1.0 / mix(direction, tiny, lessThan(abs(direction), tiny));
-  uint n = 0u;
-  while (n < h.node_count) {
+  return Way(origin, direction, 1.0 / mix(direction, tiny, lessThan(abs(direction), tiny)));
+}
+
+bool enters(Way way, BvhNode node) {
+  // A hit may lie outside its triangle's box by 1/4096 of the box's farthest coordinate, seen from the origin
+  // (segment_meets_triangle): the box is widened by a little more, rounding included.
+  vec3 lo = node.lo - way.origin, hi = node.hi - way.origin;
+  vec3 reach = max(abs(lo), abs(hi));
+  float margin = max(reach.x, max(reach.y, reach.z)) * (1.0 / 4095.0);
+  vec3 t0 = (lo - margin) * way.slope;
+  vec3 t1 = (hi + margin) * way.slope;
+  vec3 near = min(t0, t1), far = max(t0, t1);
+  float enter = max(max(near.x, near.y), max(near.z, 0.0));
+  float leave = min(min(far.x, far.y), min(far.z, 1.0));
+  return enter <= leave * 1.000001;
+}
+
+// Of the nodes from `first` to `end` - 1, a subtree.
+bool meets_part(Hierarchy h, uint first, uint end, vec3 origin, vec3 direction) {
+  Way way = way_of(origin, direction);
+  uint n = first;
+  while (n < end) {
     BvhNode node = BvhNodes(h.nodes).at[n];
-    // A hit may lie outside its triangle's box by 1/4096 of the box's farthest coordinate, seen from the origin
-    // (segment_meets_triangle): the box is widened by a little more, rounding included.
-    vec3 lo = node.lo - origin, hi = node.hi - origin;
-    vec3 reach = max(abs(lo), abs(hi));
-    float margin = max(reach.x, max(reach.y, reach.z)) * (1.0 / 4095.0);
-    vec3 t0 = (lo - margin) * slope;
-    vec3 t1 = (hi + margin) * slope;
-    vec3 near = min(t0, t1), far = max(t0, t1);
-    float enter = max(max(near.x, near.y), max(near.z, 0.0));
-    float leave = min(min(far.x, far.y), min(far.z, 1.0));
-    bool met = enter <= leave * 1.000001;
+    bool met = enters(way, node);
     if (met && node.leaf != 0u && leaf_blocks(h, node.leaf, origin, direction)) return true;
     n = met ? n + 1u : node.skip;
   }
   return false;
 }
+
+bool meets(Hierarchy h, vec3 origin, vec3 direction) { return meets_part(h, 0u, h.node_count, origin, direction); }

@@ -12,6 +12,13 @@ namespace gnomon::test {
 
 struct Count {
   size_t surfaces = 0, lit = 0, dark = 0, differing = 0;
+
+  void operator+=(const Count& other) {
+    surfaces += other.surfaces;
+    lit += other.lit;
+    dark += other.dark;
+    differing += other.differing;
+  }
 };
 
 // The planes that a frame's mask has of each light.

@@ -25,10 +25,11 @@ size_t allowed(const std::string& tracer, const Count& count) {
   return tracer == "ray_query" ? (count.lit + count.dark) / 1000 : 0;
 }
 
-void expect_exact(SurfaceProbe& probe, const scenes::Scene& scene, SceneTime time, const std::string& tracer) {
-  const auto frame = probe.render(camera(), kWidth, kHeight, time);
+void expect_exact(SurfaceProbe& probe, const scenes::Scene& scene, SceneTime time, const std::string& tracer,
+                  const CameraView& view = camera()) {
+  const auto frame = probe.render(view, kWidth, kHeight, time);
   ASSERT_TRUE(frame) << frame.error().message;
-  const Count count = compare(*scenes::frozen_at(scene, time), camera(), *frame);
+  const Count count = compare(*scenes::frozen_at(scene, time), view, *frame);
   EXPECT_LE(count.differing, allowed(tracer, count)) << tracer << " at " << time.count() << " us";
   EXPECT_GT(count.lit, 200u);
   EXPECT_GT(count.dark, 200u);
@@ -86,6 +87,88 @@ INSTANTIATE_TEST_SUITE_P(What, InMotion,
                          [](const auto& test) {
                            return std::string(test.param.body ? "Body" : "") + (test.param.light ? "Light" : "");
                          });
+
+// Many small bodies, so that most of what moves is left out for most tiles; near the origin and far from it, where floats are
+// coarse; more lights than are looked at together.
+scenes::ScenePtr swarm(uint32_t seed, uint32_t lights, glm::vec3 at) {
+  auto scene = std::make_shared<scenes::Scene>(*triangle_soup(seed, 200, lights));
+  scene->meshes.push_back(triangle_soup(seed + 100, 12, 1)->meshes[0]);
+  for (glm::vec3& p : scene->meshes[0].primitives[0].positions) p += at;
+  for (glm::vec3& p : scene->meshes[1].primitives[0].positions) p *= 0.15f;
+  for (scenes::Light& light : scene->lights) light.position += at;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> around(-0.3f, 1.3f);
+  const auto point = [&] { return glm::vec3(around(random), around(random), around(random)); };
+  for (uint32_t body = 0; body < 30; ++body) {
+    scene->moving_nodes.push_back(swing(at + point(), at + point()));
+    scene->instances.push_back({1, glm::mat4(1.0f), body});
+  }
+  scene->period = 2s;
+  scene->bounds = scenes::moved_bounds(*scene, {scene->bounds.min + at, scene->bounds.max + at});
+  return scene;
+}
+
+class Swarm : public testing::TestWithParam<glm::vec3> {};
+
+// Small pictures of much: tiles reach far, so that much of what their segments may meet is met by few of them.
+TEST_P(Swarm, MasksAreThoseOfTheSceneStopped) {
+  constexpr uint32_t kAcross = 24, kDown = 16;
+  CameraView view = look_at({0.5f, 0.6f, 2.4f}, {0.5f, 0.5f, 0.5f}, 0.8f, kAcross, kDown);
+  view.position += GetParam();
+  for (const std::string& tracer : tracers()) {
+    for (const uint32_t lights : {4u, 40u}) {
+      const auto scene = swarm(lights, lights, GetParam());
+      auto probe = SurfaceProbe::create(device_options(tracer), scene);
+      ASSERT_TRUE(probe) << probe.error().message;
+      Count all;
+      for (int step = 0; step < 60; ++step) {
+        const SceneTime time = 16ms * step;
+        const auto frame = probe->render(view, kAcross, kDown, time);
+        ASSERT_TRUE(frame) << frame.error().message;
+        all += compare(*scenes::frozen_at(*scene, time), view, *frame);
+      }
+      EXPECT_LE(all.differing, allowed(tracer, all)) << tracer << ", " << lights << " lights";
+      EXPECT_GT(all.lit, 1000u);
+      EXPECT_GT(all.dark, 1000u);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(At, Swarm, testing::Values(glm::vec3(0.0f), glm::vec3(300.0f, -200.0f, 90.0f)),
+                         [](const auto& test) { return test.param.x == 0.0f ? "TheOrigin" : "FarFromTheOrigin"; });
+
+// The shaft of a picture of one pixel is a line, and these bodies' boxes are flat: rounding must not part them.
+TEST(Motion, FlatBodiesHideFromSinglePixels) {
+  auto scene = std::make_shared<scenes::Scene>(*triangle_soup(3, 200, 4));
+  scenes::Mesh flat = triangle_soup(4, 40, 1)->meshes[0];
+  for (size_t i = 0; i < flat.primitives[0].positions.size(); ++i) {
+    const size_t axis = i / 3 % 3;
+    flat.primitives[0].positions[i][static_cast<int>(axis)] =
+        flat.primitives[0].positions[i - i % 3][static_cast<int>(axis)];
+  }
+  scene->meshes.push_back(std::move(flat));
+  scene->moving_nodes = {swing({0, 0, 0}, {0.3f, 0.2f, 0.1f})};
+  scene->moving_nodes[0].channels.pop_back();  // its turn
+  scene->instances.push_back({1, glm::mat4(1.0f), 0});
+  scene->period = 2s;
+  scene->bounds = scenes::moved_bounds(*scene, scene->bounds);
+  auto probe = SurfaceProbe::create(device_options("bvh"), scene);
+  ASSERT_TRUE(probe) << probe.error().message;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const auto point = [&] { return glm::vec3(unit(random), unit(random), unit(random)); };
+  const auto stopped = scenes::frozen_at(*scene, 300ms);
+  Count all;
+  for (int i = 0; i < 400; ++i) {
+    const CameraView view = look_at(3.0f * point() - 1.0f, point(), 0.01f, 1, 1);
+    const auto frame = probe->render(view, 1, 1, 300ms);
+    ASSERT_TRUE(frame) << frame.error().message;
+    all += compare(*stopped, view, *frame);
+  }
+  EXPECT_EQ(all.differing, 0u);
+  EXPECT_GT(all.lit, 100u);
+  EXPECT_GT(all.dark, 100u);
+}
 
 // Triangles with an alpha test that move: they are looked up in the slot's part of the scene's buffers.
 TEST(Motion, MaskedTrianglesMoveWithTheirHoles) {
