@@ -8,13 +8,13 @@ struct TileShaft {
 
 // `lo`, `hi`: the bounds of the segments' origins.
 EXACT_FN TileShaft shaft_to(TracedLight light, vec3 lo, vec3 hi) {
-  vec3 extent = hi - lo;
-  if (light.kind == 2u) {
-    vec3 along = light.direction * -light.reach;
-    return TileShaft(lo, extent, along, extent + along);
-  }
-  vec3 end = light.position - lo;
-  return TileShaft(lo, extent, end, end);
+  TileShaft shaft;
+  shaft.from = lo;
+  shaft.extent = hi - lo;
+  vec3 along = light.direction * -light.reach;
+  shaft.end_lo = light.kind == 2u ? along : light.position - lo;
+  shaft.end_hi = light.kind == 2u ? shaft.extent + along : shaft.end_lo;
+  return shaft;
 }
 
 // Whether the shaft reaches into the box, widened by more than meets() widens it for any of the origins: the difference is
