@@ -20,6 +20,8 @@ struct Push {
 };
 static_assert(offsetof(Push, moving_lights) == 76 && sizeof(Push) <= kPushConstantBytes);
 
+static_assert(kMostParts <= 32, "the shader has a bit of a word for each");
+
 constexpr uint32_t kFewestLanes = 4;  // for which the shader has registers
 
 // How the subgroups of a workgroup divide its tiles.
