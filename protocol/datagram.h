@@ -75,7 +75,7 @@ struct CameraUpdate {
   FrameId frame;
   CameraView camera;
   uint64_t client_time_us = 0;       // client's clock, of any origin, when the camera was sampled
-  uint32_t display_deadline_us = 0;  // after client_time_us; 0: none
+  uint32_t display_deadline_us = 0;  // after its arrival at the server; 0: none
   uint8_t ack_count = 0;
   std::array<SliceAck, kMaxAcks> acks{};
   FrameId have;  // with kFeatureReferences: the newest frame that the client keeps for slices to refer to; 0: none

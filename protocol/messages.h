@@ -150,7 +150,7 @@ struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
-// What a datagram would carry, on paths that let no datagrams pass. Sent by either side.
+// A camera update or feedback of the client, a slice or parity of the server, on paths that let no datagrams pass.
 struct Data {
   DatagramKind kind = DatagramKind::camera_update;
   uint64_t sequence = 0;      // the server's: counted together with its datagrams; the client's: any
