@@ -87,7 +87,8 @@ export class Eye {
   on(event) {
     if (event.is === 'open' || event.is === 'sceneChanged') ++this.session;
     if (event.is === 'frame') {
-      if (!this.order.answered(event.index)) return;
+      // A view at rest is asked for again where lights, quality or the session change: the same camera, newer masks.
+      if (!this.order.answered(event.index) && event.index !== this.masks?.index) return;
       event.session = this.session;
       this.masks = event;
     }

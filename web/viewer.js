@@ -109,9 +109,12 @@ export class Viewer {
   }
 
   async makeRenderer() {
-    if (!this.pack || !this.welcome) return;
-    this.dropRenderer();
-    const renderer = await Renderer.create(this.canvas, this.pack);
+    const { pack } = this;
+    if (!pack || !this.welcome) return;
+    this.dropRenderer(); // before, as the device may have no room for two
+    const renderer = await Renderer.create(this.canvas, pack);
+    if (pack !== this.pack || !this.welcome) return renderer.dispose(); // another scene was opened meanwhile
+    this.dropRenderer(); // a session that was opened again meanwhile may have made one too
     renderer.setLights(this.welcome.scene.lights, this.welcome.lightsVersion);
     renderer.onRestored = () => {
       this.changed = true;
@@ -119,7 +122,7 @@ export class Viewer {
     this.exposure = this.taken = null;
     this.changed = true;
     this.renderer = renderer;
-    this.emit({ is: 'scene', pack: this.pack, welcome: this.welcome, grid: renderer.grid });
+    this.emit({ is: 'scene', pack, welcome: this.welcome, grid: renderer.grid });
   }
 
   dropRenderer() {
@@ -151,6 +154,8 @@ export class Viewer {
       this.welcome = { ...this.welcome, scene: event.scene, samples: event.samples, areas: event.areas };
       this.loadScene('no-store');
     }
+    // Newer masks of the camera that is shown: there is no other camera to show, and yet a picture to draw.
+    if (event.is === 'frame' && event.index === this.taken?.index) this.changed = true;
     if (event.is === 'fits') return this.shrinkTo(event);
     this.emit(event);
   }

@@ -94,6 +94,7 @@ function welcome(lights = 1) {
 /** Frames of one slice: the body is the frame's number alone. */
 const decoder = {
   opened: [],
+  slices: 0,
   most: Infinity, // planes
   stream(size) {
     this.opened.push(size);
@@ -102,6 +103,7 @@ const decoder = {
       have: 0,
       close() {},
       slice(body) {
+        decoder.slices += 1;
         const frame = new DataView(body.buffer, body.byteOffset).getUint32(0, true);
         if (body[4] === 255) throw new Error('malformed');
         return {
@@ -133,7 +135,7 @@ function world(t, more = {}) {
   const events = [],
     sockets = [];
   let now = 0;
-  decoder.opened.length = 0;
+  decoder.opened.length = decoder.slices = 0;
   const client = new Client({
     decoder,
     now: () => now,
@@ -220,6 +222,22 @@ test('a client that rests shows signs of life with the same frame number', (t) =
     frames.every((frame) => frame === 1),
     `${frames}`,
   );
+});
+
+test('signs of life leave the patience for lost answers as it is', (t) => {
+  const { client, pass, say, cameras } = world(t);
+  say(welcome());
+  for (let i = 0; i <= 3; ++i) client.look(i, camera(i));
+  pass(9_900);
+  const frames = cameras().map((each) => each.frame);
+  assert.deepEqual(frames.slice(0, 3), [1, 2, 3]);
+  assert.equal(frames.length, 3 + 9, 'one each quarter of the silence that the server bears');
+  assert.ok(
+    frames.slice(3).every((frame) => frame === 3),
+    `${frames}`,
+  );
+  pass(200);
+  assert.deepEqual([cameras().at(-1).frame, cameras().at(-1).x], [4, 3]);
 });
 
 test('a slice that is malformed costs its frame, a message that is malformed the session', (t) => {
@@ -329,20 +347,96 @@ test('a refusal does not hide why the session before was ended', (t) => {
   assert.equal(of('closed')[1].againInMs, null);
 });
 
+/** One light, which is red. */
+const lightsChanged = (version) =>
+  message(Type.lightsChanged, (out) => {
+    out.u16(1);
+    out.u8(0);
+    out.floats([0, 0, 0, 0, 0, 0, 1, 0, 0, 5, 0, 1, 0]);
+    out.u32(version);
+  });
+
+test('a view at rest is asked for again where its lights change', (t) => {
+  const { client, pass, say, cameras, of } = world(t);
+  say(lightsChanged(2));
+  say(welcome());
+  pass(100);
+  assert.equal(cameras().length, 0, 'there is no view yet');
+  client.look(0, camera(7));
+  say(slice(1));
+  say(lightsChanged(3));
+  assert.deepEqual(
+    cameras().map((each) => [each.frame, each.x]),
+    [
+      [1, 7],
+      [2, 7],
+    ],
+  );
+  say(slice(2));
+  const [before, after] = of('frame');
+  assert.equal(after.index, before.index);
+  assert.deepEqual(after.lights[0].color, [1, 0, 0]);
+  pass(500);
+  assert.equal(cameras().length, 2, 'once is enough');
+});
+
+test('lights that change all the time cost no frame that is under way', (t) => {
+  const { client, pass, say, cameras, of } = world(t);
+  say(welcome());
+  for (let i = 0; i < 3; ++i) client.look(i, camera(i));
+  for (let version = 3; version < 20; ++version) say(lightsChanged(version));
+  pass(100);
+  assert.equal(cameras().length, 3, 'there is no credit for more');
+  say(slice(1));
+  assert.equal(of('frame').at(-1).index, 0);
+  assert.deepEqual([cameras().at(-1).frame, cameras().at(-1).x], [4, 2]);
+});
+
 /** Without `samples` as a session is told that has not the feature soft. */
-function degraded(width, height, samples) {
+function degraded(width, height, samples, untraced = []) {
   return message(Type.degraded, (out) => {
     out.u16(width);
     out.u16(height);
     out.f32(5);
     out.text('too much', 1024);
-    out.u16(0);
+    out.u16(untraced.length);
+    untraced.forEach((light) => out.u16(light));
     if (samples) out.u8(samples);
   });
 }
 
+test('a view at rest is asked for again where its size changes, and what was under way is dropped', (t) => {
+  const { client, pass, say, cameras, of } = world(t);
+  say(welcome());
+  for (let i = 0; i < 3; ++i) client.look(i, camera(i));
+  say(degraded(32, 16));
+  assert.deepEqual([cameras().length, cameras().at(-1).frame, cameras().at(-1).x], [4, 4, 2], 'in spite of the credit');
+  say(slice(3));
+  assert.equal(of('frame').length, 0, 'it may be of either size');
+  assert.equal(decoder.slices, 0, 'nor may others refer to it');
+  say(slice(4));
+  assert.deepEqual([of('frame')[0].index, of('frame')[0].width], [2, 32]);
+  pass(200); // the rate that is granted now
+  say(degraded(64, 32));
+  assert.equal(cameras().at(-1).frame, 5);
+  say(slice(5));
+  assert.deepEqual([of('frame')[1].index, of('frame')[1].width], [2, 64]);
+});
+
+test('where only the lights that are traced change, what is under way stays good', (t) => {
+  const { client, say, cameras, of } = world(t);
+  say(welcome());
+  client.look(0, camera(0));
+  say(degraded(64, 32, 0, [0]));
+  assert.equal(decoder.opened.length, 1);
+  assert.equal(cameras().at(-1).frame, 2);
+  say(slice(1));
+  say(slice(2));
+  assert.equal(of('frame').length, 2);
+});
+
 test('another size or scene opens the decoder anew, and older frames are dropped', (t) => {
-  const { client, say, of } = world(t);
+  const { client, pass, say, cameras, of } = world(t);
   say(welcome());
   client.look(0, camera(0));
   say(degraded(32, 16));
@@ -356,7 +450,12 @@ test('another size or scene opens the decoder anew, and older frames are dropped
   );
   assert.equal(decoder.opened.at(-1).lights, 2);
   say(slice(1));
+  say(slice(2));
   assert.equal(of('frame').length, 0);
+  pass(200);
+  assert.equal(cameras().at(-1).frame, 3, 'the view at rest is asked for again');
+  say(slice(3));
+  assert.equal(of('frame')[0].lights.length, 2);
 });
 
 /** As welcome(), with the feature soft: 16 points, unless other samples are said, and a sphere. */
@@ -388,12 +487,12 @@ test('masks of area lights have as many planes as the samples in force ask for',
 });
 
 test('a page whose ambient light is degraded keeps what a quarter of the pixels counts', (t) => {
-  const { client, pass, say, of } = world(t);
+  const { client, pass, say, cameras, of } = world(t);
   say(softWelcome(16 + OCCLUSION.full));
   const planes = () => {
     client.look(of('frame').length, camera(0));
     pass(200);
-    say(slice(of('frame').length + 1));
+    say(slice(cameras().at(-1).frame));
     return of('frame').at(-1).planes;
   };
   assert.deepEqual(planes(), { first: [0], samples: [16], occlusion: 5, halved: false, total: 9 });

@@ -48,7 +48,7 @@ export class Session {
     this.why = '';
     /** @type {import('../decoder.js').MaskStream | null} null before Welcome */
     this.stream = null;
-    this.shape = { width: 0, height: 0 };
+    this.shape = { width: 0, height: 0, samples: 0 };
     this.planes = planesOf([], 1);
     this.firstFrame = 1; // older ones are of a grid that is no more
     /** @type {Map<number, object[]>} lights by version */
@@ -56,6 +56,7 @@ export class Session {
     /** @type {{index: number, camera: import('../wire/camera.js').Camera} | null} */
     this.wanted = null; // the newest camera that was not sent
     this.newest = null; // the update sent last
+    this.lastSaid = -Infinity; // when it was sent, be it as a sign of life; patience counts from Credit.lastSent
     /** @type {{index: number, camera: import('../wire/camera.js').Camera} | null} what it was made of */
     this.asked = null;
     this.counters = { bytes: 0, frames: 0, malformed: 0 };
@@ -134,17 +135,16 @@ export class Session {
         return this.end(message.reason || 'the server said goodbye');
       case 'lightsChanged':
         this.keepLights(message.version, message.lights);
+        this.askAgain();
         break;
       case 'degraded':
-        this.credit.rateHz = message.rateHz;
-        this.reopen(message.width, message.height, fewest(message.samples, this.welcome.samples));
+        this.onDegraded(message);
         break;
       case 'sceneChanged':
         Object.assign(this.welcome, { scene: message.scene, samples: message.samples, areas: message.areas });
         this.lights.clear();
         this.keepLights(0, message.scene.lights);
-        this.firstFrame = this.credit.newest + 1;
-        this.reopen(this.shape.width, this.shape.height, message.samples);
+        this.restart(this.shape.width, this.shape.height, message.samples);
         break;
     }
     this.emit(message);
@@ -163,11 +163,40 @@ export class Session {
     this.tick();
   }
 
+  /**
+   * Where the shape of masks stays, what is under way stays good: which lights are traced may change with each camera.
+   * @param {{is: string} & Record<string, any>} degraded
+   */
+  onDegraded({ width, height, rateHz, samples }) {
+    this.credit.rateHz = rateHz;
+    const inForce = fewest(samples, this.welcome.samples);
+    const { shape } = this;
+    if (width === shape.width && height === shape.height && inForce === shape.samples) return this.askAgain();
+    this.restart(width, height, inForce);
+  }
+
+  /**
+   * What is under way may be of the shape or scene before: it is dropped, and the newest camera asked for again.
+   * @param {number} width @param {number} height @param {number} samples in force
+   */
+  restart(width, height, samples) {
+    this.firstFrame = this.credit.newest + 1;
+    this.credit.forget();
+    this.reopen(width, height, samples);
+    this.askAgain();
+  }
+
+  /** The newest camera is to be answered once more: a page at rest asks for nothing by itself. */
+  askAgain() {
+    this.wanted ??= this.asked;
+    this.tick();
+  }
+
   /** @param {number} width @param {number} height @param {number} samples in force (wire/planes.js) */
   reopen(width, height, samples) {
     this.stream?.close();
     this.stream = null;
-    this.shape = { width, height };
+    this.shape = { width, height, samples };
     this.planes = planesOf(this.welcome.areas, samples);
     const { welcome } = this;
     const granted = { width: welcome.width, height: welcome.height, samples: welcome.samples };
@@ -250,8 +279,7 @@ export class Session {
     this.emit({ is: 'transport', name: this.carrier.name });
     if (!this.asked) return;
     this.credit.forget();
-    this.wanted ??= this.asked;
-    this.tick();
+    this.askAgain();
   }
 
   tick() {
@@ -264,9 +292,10 @@ export class Session {
       const { index, camera } = this.asked;
       const frame = this.credit.sent(index, camera, now);
       this.newest = { frame, camera, timeUs: 1000 * now, deadlineUs: 0, have: this.stream?.have ?? 0 };
+      this.lastSaid = now;
       this.carrier.send(this.newest, true);
-    } else if (this.newest && now - this.credit.lastSent > this.welcome.silenceTimeoutMs / (SIGNS_OF_LIFE + 1)) {
-      this.credit.lastSent = now;
+    } else if (this.newest && now - this.lastSaid > this.welcome.silenceTimeoutMs / (SIGNS_OF_LIFE + 1)) {
+      this.lastSaid = now;
       this.carrier.send({ ...this.newest, have: this.stream?.have ?? 0 }, false);
     }
   }
