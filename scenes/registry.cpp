@@ -4,16 +4,12 @@
 #include "common/log.h"
 
 namespace gnomon::scenes {
-namespace {
 
-// The earliest time there is for a file that cannot be looked at.
 std::filesystem::file_time_type changed_at(const std::filesystem::path& file) {
   std::error_code error;
   const auto changed = std::filesystem::last_write_time(file, error);
   return error ? std::filesystem::file_time_type::min() : changed;
 }
-
-}  // namespace
 
 Result<ScenePtr> read_here(const SceneSource& source, const LoadLimits& limits, const Watch& watch) {
   return load_with_geometry(source.file, limits, source.motions, Colours::none, watch.on_share);
@@ -85,6 +81,15 @@ void Registry::forget(const std::string& name) {
   if (found == entries_.end()) return;
   found->second->loaded.reset();
   found->second->refusal.reset();
+}
+
+void Registry::refuse(const std::string& name, Error why) {
+  const EntryPtr entry = find(name);
+  if (!entry) return;
+  const auto changed = changed_at(entry->source.file);
+  std::lock_guard lock(mutex_);
+  entry->loaded.reset();
+  entry->refusal = Refusal{std::move(why), Clock::now(), changed};
 }
 
 void Registry::retry(const std::string& name) {

@@ -24,8 +24,13 @@ struct SceneSource {
   std::string name;  // what clients ask for
   std::filesystem::path file;
   std::vector<NodeMotion> motions = {};
+  std::filesystem::file_time_type changed =
+      {};  // the file, when the sources were listed: then it is another source
   friend bool operator==(const SceneSource&, const SceneSource&) = default;
 };
+
+// When the file was changed last; the earliest time there is for one that cannot be looked at. Any thread.
+std::filesystem::file_time_type changed_at(const std::filesystem::path& file);
 
 struct LoadedScene {
   SceneId id;
@@ -65,6 +70,9 @@ class Registry {
 
   // Makes the next get() read the file again, also if it was refused. Scenes that were returned before stay valid.
   void forget(const std::string& name);
+
+  // Lets go of the scene, and refuses it for that reason as one that could not be loaded.
+  void refuse(const std::string& name, Error why);
 
   // Makes the next get() read the file again if it was refused.
   void retry(const std::string& name);

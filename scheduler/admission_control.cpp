@@ -67,7 +67,7 @@ bool beyond(double sum, double limit) { return limit > 0 && sum > limit * (1 + 1
 bool beyond(uint64_t sum, uint64_t limit) { return limit > 0 && sum > limit; }
 
 uint32_t scaled(uint32_t side, int sixteenths) {
-  return std::max(kTileSide, side * static_cast<uint32_t>(sixteenths) / 16 / kTileSide * kTileSide);
+  return std::min(side, std::max(kTileSide, side * static_cast<uint32_t>(sixteenths) / 16 / kTileSide * kTileSide));
 }
 
 }  // namespace

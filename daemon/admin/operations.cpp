@@ -71,7 +71,7 @@ Page Operations::change_light(const std::string& asked, const std::string& light
   if (!is_resident && known.empty()) return {404, kText, "the configuration has no such scene\n"};
   const size_t most = is_resident ? scene->second.lights.lights.size() : ChangedLights::kMostNumber + 1;
   const size_t index = light.size() > 4 ? most : std::stoul(light);
-  if (index >= most) return {404, kText, "the scene has at most " + std::to_string(most) + " lights\n"};
+  if (index >= most) return {404, kText, "lights of the scene are numbered from 0 to " + std::to_string(most - 1) + " at most\n"};
   const auto asked_for = parse_dated_change(body);
   if (!asked_for) return {400, kText, asked_for.error().message + "\n"};
   if (is_resident) {
@@ -166,13 +166,12 @@ Page Operations::load_scene(const std::string& asked) {
   const std::string name = parts_.catalog.get()->find(asked);
   if (name.empty()) return {404, kText, "the configuration has no such scene\n"};
   if (loading_.exchange(true)) return {409, kText, "another scene is being loaded\n"};
+  const std::shared_ptr<void> loaded(nullptr, [this](void*) { loading_ = false; });  // also if memory runs out
   auto done = std::make_shared<std::promise<Result<std::string>>>();
   parts_.scenes.fetch(name, [done](Result<SceneForUse> scene) {
     done->set_value(scene ? Result<std::string>("loaded") : scene.error());
   });
-  const Page answer = await(done->get_future());
-  loading_ = false;
-  return answer;
+  return await(done->get_future());
 }
 
 Page Operations::unload_scene(const std::string& asked) {

@@ -45,6 +45,13 @@ struct SessionStatus {
   uint32_t width = 0;
   uint32_t height = 0;
   SampleCounts samples;  // granted
+  double rate_hz = 0;    // granted; 0: none was named
+  struct Served {        // at present: less than was granted where the device cannot keep up
+    uint32_t width = 0, height = 0;
+    SampleCounts samples;
+    double rate_hz = 0;
+    uint32_t untraced_lights = 0;
+  } served;
   protocol::Stats stats;
 };
 

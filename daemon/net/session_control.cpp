@@ -137,7 +137,8 @@ void SessionControl::notify(const SessionDegraded& degraded) {
   if (!session || !stream || session->generation() != degraded.generation) return;
   stream->send(degraded.message);
   const SampleCounts samples = sample_counts_of(std::max<uint8_t>(degraded.message.samples, 1));
-  session->notified_shape() = {degraded.message.width, degraded.message.height, samples};
+  session->notified_shape() = {degraded.message.width, degraded.message.height, samples, degraded.message.rate_hz,
+                               static_cast<uint32_t>(degraded.message.untraced_lights.size())};
 }
 
 void SessionControl::announce_drain(std::chrono::milliseconds deadline) {

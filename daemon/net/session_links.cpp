@@ -6,6 +6,11 @@
 namespace gnomon::daemon {
 namespace {
 
+// Whether a frame had spent more of the time in which it was of use before it came to the link than it then had left.
+bool came_late(const FrameTimes& times) {
+  return times.deadline != TimePoint::max() && times.encoded - times.arrival > times.deadline - times.encoded;
+}
+
 constexpr auto kLaterTurn = std::chrono::milliseconds(10);  // of a session for which there was no memory
 
 }  // namespace
@@ -130,7 +135,10 @@ void SessionLinks::finish(Session& session, const FramesUnderWay::Ended& ended, 
   const size_t bytes = ended.bytes + session.link().take_extra_bytes();
   shared_.devices.sent(meta.route.device,
                        {tenant, meta.route.scene, meta.spec.traced_bits, bytes, meta.spec.samples});
-  if (!ended.complete) return shared_.metrics.dropped(tenant, session.id(), Fault::link_too_slow);
+  if (!ended.complete) {
+    const Fault why = came_late(meta.times) ? Fault::deadline_unreachable : Fault::link_too_slow;
+    return shared_.metrics.dropped(tenant, session.id(), why);
+  }
   session.totals().add(meta, now);
   shared_.metrics.links().transports.sent(sessions_.transport_of(session), bytes);
   shared_.metrics.frame_sent(tenant, session.grant().scene_name, meta, now, bytes);

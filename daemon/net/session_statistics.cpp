@@ -36,15 +36,19 @@ void SessionStatistics::report() {
     const Transport transport = sessions_.transport_of(*session);
     ++by_transport[static_cast<size_t>(transport)];
     const SessionGrant& grant = session->grant();
-    all.push_back({.id = id,
-                   .tenant = grant.tenant,
-                   .scene = grant.scene_name,
-                   .transport = transport,
-                   .address = transport == Transport::udp ? text_of(session->path().current()) : text_of(*stream),
-                   .width = grant.width,
-                   .height = grant.height,
-                   .samples = grant.samples,
-                   .stats = stats});
+    const NotifiedShape& now = session->notified_shape();
+    all.push_back(
+        {.id = id,
+         .tenant = grant.tenant,
+         .scene = grant.scene_name,
+         .transport = transport,
+         .address = stream && transport != Transport::udp ? text_of(*stream) : text_of(session->path().current()),
+         .width = grant.width,
+         .height = grant.height,
+         .samples = grant.samples,
+         .rate_hz = grant.rate_hz,
+         .served = {now.width, now.height, now.samples, now.rate_hz, now.untraced_lights},
+         .stats = stats});
   }
   for (size_t i = 0; i < kTransports; ++i) {
     shared_.metrics.links().transports.sessions(static_cast<Transport>(i), by_transport[i] - by_transport_[i]);

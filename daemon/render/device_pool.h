@@ -56,7 +56,7 @@ class DevicePool final : private DeviceThread::Owner {
   void set_sharing(const SharingPolicy& sharing);
   void change_light(const LightChanged& change);
   // Brings the scene to every device. `arrived.resident` is called once, when all have answered: with the footprint on
-  // one of them, or with an error if none could take it.
+  // one of them, or with an error if one could not take it. Others may have it then, until take_away().
   void bring(const SceneLoaded& arrived);
   void take_away(SceneId scene);
 

@@ -25,7 +25,7 @@ double served(const scheduler::OperatingPoint& point) {
 
 uint32_t shrunk(uint32_t side, double share) {
   if (share >= 1) return side;
-  return std::max(kTileSize, static_cast<uint32_t>(side * share) / kTileSize * kTileSize);
+  return std::min(side, std::max(kTileSize, static_cast<uint32_t>(side * share) / kTileSize * kTileSize));
 }
 
 SessionQuality::SessionQuality(const SessionOpened& opened, FrameSink& sink, Metrics& metrics)
@@ -99,7 +99,15 @@ void SessionQuality::review(Nanoseconds since_last) {
   const scheduler::OperatingPoint before = degradation_.point();
   if (!degradation_.observe({std::min(arrived, allowed), answered})) return;
   const scheduler::OperatingPoint after = degradation_.point();
-  metrics_.degraded(served(after) < served(before));
+  const bool less = served(after) < served(before);
+  metrics_.degraded(less);
+  log::info(less ? "a session is served less" : "a session is served more again",
+            {{"session", opened_.session.value},
+             {"tenant", metrics_.name(opened_.grant.tenant)},
+             {"rate_hz", rate_hz()},
+             {"samples", degradation_.samples().per_light},
+             {"size_percent", std::lround(after.size * 100)},
+             {"lights_percent", std::lround(after.lights * 100)}});
   rate_ = limit_to(rate_hz());
   if (after.rate != before.rate) tell_client();
 }

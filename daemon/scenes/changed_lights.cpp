@@ -12,13 +12,17 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
+// The latest time that a change may have, which every JSON reader has exactly.
+constexpr uint64_t kLatestMs = uint64_t{1} << 53;
+
 const Error kTooMany{"more than " + std::to_string(ChangedLights::kMost) + " lights are changed"};
 
 Result<std::pair<ChangedLights::Place, ChangedLights::Light>> light_of(const json& object) {
   const auto member = [&](const char* name) { return object.is_object() ? object.value(name, json()) : json(); };
   const json scene = member("scene"), number = member("light"), at = member("at_ms"), change = member("change");
   const bool numbered = number.is_number_unsigned() && number.get<uint64_t>() <= ChangedLights::kMostNumber;
-  if (!scene.is_string() || !numbered || !at.is_number_unsigned() || !change.is_object())
+  const bool dated = at.is_number_unsigned() && at.get<uint64_t>() <= kLatestMs;
+  if (!scene.is_string() || !numbered || !dated || !change.is_object())
     return Error{"every one of lights has a scene's name, a light's number, at_ms and change"};
   const auto parsed = parse_light_change(change.dump(-1, ' ', false, json::error_handler_t::replace));
   if (!parsed) return parsed.error();

@@ -31,7 +31,7 @@ bool is_gltf(const fs::directory_entry& entry) {
 Result<SceneCatalog> SceneCatalog::read(const ScenesConfig& config) {
   SceneCatalog catalog;
   for (const SceneFile& scene : config.list) {
-    catalog.sources_.push_back({scene.name, scene.file, motions_of(scene)});
+    catalog.sources_.push_back({scene.name, scene.file, motions_of(scene), scenes::changed_at(scene.file)});
     catalog.names_[scene.name] = scene.name;
   }
   for (const fs::path& folder : config.allow_files) {
@@ -42,7 +42,7 @@ Result<SceneCatalog> SceneCatalog::read(const ScenesConfig& config) {
       const std::string name = at->path().lexically_relative(folder).generic_string();
       if (!catalog.names_.emplace(name, name).second) continue;  // the first folder wins
       catalog.names_[at->path().string()] = name;
-      catalog.sources_.push_back({name, at->path()});
+      catalog.sources_.push_back({name, at->path(), {}, scenes::changed_at(at->path())});
       if (catalog.sources_.size() > kMaxFiles) {
         return Error{"scenes.allow_files: " + folder.string() + " brings the scenes to more than " +
                      std::to_string(kMaxFiles)};

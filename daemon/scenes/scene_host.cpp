@@ -52,9 +52,12 @@ SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, SceneLigh
   for (uint32_t i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
 }
 
-SceneHost::~SceneHost() {
+SceneHost::~SceneHost() { stop(); }
+
+void SceneHost::stop() {
   stop_reading();
   for (std::thread& loader : loaders_) loader.join();
+  loaders_.clear();
 }
 
 void SceneHost::stop_reading() {
@@ -91,6 +94,9 @@ void SceneHost::serve(const Request& request) {
   const auto reading = reading_.extract(request.name);
   // Who asked after the reader had been stopped has it read anew.
   const bool again = !loaded && stop.stop_requested() && !ending_;
+  if (loaded) {  // at once, so that it is under way until it is resident
+    for (const Request& waiting : reading.mapped().waiting) on_the_way_.insert(waiting.name);
+  }
   lock.unlock();
   for (const Request& waiting : reading.mapped().waiting) {
     const bool served = done_or_dropped("an answer about a scene", [&] {
@@ -130,8 +136,9 @@ Result<scenes::LoadedScene> SceneHost::read(const Request& request, const std::s
   };
   const scenes::Watch watch{stop, on_share};
   auto loaded = within_memory([&] { return registry_.get(request.name, watch, most); });
-  if (loaded && loaded->scene->lights.empty()) return Error{kNoLights};
-  return loaded;
+  if (!loaded || !loaded->scene->lights.empty()) return loaded;
+  registry_.refuse(request.name, Error{kNoLights});
+  return Error{kNoLights};
 }
 
 FetchId SceneHost::fetch(const std::string& name, Ready ready, SceneAsker asker) {
@@ -188,7 +195,13 @@ void SceneHost::give_up(FetchId fetch) {
 
 void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded) {
   if (!loaded) return request.ready(loaded.error());
-  if (auto room = make_room(request, *loaded); !room) return request.ready(room.error());
+  if (auto room = within_memory([&] { return make_room(request, *loaded); }); !room) {
+    {
+      std::lock_guard lock(mutex_);
+      on_the_way_.erase(on_the_way_.find(request.name));
+    }
+    return request.ready(room.error());
+  }
   SceneLoaded arrived;
   arrived.scene = *loaded;
   arrived.name = request.name;
@@ -220,7 +233,6 @@ Result<void> SceneHost::make_room(const Request& request, const scenes::LoadedSc
     }
     account_.add(request.name, request.asker, bytes);
   }
-  on_the_way_.insert(request.name);
   return {};
 }
 
@@ -250,7 +262,11 @@ void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
   if (const auto early = early_lights_.find(name); early != early_lights_.end()) lights = early->second;
   if (!on_the_way_.contains(name)) early_lights_.erase(name);
   if (!on_device) {
-    if (!resident_.contains(name) && !on_the_way_.contains(name)) account_.remove(name);
+    if (!resident_.contains(name) && !on_the_way_.contains(name)) {
+      account_.remove(name);
+      devices_.take_away(scene.id);  // from those that could take it
+      registry_.forget(name);
+    }
     lock.unlock();
     return request.ready(on_device.error());
   }
@@ -347,17 +363,17 @@ std::map<std::string, HostedScene> SceneHost::resident() const {
   return scenes;
 }
 
-SceneUnderWay::Stage SceneHost::stage(const std::string& name) const {
-  if (on_the_way_.contains(name)) return SceneUnderWay::Stage::preparing;
-  return reading_.contains(name) ? SceneUnderWay::Stage::reading : SceneUnderWay::Stage::queued;
-}
-
 std::vector<SceneUnderWay> SceneHost::under_way() const {
   std::lock_guard lock(mutex_);
   std::vector<SceneUnderWay> all;
   for (const auto& [name, counted] : under_way_) {
-    SceneUnderWay& scene = all.emplace_back(SceneUnderWay{name, stage(name), counted.since});
-    if (scene.stage == SceneUnderWay::Stage::reading) scene.share = reading_.at(name).share;
+    SceneUnderWay& scene = all.emplace_back(SceneUnderWay{name, SceneUnderWay::Stage::queued, counted.since});
+    if (on_the_way_.contains(name)) {
+      scene.stage = SceneUnderWay::Stage::preparing;
+    } else if (const auto reading = reading_.find(name); reading != reading_.end()) {
+      scene.stage = SceneUnderWay::Stage::reading;
+      scene.share = reading->second.share;
+    }
   }
   return all;
 }

@@ -77,6 +77,9 @@ class SceneHost {
 
   // Any thread. From now on no scene is read, and readers are stopped. Requests that still wait are not answered.
   void stop_reading();
+  // Called on the main thread. Blocks until nothing is being read, and calls no `ready` afterwards. What is resident can
+  // be asked for as before.
+  void stop();
 
   // Any thread. Makes the scene resident if it is not; scenes of tenants that nobody uses leave for it where memory is
   // short. `ready` is called on the caller's, a loader's or a render thread, or by give_up(): once, but again with an
@@ -139,8 +142,7 @@ class SceneHost {
   bool is_free(const std::string& name) const;  // with mutex_ held
   void take_away(const std::string& name);      // with mutex_ held; the scene is resident
   void bring(Request request, const Result<scenes::LoadedScene>& loaded);
-  Ready counted(const std::string& name, Ready ready);        // with mutex_ held
-  SceneUnderWay::Stage stage(const std::string& name) const;  // with mutex_ held
+  Ready counted(const std::string& name, Ready ready);  // with mutex_ held
   void arrive(const Request& request, const scenes::LoadedScene& scene,
               const Result<gpu::SceneFootprint>& on_device);
 

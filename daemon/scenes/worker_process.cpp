@@ -51,10 +51,10 @@ pid_t spawn(const std::filesystem::path& program, int exchange, int progress) {
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   // First to where neither is in the other's way.
-  constexpr int kAside = 10;
-  posix_spawn_file_actions_adddup2(&actions, progress, kAside);
+  const int aside = exchange == kProgress + 1 ? kProgress + 2 : kProgress + 1;
+  posix_spawn_file_actions_adddup2(&actions, progress, aside);
   posix_spawn_file_actions_adddup2(&actions, exchange, kExchange);
-  posix_spawn_file_actions_adddup2(&actions, kAside, kProgress);
+  posix_spawn_file_actions_adddup2(&actions, aside, kProgress);
   posix_spawn_file_actions_addclosefrom_np(&actions, kProgress + 1);
   // The daemon's own masks and handlers are none of the worker's.
   posix_spawnattr_t attributes;

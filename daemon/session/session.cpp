@@ -37,7 +37,7 @@ Session::Session(SessionParts parts, TimePoint now)
       scene_use_(std::move(parts.scene_use)),
       stored_(std::move(parts.stored)),
       permit_(std::move(parts.permit)),
-      notified_shape_{grant_.width, grant_.height, grant_.samples},
+      notified_shape_{grant_.width, grant_.height, grant_.samples, grant_.rate_hz},
       seal_(std::move(parts.seal)),
       path_(grant_.has(protocol::kFeaturePaths), parts.random),
       last_received_(now),

@@ -54,10 +54,12 @@ struct SessionParts {
   std::function<uint64_t()> random = random_number;  // unpredictable
 };
 
-// The size and the samples of frames that the client has been notified of.
+// The size and the samples of frames that the client has been notified of, its rate, and how many lights are not traced.
 struct NotifiedShape {
   uint32_t width = 0, height = 0;
   SampleCounts samples = {};
+  double rate_hz = 0;
+  uint32_t untraced_lights = 0;
   bool is_of(const FrameSpec& spec) const {
     return spec.grid.width == width && spec.grid.height == height && spec.samples == samples;
   }

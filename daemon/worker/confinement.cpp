@@ -22,12 +22,13 @@ namespace {
 
 Error because(const char* what, int error) { return Error{std::string(what) + ": " + std::strerror(error)}; }
 
-// What the daemon itself is limited to stays the limit, if that is less.
-Result<void> limit(int resource, const char* what, uint64_t most) {
+// What the daemon itself is limited to stays the limit, if that is less. `warned`: how much before the last limit, at
+// which the kernel kills, there is the one that sends the signal of the resource.
+Result<void> limit(int resource, const char* what, uint64_t most, uint64_t warned = 0) {
   rlimit value{};
   if (getrlimit(static_cast<__rlimit_resource_t>(resource), &value) != 0) return because(what, errno);
-  value.rlim_max = std::min<rlim_t>(value.rlim_max, most);
-  value.rlim_cur = std::min(value.rlim_cur, value.rlim_max);
+  value.rlim_max = std::min<rlim_t>(value.rlim_max, most + warned);
+  value.rlim_cur = std::min<rlim_t>({value.rlim_cur, value.rlim_max, most});
   if (setrlimit(static_cast<__rlimit_resource_t>(resource), &value) != 0) return because(what, errno);
   return {};
 }
@@ -155,7 +156,7 @@ Result<void> limit_resources(const Confinement& to) {
     if (auto done = limit(RLIMIT_AS, "limiting memory", to.max_memory_bytes); !done) return done;
   }
   if (to.max_cpu_seconds > 0) {
-    if (auto done = limit(RLIMIT_CPU, "limiting processor time", to.max_cpu_seconds); !done) return done;
+    if (auto done = limit(RLIMIT_CPU, "limiting processor time", to.max_cpu_seconds, 1); !done) return done;
   }
   if (to.max_file_bytes > 0) return limit(RLIMIT_FSIZE, "limiting files", to.max_file_bytes);
   return {};

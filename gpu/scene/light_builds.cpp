@@ -6,7 +6,7 @@ namespace gnomon::gpu {
 
 void LightBuilds::Shares::set(size_t light, double share) {
   std::lock_guard lock(mutex_);
-  shares_[light] = static_cast<float>(share);
+  if (light < shares_.size()) shares_[light] = static_cast<float>(share);
 }
 
 std::vector<float> LightBuilds::Shares::get() const {

@@ -91,6 +91,35 @@ FLIGHT = """
   worker.postMessage({ do: 'open', url, hello })
 })()
 """
+# A client that may resume its session goes over to WebTransport, and then loses its WebSocket.
+HALF_GONE = """
+(async () => {
+  const { cameraDatagram, decode, encodeHello } = await import('/wire/messages.js')
+  const { Datagrams } = await import('/link/datagrams.js')
+  const hello = encodeHello({ client: 'test', tenant: 'studio', token: '', scene: 'living_room', width: 64, height: 32,
+    borderX: 0, borderY: 0, rateHz: 0, codecs: [1], webTransport: true })
+  hello[10] |= 16 // the feature resume, which the viewer does not ask for
+  const socket = new WebSocket(location.href.replace('https', 'wss').replace(/\\/(#.*)?$/, '/session'), 'gnomon')
+  socket.binaryType = 'arraybuffer'
+  socket.onopen = () => socket.send(hello)
+  let camera = null
+  return new Promise((resolve, reject) => {
+    socket.onmessage = ({ data }) => {
+      const message = decode(new Uint8Array(data))
+      if (message?.is === 'welcome') camera = message.scene.defaultCamera
+      if (message?.is !== 'webTransport') return
+      const onOpen = () => datagrams.send(
+        cameraDatagram({ frame: 1, camera, timeUs: 0, deadlineUs: 0, have: 0 }))
+      const onDatagram = () => { socket.close(); resolve('served') }
+      const onEnd = (served) => reject(new Error(`ended, served: ${served}`))
+      const datagrams = new Datagrams({ dial: (url, options) => new WebTransport(url, options),
+        host: location.hostname, offer: message, onOpen, onDatagram, onEnd })
+      window.kept = datagrams
+      socket.onmessage = null
+    }
+  })
+})()
+"""
 CONNECT = """
 (async () => {
   const hashes = %(hashes)s.map((value) => ({ algorithm: 'sha-256', value: new Uint8Array(value) }))
@@ -176,6 +205,14 @@ class Transport(unittest.TestCase):
         more("WebTransport", before + 5)
         self.assertEqual(seen()["sessions"], 1, "the session stayed")
         self.assertEqual(seen()["why"], "")
+
+    def test_a_session_without_its_websocket_is_reported_like_others(self):
+        page = self.page(fragment="")
+        self.assertEqual(page.evaluate(HALF_GONE), "served")
+        eventually(lambda: "control connection lost" in self.node.log_text(), "the loss of the WebSocket")
+        time.sleep(2)  # sessions are reported once a second
+        self.assertIsNone(self.node.process.poll(), self.node.log_text())
+        self.counted(lambda: not self.node.status()["sessions"], "the end of a session that did not come back")
 
     def test_what_is_lost_is_sent_again(self):
         relay = self.relay()

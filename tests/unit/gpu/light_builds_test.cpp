@@ -37,6 +37,7 @@ TEST(LightBuilds, TellsOfEachLightHowFarItIsAndForgetsItAtTheEnd) {
       [&](const BuildWatch& watch) {
         watch.progress(0, 1);
         watch.progress(1, 0.5);
+        watch.progress(size_t{1} << 40, 0.5);  // a light that there is not, as a broken worker may say
         half.set_value();
         go_on.get_future().wait();
         return [&] { done = true; };

@@ -20,6 +20,7 @@ class TwoDevices : public Served {
     if (made_[device]++ > 0 && broken_) return Error{"no such device any more"};
     auto made = std::make_unique<SelfRunningFakeRenderer>(3, kLights, 0ms, lose_[device]);
     made->most_pixels = most_pixels_[device];
+    renderers_[device] = made.get();
     return std::unique_ptr<gpu::Renderer>(std::move(made));
   }
 
@@ -51,6 +52,7 @@ class TwoDevices : public Served {
     return eventually([&] { return sessions_by_device() == sessions; });
   }
 
+  FakeRenderer* renderers_[2] = {};  // the newest
   std::atomic<int> made_[2] = {0, 0};
   std::atomic<bool> broken_{false};
   uint32_t most_pixels_[2] = {UINT32_MAX, UINT32_MAX};
@@ -139,6 +141,22 @@ TEST_F(TwoDevices, ScenesComeToBothAndLeaveBoth) {
   join();
   EXPECT_TRUE(eventually_live({3, 3}));
   expect_frames(1);
+}
+
+// A session may be placed on either, and may move.
+TEST_F(TwoDevices, ASceneForWhichOneHasNoRoomIsOnNeither) {
+  start();
+  const auto account = [&] { return admin().status()->at("scene_memory").at("bytes").get<uint64_t>(); };
+  const uint64_t before = account();
+  renderers_[1]->takes_no_scenes = true;
+  TestClient refused(daemon_->control_port());
+  EXPECT_FALSE(refused.join(TestClient::hello("another.gltf")));
+  EXPECT_TRUE(eventually([&] { return renderers_[0]->resident().size() == 1; })) << "the configured one";
+  EXPECT_EQ(account(), before);
+  renderers_[1]->takes_no_scenes = false;
+  TestClient served(daemon_->control_port());
+  EXPECT_TRUE(served.join(TestClient::hello("another.gltf")));
+  EXPECT_EQ(renderers_[0]->resident().size(), 2u);
 }
 
 }  // namespace

@@ -47,10 +47,12 @@ class FakeRenderer : public gpu::Renderer {
   bool cpu = false;  // to be set before the renderer is used
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr&) override {
+    if (takes_no_scenes) return Error{"no memory for it"};
     std::lock_guard lock(mutex_);
     resident_.insert(id);
     return {};
   }
+  std::atomic<bool> takes_no_scenes = false;  // any thread
   void evict(SceneId id) override {
     std::lock_guard lock(mutex_);
     resident_.erase(id);

@@ -138,6 +138,45 @@ TEST(SceneHost, AStoppedReadingIsNoRefusal) {
   EXPECT_FALSE(second.there());
 }
 
+// What is refused after it was read is not kept.
+class RefusedScene : public ::testing::Test {
+ protected:
+  scenes::SceneReader reader(size_t lights) {
+    return [this, lights](const auto&, const auto&, const auto&) -> Result<scenes::ScenePtr> {
+      ++readings_;
+      auto scene = std::make_shared<scenes::Scene>();
+      scene->lights.resize(lights);
+      last_ = scene;
+      return scenes::ScenePtr(scene);
+    };
+  }
+  std::string fetch(Host& to) {
+    Answer answer;
+    to.host->fetch("a", answer.ready(), kTenant);
+    const std::string text = answer.wait();
+    // The loader lets go of it after the answer.
+    while (!last_.expired() && kept_for_ms_ < 10'000) {
+      std::this_thread::sleep_for(1ms);
+      ++kept_for_ms_;
+    }
+    return text;
+  }
+
+  std::atomic<int> readings_ = 0;
+  int kept_for_ms_ = 0;
+  std::weak_ptr<const scenes::Scene> last_;
+};
+
+TEST_F(RefusedScene, WithoutLightsIsReadOnceAndLetGo) {
+  Host to;
+  to.host.emplace(to.catalog, to.devices, to.lights, to.metrics, reader(0));
+  EXPECT_EQ(fetch(to), kNoLights);
+  EXPECT_TRUE(last_.expired());
+  EXPECT_EQ(fetch(to), kNoLights);
+  EXPECT_EQ(readings_, 1) << "the refusal is remembered";
+  EXPECT_EQ(to.host->memory().bytes, 0u);
+}
+
 TEST(SceneHost, EndsBesideReadersThatAreAtWork) {
   Host to;
   Answer answer;

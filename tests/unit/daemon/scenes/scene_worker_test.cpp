@@ -1,11 +1,17 @@
 // Scenes read by another process: the same scenes, and every end that such a process can come to.
 #include "daemon/scenes/scene_worker.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <csignal>
 #include <cstring>
 #include <thread>
 
+#include "daemon/worker/confinement.h"
 #include "tests/unit/scenes/support/gltf_file.h"
 
 namespace gnomon::daemon {
@@ -63,6 +69,38 @@ TEST(SceneWorker, HandsOnTheLoadersReason) {
   ASSERT_FALSE(here);
   ASSERT_FALSE(there);
   EXPECT_EQ(there.error().message, here.error().message);
+}
+
+// The descriptors of a process are as low as there are free ones.
+TEST(SceneWorker, ReadsWhicheverDescriptorsItsTaskIsHandedOverIn) {
+  const ScratchFolder folder;
+  const auto file = folder.write("scene.glb", triangle_file().glb());
+  constexpr unsigned kLast = 20;
+  close_range(3, kLast, 0);  // what the test was started with
+  std::vector<int> taken;
+  while (taken.empty() || taken.back() < static_cast<int>(kLast)) {
+    taken.push_back(open("/dev/null", O_RDONLY | O_CLOEXEC));
+    const auto scene = read(file);
+    EXPECT_TRUE(scene) << "after descriptor " << taken.back() << ": " << scene.error().message;
+  }
+  for (const int descriptor : taken) close(descriptor);
+}
+
+// The kernel's signal is what tells it from a lack of memory.
+TEST(SceneWorker, ProcessorTimeBeyondItsLimitIsSaidToBeThat) {
+  const ScratchFolder folder;
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!limit_resources({.folder = {}, .max_cpu_seconds = 1})) _exit(1);
+    for (std::atomic<int> turns = 0;;) ++turns;
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGXCPU);
+  const auto scene = read("scene.glb", instead(folder, "kill -XCPU $$"));
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("of processor time"), std::string::npos) << scene.error().message;
 }
 
 TEST(SceneWorker, AMissingProgramIsAReason) {
