@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "common/suggestion.h"
 #include "scenes/gltf/accessor.h"
 
 namespace gnomon::scenes::gltf {
@@ -102,6 +103,36 @@ void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
   node.channels.push_back(std::move(channel));
 }
 
+// The same by translation, rotation and scale, which a motion may change; nullopt of a matrix that has no such form, as it
+// is skewed or flat.
+std::optional<NodeTransform> in_parts(const NodeTransform& local) {
+  if (!local.has_matrix) return local;
+  NodeTransform parts;
+  parts.translation = glm::vec3(local.matrix[3]);
+  glm::mat3 turned(local.matrix);
+  for (int i = 0; i < 3; ++i) parts.scale[i] = glm::length(turned[i]);
+  if (glm::determinant(turned) < 0) parts.scale.x = -parts.scale.x;
+  if (glm::min(std::abs(parts.scale.x), std::min(parts.scale.y, parts.scale.z)) < 1e-6f) return std::nullopt;
+  for (int i = 0; i < 3; ++i) turned[i] /= parts.scale[i];
+  const float skew = std::max({std::abs(glm::dot(turned[0], turned[1])), std::abs(glm::dot(turned[1], turned[2])),
+                               std::abs(glm::dot(turned[2], turned[0]))});
+  if (!(skew < 1e-4f)) return std::nullopt;
+  parts.rotation = glm::normalize(glm::quat_cast(turned));
+  return parts;
+}
+
+// Why the motion of that name moves nothing.
+std::string why_it_rests(const tinygltf::Model& model, const std::string& name) {
+  std::vector<std::string> names;
+  for (const tinygltf::Node& node : model.nodes) names.push_back(node.name);
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    const auto meant = suggestion(name, names);
+    return "no node is named '" + name + "'" + (meant ? "; did you mean '" + *meant + "'?" : "");
+  }
+  return "node '" + name +
+         "' cannot move anything: it carries neither a mesh nor a light, or its matrix is skewed or flat";
+}
+
 }  // namespace
 
 Animations::Animations(const Document& document) : document_(document) {
@@ -140,16 +171,17 @@ MovingNodes::MovingNodes(const tinygltf::Model& model, const std::vector<PlacedN
 }
 
 bool MovingNodes::is_given_motion(const PlacedNode& node) const {
-  if (node.local.has_matrix) return false;
   const std::string& name = model_.nodes[static_cast<size_t>(node.node)].name;
-  return std::any_of(motions_.begin(), motions_.end(), [&](const NodeMotion& m) { return m.node == name; });
+  const bool given =
+      std::any_of(motions_.begin(), motions_.end(), [&](const NodeMotion& m) { return m.node == name; });
+  return given && in_parts(node.local);
 }
 
 Result<std::chrono::microseconds> MovingNodes::fill_period() {
   for (const NodeMotion& motion : motions_) {
     const bool moves_something =
         std::any_of(given_.begin(), given_.end(), [&](const Given& given) { return given.motion == &motion; });
-    if (!moves_something) return Error{"no node named '" + motion.node + "' carries anything that could move"};
+    if (!moves_something) return Error{"moving: " + why_it_rests(model_, motion.node)};
   }
   const std::chrono::microseconds period = longest();
   const double until = seconds_of(period);
@@ -177,7 +209,8 @@ Result<uint32_t> MovingNodes::find(uint32_t placed) {
   auto channels = animations_.of(source);
   if (!channels) return channels.error();
   node.channels = std::move(*channels);
-  if (!source.local.has_matrix) {
+  if (is_given_motion(source)) {
+    node.local = *in_parts(source.local);
     for (const NodeMotion& motion : motions_) {
       if (motion.node != model_.nodes[static_cast<size_t>(source.node)].name) continue;
       given_.push_back({static_cast<uint32_t>(nodes_.size()), &motion});
