@@ -80,12 +80,40 @@ void keep_once(std::vector<Error>& errors, const Config& config) {
   errors = std::move(once);
 }
 
+// A reload that cannot be applied as a whole. What of it was applied follows in lines of its own.
+Error in_part(const std::string& why, const std::vector<std::string>& changes) {
+  std::string text = "reloaded, but for this: " + why;
+  for (const std::string& change : changes) text += "\n" + change;
+  return Error{std::move(text)};
+}
+
+// Listed scenes that are new or changed are read once before anything is taken away for them: one that cannot be read
+// stays as it was. Where its file is missing, that was said already.
+void keep_unreadable(const Config& next, SceneCatalog& read, const SceneCatalog& before,
+                     const scenes::SceneReader& read_scene, std::vector<Error>& kept) {
+  for (const SceneFile& scene : next.scenes.list) {
+    const scenes::SceneSource* const old = before.source(scene.name);
+    const scenes::SceneSource& now = *read.source(scene.name);
+    if (old && *old == now) continue;
+    std::error_code none;
+    if (std::filesystem::exists(now.file, none)) {
+      const auto scene_read = read_scene(now, {}, {});
+      const bool dark = scene_read && (*scene_read)->lights.empty();
+      if (scene_read && !dark) continue;
+      kept.push_back(Error{"scenes.list." + scene.name + ": scene " + scene.name + ": " +
+                           (dark ? kNoLights : scene_read.error().message) + (old ? "; it stays as it was" : "")});
+    }
+    if (old) read.keep(scene.name, before);
+  }
+}
+
 // Scenes that are new or changed are brought at once, as at the start.
 void change_scenes(const Config& next, Published<SceneCatalog>& catalog, SceneHost& scenes, Metrics& metrics,
-                   std::vector<Error>& kept) {
+                   const scenes::SceneReader& read_scene, std::vector<Error>& kept) {
   auto read = SceneCatalog::read(next.scenes);
   if (!read) return kept.push_back(read.error());
   const auto before = catalog.get();
+  keep_unreadable(next, *read, *before, read_scene, kept);
   for (const std::string& name : scenes.change_sources(*read, *before)) {
     kept.push_back(Error{"scenes.list." + name + ": scene " + name +
                          " is in use and stays as it was; gnomonctl scene unload " + name + ", then reload"});
@@ -261,12 +289,12 @@ Result<std::vector<std::string>> Daemon::reload(const Result<Config>& next, cons
   apply(*next, missing);
   keep_once(missing, *next);
   metrics_.operation().reloaded(missing.empty());
-  std::string why;
-  for (const Error& each : missing) why += (why.empty() ? "" : "; ") + each.message;
-  auto changes = reload_audit_.applied(*next, why, old_pin, pin(), asked_by);
+  ReloadAudit::Kept kept{restart_keys(*next, options_.config), {}};
+  for (const Error& each : missing) kept.why += (kept.why.empty() ? "" : "; ") + each.message;
+  auto changes = reload_audit_.applied(*next, kept, old_pin, pin(), asked_by);
   if (missing.empty()) return changes;
-  log::error("configuration reloaded in part", {{"why", why}});
-  return Error{"reloaded, but for this: " + why};
+  log::error("configuration reloaded in part", {{"why", kept.why}});
+  return in_part(kept.why, changes);
 }
 
 void Daemon::apply(const Config& next, std::vector<Error>& kept) {
@@ -301,7 +329,7 @@ void Daemon::apply(const Config& next, std::vector<Error>& kept) {
   scenes_->set_memory_limits(scene_memory_limits(by_id));
   metrics_.add_tenants(names_of(by_id.tenants));
   if (options_.on_reload) options_.on_reload(next);
-  change_scenes(next, catalog_, *scenes_, metrics_, kept);
+  change_scenes(next, catalog_, *scenes_, metrics_, options_.read_scene, kept);
   devices_.set_sharing(sharing);
   tenant_directory_.publish(directory);  // last: a published tenant already has its limits, metrics and terms
   server_->close_unwelcome();
@@ -335,7 +363,7 @@ void Daemon::stop() {
   if (store_) store_->close();
   admin_.reset();
   packs_.reset();
-  scenes_.reset();
+  if (scenes_) scenes_->stop();  // the watchdog's thread may still ask for the summary
 }
 
 }  // namespace gnomon::daemon

@@ -14,20 +14,21 @@ std::string listed(const std::vector<std::string>& changes) {
 
 }  // namespace
 
-std::vector<std::string> ReloadAudit::applied(const Config& next, const std::string& kept,
-                                              const protocol::Pin& old_pin, const protocol::Pin& pin,
-                                              const char* asked_by) {
-  std::vector<std::string> changes = changes_between(values_, next.values);
+std::vector<std::string> ReloadAudit::applied(const Config& next, const Kept& kept, const protocol::Pin& old_pin,
+                                              const protocol::Pin& pin, const char* asked_by) {
+  ConfigValues values = next.values;
+  for (const std::string& key : kept.keys) keep_values(values, values_, key);
+  std::vector<std::string> changes = changes_between(values_, values);
   if (pin != old_pin) {
     changes.push_back("certificate: " + protocol::to_string(old_pin) + " -> " + protocol::to_string(pin));
   }
-  values_ = next.values;
+  values_ = std::move(values);
   file_ = next.log.audit_file;
-  if (kept.empty()) {
+  if (kept.why.empty()) {
     log::audit("configuration", {{"asked_by", asked_by}, {"result", "done"}, {"changes", listed(changes)}});
   } else {
     log::audit("configuration",
-               {{"asked_by", asked_by}, {"result", "in part"}, {"changes", listed(changes)}, {"reason", kept}});
+               {{"asked_by", asked_by}, {"result", "in part"}, {"changes", listed(changes)}, {"reason", kept.why}});
   }
   return changes;
 }

@@ -16,11 +16,14 @@ class ReloadAudit {
  public:
   explicit ReloadAudit(const Config& running) : values_(running.values), file_(running.log.audit_file) {}
 
-  // `next` is in force, which had its audit file opened. The pins are those of the certificate before and after.
-  // `asked_by`: "SIGHUP", "operator".
-  // `kept`: why some of it was not applied; empty if all of it was.
-  // Returns the changes, one for each key.
-  std::vector<std::string> applied(const Config& next, const std::string& kept, const protocol::Pin& old_pin,
+  // What was not applied.
+  struct Kept {
+    std::vector<std::string> keys;  // those that have their values of before
+    std::string why;                // empty if all was applied
+  };
+  // `next` is in force but for what was kept. The pins are those of the certificate before and after. `asked_by`: "SIGHUP",
+  // "operator". Returns the changes, one for each key.
+  std::vector<std::string> applied(const Config& next, const Kept& kept, const protocol::Pin& old_pin,
                                    const protocol::Pin& pin, const char* asked_by);
   void refused(const std::string& why, const char* asked_by) const;
 

@@ -175,6 +175,12 @@ void check_passes(Findings& findings, const RenderConfig& render) {
                 "' is a name of before (deprecated): what clients get is named now, hard_shadows and soft_shadows");
 }
 
+// Serving nothing is no mistake in itself: scenes may come with a reload.
+void check_any_scenes(Findings& findings, const ScenesConfig& scenes) {
+  if (!scenes.list.empty() || !scenes.allow_files.empty() || !findings.is_known("scenes")) return;
+  findings.warn("scenes.list: an empty list, and scenes.allow_files too: every client will be refused");
+}
+
 }  // namespace
 
 StartFindings check_start(ConfigReading& reading, const StartCheckOptions& options) {
@@ -191,6 +197,7 @@ StartFindings check_start(ConfigReading& reading, const StartCheckOptions& optio
   check_tenants_alone(findings, config);
   check_admin_server(findings, config);
   check_scenes(findings, config.scenes, options);
+  check_any_scenes(findings, config.scenes);
   check_folders(findings, config);
   if (options.for_reload) return findings.take();
   const bool addresses_known = findings.is_known("server.listen") && findings.is_known("admin.listen");

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "daemon/config/config_keys.h"
+#include "daemon/config/render_effects.h"
 #include "daemon/security/readable_file.h"
 
 namespace gnomon::daemon {
@@ -32,7 +33,11 @@ std::string tab_hint(const std::string& text, int line) {
 // yaml-cpp throws on text that is not YAML. nullopt: the mistake is noted.
 std::optional<YAML::Node> load_yaml(const std::string& text, const Source& source) {
   try {
-    return YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() <= 1) return documents.empty() ? YAML::Node() : documents.front();
+    source.mistakes.errors.push_back({source.at(documents[1].Mark()) +
+                                      ": a second YAML document begins, after '---'; allowed: one, with all keys"});
+    return std::nullopt;
   } catch (const YAML::Exception& e) {
     const std::string hint = e.mark.is_null() ? "" : tab_hint(text, e.mark.line);
     source.mistakes.errors.push_back({source.at(e.mark) + ": not YAML: " + e.msg + hint});
@@ -120,6 +125,8 @@ void check_together(ConfigReading& reading) {
         "server.tls.client_crl: without server.tls.client_ca there is no authority that could revoke anything");
   check({"web.webtransport", "web.listen"}, config.web.webtransport && !config.web.listen,
         "web.webtransport: true, where web.listen is false; allowed: with web.listen: true, whose page uses it");
+  const auto slip = misspelt_effect(config.render);
+  check({"render.passes"}, slip.has_value(), slip ? "render.passes: " + *slip : "");
   const auto safe = check_access(server, config.tenants);
   check({"server.listen", "server.mode", "server.insecure_listen", "tenants"}, !safe,
         safe ? "" : safe.error().message);

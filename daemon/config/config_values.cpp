@@ -51,6 +51,16 @@ std::string change_of_tokens(const std::string& before, const std::string& after
   return std::to_string(added) + " added, " + std::to_string(removed) + " removed";
 }
 
+// The items of lists that have a name in `values` and are not in `others`: "tenants.museum".
+std::vector<std::string> items_missing(const ConfigValues& others, const ConfigValues& values) {
+  std::vector<std::string> items;
+  for (const auto& [key, name] : values) {
+    const std::string ending = "." + name + ".name";
+    if (key.ends_with(ending) && !others.contains(key)) items.push_back(key.substr(0, key.size() - 5));
+  }
+  return items;
+}
+
 std::string value_in(const ConfigValues& values, const std::string& key, bool list) {
   const auto found = values.find(key);
   return found != values.end() ? found->second : list ? "" : kDefault;
@@ -65,6 +75,13 @@ void add_values(ConfigValues& values, const YAML::Node& node, const std::string&
     add_list(values, node, path);
   } else if (node.IsMap()) {
     for (const auto& entry : node) add_values(values, entry.second, below(path, entry.first.Scalar()));
+  }
+}
+
+void keep_values(ConfigValues& values, const ConfigValues& before, const std::string& key) {
+  forget_below(values, key);
+  for (const auto& entry : before) {
+    if (entry.first == key || entry.first.starts_with(key + ".")) values.insert(entry);
   }
 }
 
@@ -86,17 +103,27 @@ void add_places(ConfigPlaces& places, const YAML::Node& node,
 }
 
 std::vector<std::string> changes_between(const ConfigValues& before, const ConfigValues& after) {
+  std::map<std::string, std::string> changes;  // by key, for their order
+  ConfigValues old_values = before;
+  for (const std::string& item : items_missing(after, before)) {
+    forget_below(old_values, item);
+    changes[item] = "removed";
+  }
   std::set<std::string> keys;
-  for (const auto& [key, value] : before) keys.insert(key);
+  for (const auto& [key, value] : old_values) keys.insert(key);
   for (const auto& [key, value] : after) keys.insert(key);
-  std::vector<std::string> changes;
   for (const std::string& key : keys) {
     const bool tokens = key.ends_with(kTokenHashes);
-    const std::string old = value_in(before, key, tokens), now = value_in(after, key, tokens);
-    if (old == now) continue;
-    changes.push_back(key + ": " + (tokens ? change_of_tokens(old, now) : old + " -> " + now));
+    const std::string old = value_in(old_values, key, tokens), now = value_in(after, key, tokens);
+    if (old != now) changes[key] = tokens ? change_of_tokens(old, now) : old + " -> " + now;
   }
-  return changes;
+  for (const std::string& item : items_missing(before, after)) {
+    changes.erase(item + ".name");
+    changes[item] = "added";
+  }
+  std::vector<std::string> lines;
+  for (const auto& [key, change] : changes) lines.push_back(key + ": " + change);
+  return lines;
 }
 
 }  // namespace gnomon::daemon

@@ -58,7 +58,9 @@ EditedConfig& EditedConfig::operator=(EditedConfig&&) noexcept = default;
 
 Result<EditedConfig> EditedConfig::read(const std::string& text) {
   try {
-    const YAML::Node root = YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) return Error{"more than one YAML document"};
+    const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
     if (root.IsNull()) return EditedConfig(YAML::Node(YAML::NodeType::Map));
     if (!root.IsMap()) return Error{"no map of sections"};
     return EditedConfig(root);

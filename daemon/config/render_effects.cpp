@@ -4,6 +4,8 @@
 #include <array>
 #include <iterator>
 
+#include "common/suggestion.h"
+
 namespace gnomon::daemon {
 namespace {
 
@@ -23,6 +25,18 @@ bool runs(const RenderConfig& render, std::string_view effect) {
 }
 
 }  // namespace
+
+std::optional<std::string> misspelt_effect(const RenderConfig& render) {
+  static const std::vector<std::string> kEffects{std::string(kHardShadows), std::string(kSoftShadows),
+                                                 std::string(kAmbientOcclusion)};
+  for (const std::string& name : render.passes) {
+    const auto meant = suggestion(name, kEffects);
+    if (!meant || is_effect(name)) continue;
+    return "'" + name + "'; did you mean " + *meant + "? allowed: " + kEffects[0] + ", " + kEffects[1] + ", " +
+           kEffects[2];
+  }
+  return std::nullopt;
+}
 
 std::vector<std::string> effects_of(const RenderConfig& render) {
   std::vector<std::string> effects{std::string(kHardShadows)};

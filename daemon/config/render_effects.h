@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,9 @@ namespace gnomon::daemon {
 inline constexpr std::string_view kHardShadows = "hard_shadows";
 inline constexpr std::string_view kSoftShadows = "soft_shadows";
 inline constexpr std::string_view kAmbientOcclusion = "ambient_occlusion";
+
+// What is said of the first name in the list that is nearly an effect's; nullopt: there is none.
+std::optional<std::string> misspelt_effect(const RenderConfig& render);
 
 // What runs, in order: hard shadows always, the others if the list names them or no effect at all, and
 // render.max_samples and render.max_occlusion leave something of them.

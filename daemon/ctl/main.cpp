@@ -143,7 +143,7 @@ void add_scene_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
   light
       ->add_option_function<std::vector<double>>(
           "--color", [&change](const auto& to) { change["color"] = to; },
-          "Linear, three numbers from 0 to 1 with commas")
+          "Linear, three numbers from 0 on with commas")
       ->delimiter(',')
       ->expected(3)
       ->type_name("R,G,B");
@@ -178,7 +178,7 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
       ->type_name("SECONDS");
   top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is left or interrupted")
       ->type_name("N");
-  add(app, chosen, "reload", "Read the configuration again; no session is dropped",
+  add(app, chosen, "reload", "Read the configuration again; sessions stay, but for those whose tenant or credential is gone",
       [](Arguments& a) { return post(a, "/reload"); });
   CLI::App* both[] = {
       add(app, chosen, "drain", "Admit nobody, serve those who are here on, and ask clients of a fleet to move",
@@ -257,8 +257,10 @@ void add_init_command(CLI::App& app, Command& chosen, InitRequest& request) {
   command->add_option("--days", request.days, "How long the server's certificate lasts")
       ->check(CLI::Range(1u, 3650u))
       ->type_name("DAYS");
-  command->add_flag("--browsers,!--no-browsers", request.browsers,
-                    "Serve the viewer for browsers too (web.listen)");
+  // By a function, as a flag of an optional would be set to false where it is not given.
+  command->add_flag_function(
+      "--browsers,!--no-browsers", [&request](int64_t count) { request.browsers = count > 0; },
+      "Serve the viewer for browsers too (web.listen)");
   command->add_option("--systemd", request.systemd, "Folder of units, for the socket's drop-in; else the system's")
       ->type_name("DIR");
   add_fleet_options(*command, request);

@@ -78,11 +78,31 @@ std::string scenes_text(const json& status) {
   return table.text();
 }
 
+namespace {
+
+// What a session gets at present where that is less than what it was granted, as "480x272 7.5 Hz 4 points".
+std::string served_of(const json& session) {
+  const auto found = session.find("served");
+  if (found == session.end() || !found->is_object()) return "";
+  const json& served = *found;
+  const auto differs = [&](const char* key) { return number(served, key) != number(session, key); };
+  std::string words;
+  const auto say = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
+  if (differs("width") || differs("height")) say(size_of(served));
+  if (differs("rate_hz")) say(fixed(number(served, "rate_hz"), 1) + " Hz");
+  if (differs("samples")) say(whole(served, "samples") + (number(served, "samples") == 1 ? " point" : " points"));
+  if (text(served, "occlusion") != text(session, "occlusion")) say("occlusion " + text(served, "occlusion"));
+  if (number(served, "untraced_lights") > 0) say("without " + whole(served, "untraced_lights") + " lights");
+  return words.empty() ? "as granted" : words;
+}
+
+}  // namespace
+
 std::string sessions_text(const json& status) {
-  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", "TRANSPORT", "ADDRESS", ">FRAMES", ">COALESCED", ">QUEUE ms",
-               ">GPU ms", ">TOTAL ms"});
+  Table table({"SESSION", "TENANT", "SCENE", ">SIZE", "SERVED", "TRANSPORT", "ADDRESS", ">FRAMES", ">COALESCED",
+               ">QUEUE ms", ">GPU ms", ">TOTAL ms"});
   for (const json& s : list(status, "sessions")) {
-    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), text(s, "transport"),
+    table.add({text(s, "id"), text(s, "tenant"), text(s, "scene"), size_of(s), served_of(s), text(s, "transport"),
                text(s, "address"), whole(s, "frames"), whole(s, "coalesced"),
                fixed(number(s, "queue_us") / 1000, 1), fixed(number(s, "gpu_us") / 1000, 1),
                fixed(number(s, "total_us") / 1000, 1)});

@@ -356,7 +356,7 @@ class Audit(Abuse):
         victim.config["tenants"] = [{"name": "studio", "weight": 3, "token_sha256": ["ab" * 32]}, {"name": "museum"}]
         victim.write_config()
         self.assertEqual(victim.ctl("reload")[0], 0)
-        self.assertIn('audit configuration asked_by=operator result=done changes="tenants.museum.name: (default) -> museum, '
+        self.assertIn('audit configuration asked_by=operator result=done changes="tenants.museum: added, '
                       'tenants.studio.token_sha256: 1 added, 0 removed, tenants.studio.weight: 1 -> 3"', file.read_text())
         self.assertNotIn("ab" * 6, file.read_text() + victim.log_text())  # a random pin may have a shorter run
         self.assertNotIn(" audit ", victim.log_text())

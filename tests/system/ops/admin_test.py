@@ -203,8 +203,8 @@ class Reload(unittest.TestCase):
         node.config["scenes"]["list"].append({"name": "doll", "file": "doll.gltf"})
         start = len(node.log_text().splitlines())
         self.assertEqual(self.reload(), ["log.format: (default) -> json", "render.cache_mb: (default) -> 1",
-                                         "scenes.list: [] -> (default)", "scenes.list.doll.file: (default) -> doll.gltf",
-                                         "scenes.list.doll.name: (default) -> doll"])
+                                         "scenes.list: [] -> (default)", "scenes.list.doll: added",
+                                         "scenes.list.doll.file: (default) -> doll.gltf"])
         eventually(lambda: "light buffers ready" in node.log_text(), "the light buffers")
         for event in ("configuration", "configuration reloaded", "skins are left out: their meshes stay as stored",
                       "light buffer not cached"):

@@ -53,6 +53,9 @@ BROKEN = {
     "tab": (GOOD + "log:\n\tlevel: info\n", r":6:\d+: not YAML: .*begins with a tab"),
     "not closed": (GOOD + "log: [\n", r":\d+:\d+: not YAML"),
     "not a map": ("- a\n", r":1:1: a list"),
+    "two documents": (GOOD + "---\ntenants: []\n", r":6:\d+: a second YAML document"),
+    "nearly an effect": (GOOD.replace("tracer: bvh", "tracer: bvh, passes: [soft_shadow]"),
+                         r":3:\d+: render\.passes: 'soft_shadow'; did you mean soft_shadows\?"),
     # Keys that do not go together.
     "one port twice": (GOOD.replace("control_port: 0", "control_port: 7731").replace("port: 0, socket", "port: 7731, socket"),
                        r":2:\d+: admin\.port: 7731 is server\.control_port too"),
@@ -209,6 +212,12 @@ log: {level: loud}
                      ": render.passes: ", ": render.device: ", ": render.cache_folder: ", ":11:7: log.level"):
             self.assertIn(said, output)
         self.assertNotIn("tls.certificate", output, "nothing is concluded from a mode that nobody understands")
+
+    def test_that_nobody_could_be_served_is_a_warning(self):
+        code, output = self.check(FREE + CPU + "scenes: {list: [], allow_files: []}\n")
+        self.assertEqual(code, 0, output)
+        self.assertRegex(output, r"warning: .*scenes\.list: an empty list, and scenes\.allow_files too")
+        self.assertNotIn("warning", self.check(GOOD)[1])
 
     def test_the_shipped_one_says_what_it_lacks(self):
         shipped = pathlib.Path(__file__).resolve().parents[3] / "config/gnomond.yaml"

@@ -13,6 +13,7 @@ import re
 import select
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -145,6 +146,15 @@ class ExitStatuses(unittest.TestCase):
         for program in ("gnomon-client", "gnomon-load"):
             token = ("--token-file", "/none") if program == "gnomon-client" else ("--tenant", "a:/none:1")
             self.assertEqual(run(program, *client, *token)[0], 1, "a file that cannot be read is no wrong usage")
+
+    def test_a_second_init_keeps_whether_browsers_are_served(self):
+        with tempfile.TemporaryDirectory() as folder:
+            init = ("init", "--out", folder, "--host", "edge.example", "--tenant", "lab", "--scene", "temple")
+            served = lambda: re.search(r"web:\s+listen: (\w+)", pathlib.Path(folder, "gnomond.yaml").read_text())
+            for more, expected in ((("--browsers",), "true"), ((), "true"), (("--no-browsers",), "false"), ((), "false")):
+                status, text = run("gnomonctl", *init, *more)
+                self.assertEqual(status, 0, text)
+                self.assertEqual(served().group(1), expected, more)
 
     def test_an_address_that_is_said_is_asked_and_not_the_fleet_of_the_environment(self):
         fleet = {**os.environ, "GNOMON_FLEET": "n1=http://127.0.0.1:2"}

@@ -64,6 +64,21 @@ TEST(ConfigReading, ARestartIsNeededForWhatARunningDaemonCannotChange) {
 }
 
 // It stands in a page as it is.
+TEST(ConfigReading, ASecondDocumentIsAMistake) {
+  const auto parsed = parse_config("server: {mode: demo}\n---\nserver: {max_sesions: 3}\n", "edge.yaml");
+  ASSERT_FALSE(parsed);
+  EXPECT_NE(parsed.error().message.find("edge.yaml:3"), std::string::npos) << parsed.error().message;
+  EXPECT_NE(parsed.error().message.find("a second YAML document"), std::string::npos) << parsed.error().message;
+  EXPECT_TRUE(parse_config("---\nserver: {mode: demo}\n", "edge.yaml"));
+  EXPECT_TRUE(parse_config("# nothing\n", "edge.yaml"));
+}
+
+TEST(ConfigReading, ASlipInAnEffectsNameIsAnsweredWithEffects) {
+  const auto parsed = parse_config("render: {passes: [hard_shadows, soft_shadow]}\n", "edge.yaml");
+  ASSERT_FALSE(parsed);
+  EXPECT_NE(parsed.error().message.find("did you mean soft_shadows?"), std::string::npos) << parsed.error().message;
+}
+
 TEST(ConfigReading, AFleetsNameIsADomain) {
   for (const char* name : {"gnomon.example", "a", "a-1.example", ""}) {
     const auto config = parse_config("fleet: {name: '" + std::string(name) + "'}\n", "edge.yaml");

@@ -34,15 +34,17 @@ TEST(ConfigChanges, SayNothingOfOrderCommentsAndQuotes) {
 
 TEST(ConfigChanges, NameTheTenant) {
   EXPECT_EQ(changes("tenants: [{name: a, weight: 1}, {name: b}]", "tenants: [{name: c}, {name: a, weight: 3}]"),
-            "tenants.a.weight: 1 -> 3, tenants.b.name: b -> (default), tenants.c.name: (default) -> c");
+            "tenants.a.weight: 1 -> 3, tenants.b: removed, tenants.c: added");
+  EXPECT_EQ(changes("tenants: [{name: a, weight: 2, priority: 1}]", "tenants: [{name: c, weight: 2}]"),
+            "tenants.a: removed, tenants.c: added, tenants.c.weight: (default) -> 2");
+  EXPECT_EQ(changes("{}", "fleet: {name: edge.example}"), "fleet.name: (default) -> edge.example");
 }
 
 TEST(ConfigChanges, AnOverrideReplacesAListAndAddsToAMap) {
-  EXPECT_EQ(
-      changes("{server: {max_sessions: 7}, tenants: [{name: a}]}",
-              "{server: {max_sessions: 7}, tenants: [{name: a}]}",
-              {"tenants=[{name: b}]", "server.drain_timeout_ms=5"}),
-      "server.drain_timeout_ms: (default) -> 5, tenants.a.name: a -> (default), tenants.b.name: (default) -> b");
+  EXPECT_EQ(changes("{server: {max_sessions: 7}, tenants: [{name: a}]}",
+                    "{server: {max_sessions: 7}, tenants: [{name: a}]}",
+                    {"tenants=[{name: b}]", "server.drain_timeout_ms=5"}),
+            "server.drain_timeout_ms: (default) -> 5, tenants.a: removed, tenants.b: added");
 }
 
 TEST(ConfigChanges, CountTokensAndShowNoneOfTheirHashes) {
