@@ -113,6 +113,12 @@ Result<FlightOptions> flight_options(const Arguments& a) {
   if (!border) return border.error();
   const auto mode = parse_mode(a.mode);
   if (!mode) return mode.error();
+  const bool soft = a.samples > 1 || a.occlusion != Occlusion::none;
+  if (a.record.empty() && a.record_view != Arguments().record_view) return Error{"--record-view is of --record"};
+  if ((a.soft_filter || a.soft_accumulate) && !soft) {
+    return Error{
+        "--soft-filter and --soft-accumulate are of soft light: --samples 4 or 16, or --occlusion half or full"};
+  }
 
   FlightOptions flight;
   flight.mode = *mode;

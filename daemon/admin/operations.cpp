@@ -71,7 +71,8 @@ Page Operations::change_light(const std::string& asked, const std::string& light
   if (!is_resident && known.empty()) return {404, kText, "the configuration has no such scene\n"};
   const size_t most = is_resident ? scene->second.lights.lights.size() : ChangedLights::kMostNumber + 1;
   const size_t index = light.size() > 4 ? most : std::stoul(light);
-  if (index >= most) return {404, kText, "lights of the scene are numbered from 0 to " + std::to_string(most - 1) + " at most\n"};
+  if (index >= most)
+    return {404, kText, "lights of the scene are numbered from 0 to " + std::to_string(most - 1) + " at most\n"};
   const auto asked_for = parse_dated_change(body);
   if (!asked_for) return {400, kText, asked_for.error().message + "\n"};
   if (is_resident) {

@@ -178,7 +178,8 @@ void add_commands(CLI::App& app, Command& chosen, Arguments& arguments) {
       ->type_name("SECONDS");
   top_command->add_option("--count", arguments.count, "Tables before it ends; 0: until it is left or interrupted")
       ->type_name("N");
-  add(app, chosen, "reload", "Read the configuration again; sessions stay, but for those whose tenant or credential is gone",
+  add(app, chosen, "reload",
+      "Read the configuration again; sessions stay, but for those whose tenant or credential is gone",
       [](Arguments& a) { return post(a, "/reload"); });
   CLI::App* both[] = {
       add(app, chosen, "drain", "Admit nobody, serve those who are here on, and ask clients of a fleet to move",

@@ -1,5 +1,8 @@
 #include "daemon/scenes/changed_lights.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -69,11 +72,14 @@ std::string ChangedLights::text() const {
 
 Result<void> ChangedLights::write(const fs::path& file) const {
   const fs::path unfinished = file.string() + ".new";
-  std::ofstream out(unfinished, std::ios::trunc);
-  out << text() << std::flush;
+  std::ofstream(unfinished, std::ios::trunc) << text();
+  // On the disk before it has the name: else it may be empty after a loss of power, and an empty one stops a start.
+  const int written = open(unfinished.c_str(), O_RDWR | O_CLOEXEC);
+  const bool whole = written >= 0 && fs::file_size(unfinished) == text().size() && fsync(written) == 0;
+  if (written >= 0) close(written);
   std::error_code failed;
-  if (out) fs::rename(unfinished, file, failed);
-  return out && !failed ? Result<void>() : Error{file.string() + ": cannot be written"};
+  if (whole) fs::rename(unfinished, file, failed);
+  return whole && !failed ? Result<void>() : Error{file.string() + ": cannot be written"};
 }
 
 Result<void> ChangedLights::add(const Place& place, const LightChange& change, int64_t at_ms) {

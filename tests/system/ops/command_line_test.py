@@ -125,7 +125,8 @@ class ExitStatuses(unittest.TestCase):
         client = ("--server", "h:1", "--scene", "s", "--size", "8x8")
         wrong = {"gnomon-client": (("--size", "abc"), ("--mode", "nonsense"), ("--server", "h"), ("--border", "1"),
                                    ("--codec", "zip"), ("--transport", "post"), ("--antialias", "3x"), ("--view", "all"),
-                                   ("--view", "mask"), ("--record-view", "none")),
+                                   ("--view", "mask"), ("--record-view", "none"), ("--record-view", "side-by-side"),
+                                   ("--soft-filter",), ("--soft-accumulate",)),
                  "gnomon-load": (("--size", "abc"), ("--server", "h"), ("--codec", "zip"), ("--transport", "post"),
                                  ("--clients", "few"), ("--tenant", "a:b"), ("--tenant", "a::2", "--clients", "3"), ())}
         for program, cases in wrong.items():
