@@ -150,7 +150,7 @@ class Assembly {
       if (instance.moved_by != kNone) instance.object_to_world = (next++)->object_to_world;
     }
     scene_->lights = lights_at(*scene_, scene_->lights, SceneTime(0));
-    const Bounds reached = moved_bounds(*scene_, {});
+    const Bounds reached = moved_bounds(*scene_, moved_lights_bounds(*scene_));
     for (int axis = 0; axis < 3; ++axis) {
       if (!(reached.min[axis] >= -kFarthest && reached.max[axis] <= kFarthest)) {
         return Error{"its animations move something farther than a million kilometres"};

@@ -39,8 +39,9 @@ struct LoadLimits {
 // The file is untrusted: any bytes give a scene or an error, without a crash, a hang, an allocation beyond the limits,
 // or a read outside the file's own folder. Blocking; any thread. The scene's name is the file's stem.
 //
-// `motions` replace the animations of the same property. It is an error if no node of that name, other than nodes with
-// a matrix, carries anything that could move, or if the longest animation lasts for more than 1000 of its periods.
+// `motions` replace the animations of the same property. It is an error if no node of that name, other than those whose
+// matrix is skewed or flat, carries anything that could move, or if the longest animation lasts for more than 1000 of its
+// periods.
 Result<ScenePtr> load_scene(const std::filesystem::path& file, const LoadLimits& limits = {},
                             const std::vector<NodeMotion>& motions = {});
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "scenes/pose.h"
 
@@ -65,6 +68,15 @@ Corners corners_of(const Mesh& mesh) {
   return corners;
 }
 
+// A place that is no number is everywhere, where a minimum would pass it over.
+void add_to(Bounds& bounds, glm::vec3 p, bool first) {
+  constexpr float kEverywhere = std::numeric_limits<float>::infinity();
+  const bool is_place = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  if (first) bounds = {p, p};
+  bounds.min = is_place ? glm::min(bounds.min, p) : glm::vec3(-kEverywhere);
+  bounds.max = is_place ? glm::max(bounds.max, p) : glm::vec3(kEverywhere);
+}
+
 // Accumulates the bounds of one instance's box over the samples.
 struct Sweep {
   Corners corners;
@@ -76,10 +88,8 @@ struct Sweep {
   void add(const glm::mat4& to_world, bool first) {
     for (size_t i = 0; i < corners.size(); ++i) {
       const glm::vec3 p(to_world * glm::vec4(corners[i], 1.0f));
-      if (first && i == 0) bounds = {p, p};
       if (!first) farthest = std::max(farthest, glm::distance(p, last[i]));
-      bounds.min = glm::min(bounds.min, p);
-      bounds.max = glm::max(bounds.max, p);
+      add_to(bounds, p, first && i == 0);
       last[i] = p;
     }
   }
@@ -125,6 +135,19 @@ std::shared_ptr<Scene> frozen_at(const Scene& scene, SceneTime time) {
   frozen->moving_nodes.clear();
   frozen->period = SceneTime(0);
   return frozen;
+}
+
+Bounds moved_lights_bounds(const Scene& scene) {
+  Bounds all;
+  bool first = true;
+  for (const double seconds : sample_times(scene)) {
+    const std::vector<glm::dmat4> to_world = transforms_at(scene, seconds);
+    for (const Light& light : scene.lights) {
+      if (light.moved_by == kNone) continue;
+      add_to(all, glm::vec3(to_world[light.moved_by][3]), std::exchange(first, false));
+    }
+  }
+  return all;
 }
 
 Bounds moved_bounds(const Scene& scene, const Bounds& bounds) {

@@ -33,4 +33,7 @@ std::shared_ptr<Scene> frozen_at(const Scene& scene, SceneTime time);
 // instance's bounds are widened by half of the farthest that it moves from one sample to the next.
 Bounds moved_bounds(const Scene& scene, const Bounds& bounds);
 
+// The bounds of the moving lights' places, sampled likewise; of a place that is no number, all that there is.
+Bounds moved_lights_bounds(const Scene& scene);
+
 }  // namespace gnomon::scenes

@@ -102,10 +102,14 @@ export class Viewer {
       this.pack = loaded;
       await this.makeRenderer();
     } catch (error) {
-      const why = error instanceof Error ? error.message : String(error);
-      if (wanted === this.wanted)
-        this.emit({ is: 'failed', why: `the scene "${wanted.scene}" cannot be had: ${why}` });
+      if (wanted === this.wanted) this.fail(error);
     }
+  }
+
+  /** @param {unknown} error */
+  fail(error) {
+    const why = error instanceof Error ? error.message : String(error);
+    this.emit({ is: 'failed', why: `the scene "${this.wanted?.scene}" cannot be had: ${why}` });
   }
 
   async makeRenderer() {
@@ -146,9 +150,9 @@ export class Viewer {
     if (event.is === 'open') {
       const sceneChanged = this.welcome && this.welcome.scene.contentHash !== event.scene.contentHash;
       this.welcome = event;
-      if (this.renderer && sceneChanged) this.loadScene('no-store');
+      if (this.pack && sceneChanged) this.loadScene('no-store');
       else if (this.renderer) this.renderer.setLights(event.scene.lights, event.lightsVersion);
-      else this.makeRenderer();
+      else this.makeRenderer().catch((error) => this.fail(error));
     }
     if (event.is === 'sceneChanged') {
       this.welcome = { ...this.welcome, scene: event.scene, samples: event.samples, areas: event.areas };

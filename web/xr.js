@@ -73,6 +73,25 @@ export class Headset {
     const session = await /** @type {any} */ (navigator).xr.requestSession('immersive-vr');
     this.session = session;
     this.viewer.pause(); // what the two eyes see is what the server is to have room for
+    try {
+      await this.show(session, gl);
+    } catch (error) {
+      await session.end().catch(() => {});
+      throw error;
+    } finally {
+      for (const eye of this.eyes.values()) eye.close();
+      this.eyes.clear();
+      this.session = null;
+      this.viewer.goOn();
+    }
+  }
+
+  /**
+   * Shows what the headset sees; resolves when it is left.
+   * @param {any} session
+   * @param {any} gl
+   */
+  async show(session, gl) {
     await gl.makeXRCompatible();
     const layer = new /** @type {any} */ (globalThis).XRWebGLLayer(session, gl, {
       alpha: false,
@@ -89,10 +108,6 @@ export class Headset {
     };
     session.requestAnimationFrame(turn);
     await left;
-    for (const eye of this.eyes.values()) eye.close();
-    this.eyes.clear();
-    this.session = null;
-    this.viewer.goOn();
   }
 
   /**

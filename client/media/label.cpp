@@ -43,6 +43,8 @@ void fill(Picture& picture, const Box& box, uint8_t value, uint32_t opacity) {
 void write_label(Picture& picture, uint32_t left, uint32_t top, uint32_t right, const std::string& text,
                  uint32_t scale) {
   std::string line = text.substr(0, 80);
+  const auto has_no_letter = [](char c) { return c < ' ' || c > '~'; };  // the font's table ends there
+  std::replace_if(line.begin(), line.end(), has_no_letter, '?');
   std::array<Corner, 4 * 2000> corners;
   const int quads = stb_easy_font_print(0.0f, 0.0f, line.data(), nullptr, corners.data(), sizeof corners);
   const auto width = static_cast<uint32_t>(stb_easy_font_width(line.data()));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/printable.h"
+#include "common/sample_counts.h"
 
 namespace gnomon::client {
 
@@ -72,6 +73,13 @@ bool names_addresses(const protocol::Welcome& welcome) {
 // Its numbers determine the masks' memory, so they must not exceed what was asked for. nullopt: it may be used.
 std::optional<Error> objection_to(const protocol::Welcome& welcome, const protocol::Hello& asked) {
   if (!names_addresses(welcome)) return Error{"the server's Welcome names a host by no address"};
+  if ((welcome.features & ~completed(asked).features) != 0) {
+    return Error{"the server's Welcome grants features that were not asked for"};
+  }
+  const SampleCounts granted = sample_counts_of(welcome.samples), most = sample_counts_of(asked.samples);
+  if (fewest(granted, most) != granted) {
+    return Error{"the server's Welcome grants more samples than were asked for"};
+  }
   if (welcome.width > 0 && welcome.height > 0 && welcome.width <= asked.width && welcome.height <= asked.height &&
       welcome.scene.lights.size() <= protocol::kMaxLights) {
     return std::nullopt;

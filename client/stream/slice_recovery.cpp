@@ -19,7 +19,9 @@ Rebuilt SliceRecovery::add_parity(const protocol::FrameParity& parity) {
   const protocol::ParityHeader& header = parity.header;
   Frame* frame = find_or_begin(header.frame, header.slice_count);
   if (!frame || (frame->groups != 0 && frame->groups != header.groups)) return {};
-  if (frame->bytes + parity.shard.size() > kMaxFrameBytes) return {};
+  // A server that protects each slice twice sends more than enough; without a bound, shards of no bytes take memory.
+  const bool enough = frame->parity.size() >= 2 * frame->slices.size() + protocol::kMaxGroupParity;
+  if (enough || frame->bytes + parity.shard.size() > kMaxFrameBytes) return {};
   frame->groups = header.groups;
   for (const Shard& known : frame->parity) {
     if (known.group == header.group && known.index == header.index) return {};

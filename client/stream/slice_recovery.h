@@ -20,6 +20,13 @@ class SliceRecovery {
   std::vector<std::vector<uint8_t>> add_slice(const protocol::SliceHeader& header, std::span<const uint8_t> body);
   std::vector<std::vector<uint8_t>> add_parity(const protocol::FrameParity& parity);
 
+  // Parity shards that are kept, of all frames.
+  size_t shards() const {
+    size_t sum = 0;
+    for (const Frame& frame : frames_) sum += frame.parity.size();
+    return sum;
+  }
+
  private:
   struct Shard {
     uint16_t group = 0;

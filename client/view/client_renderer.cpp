@@ -71,9 +71,10 @@ Result<PictureView> ClientRenderer::render(const Showing& showing, gpu::ShadeOpt
                        reinterpret_cast<const uint8_t*>(image.rgba.data())};
   };
   // Samples beside a pixel's centre need the masks looked up, as those of another camera do; so do shares that accumulate,
-  // which are those of masks that were seen.
+  // which are those of masks that were seen, and masks of another size than was asked for.
   const bool accumulates = soft_accumulate_ && !masks_->mask.planes.is_hard();
-  if (showing.reprojected || accumulates || options.samples == gpu::Samples::four) {
+  const bool other_size = grid.width != size_.traced_width() || grid.height != size_.traced_height();
+  if (showing.reprojected || other_size || accumulates || options.samples == gpu::Samples::four) {
     const auto masks = seen();
     if (!masks) return masks.error();
     const auto shown = view_->show_predicted(gpu::from_wire(shown_part(showing.camera, size_)), size_.width,

@@ -114,7 +114,7 @@ void LinkSender::sent(uint64_t sequence, size_t datagram_bytes, TimePoint now) {
   const QueuedDatagram datagram = *offered_;
   offered_.reset();
   if (datagram.cargo == Cargo::probe) {
-    mtu_.probe_sent();
+    mtu_.probe_sent(now);
     extra_bytes_ += datagram_bytes;
   } else if (datagram.again) {
     queue_.pop(true, true);

@@ -24,17 +24,22 @@ class MtuDiscovery {
   static constexpr Nanoseconds kSearchAgain = std::chrono::seconds(600);  // RFC 8899, 5.1.1: PMTU_RAISE_TIMER
   static constexpr Nanoseconds kAfterBlackHole = std::chrono::seconds(10);
   static constexpr Nanoseconds kBetweenProbes = std::chrono::milliseconds(50);
-  static constexpr uint32_t kBlackHole = 10;  // long datagrams lost in a row
+  static constexpr Nanoseconds kForgotten = std::chrono::seconds(10);  // a probe of which nothing more is heard
+  static constexpr uint32_t kBlackHole = 10;                           // long datagrams lost in a row
 
   size_t bytes() const { return kSizes[level_]; }  // longest UDP payload to send
 
   // The size of the probe that is due; nullopt if none is.
   std::optional<size_t> probe_due(TimePoint now) const {
-    if (probing_ || now < next_probe_ || level_ + 1 >= kSizes.size()) return std::nullopt;
+    const bool probing = probing_ && now < probe_sent_ + kForgotten;
+    if (probing || now < next_probe_ || level_ + 1 >= kSizes.size()) return std::nullopt;
     return kSizes[level_ + 1];
   }
 
-  void probe_sent() { probing_ = true; }
+  void probe_sent(TimePoint now) {
+    probing_ = true;
+    probe_sent_ = now;
+  }
 
   void probe_arrived(size_t size, TimePoint now) {
     probing_ = false;
@@ -74,7 +79,7 @@ class MtuDiscovery {
   uint32_t tries_ = 0;
   uint32_t lost_in_row_ = 0;
   bool probing_ = false;
-  TimePoint next_probe_{};
+  TimePoint next_probe_{}, probe_sent_{};
 };
 
 }  // namespace gnomon::daemon

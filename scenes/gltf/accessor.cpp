@@ -49,6 +49,17 @@ float component(const uint8_t* bytes, int type, bool normalized) {
   }
 }
 
+// 0 for a component that is no unsigned integer.
+size_t unsigned_bytes(int type) {
+  switch (type) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return component_bytes(type);
+    default: return 0;
+  }
+}
+
+// Precondition: the type is an unsigned integer.
 uint32_t unsigned_component(const uint8_t* bytes, int type) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return load<uint8_t>(bytes);
@@ -120,7 +131,7 @@ Result<Elements> Elements::of(const Document& document, int index, int type) {
 
 Result<void> Elements::add_sparse(const Document& document, const tinygltf::Accessor& accessor) {
   const auto& sparse = accessor.sparse;
-  const size_t bytes = component_bytes(sparse.indices.componentType);
+  const size_t bytes = unsigned_bytes(sparse.indices.componentType);
   if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || bytes == 0) {
     return Error{"has a sparse part that is not valid"};
   }

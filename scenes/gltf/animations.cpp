@@ -83,12 +83,16 @@ constexpr double kMostRepeats = 1000;
 
 double seconds_of(std::chrono::microseconds time) { return std::chrono::duration<double>(time).count(); }
 
-// Replaces the node's channel of the property that the motion moves by one whose keys reach `until` seconds or more.
-void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
+// Replaces the node's channel of the property that the motion moves by one whose keys reach `until` seconds or more. Error:
+// it has more keys than a file of that size may ask for.
+Result<void> set_motion(const NodeMotion& motion, double until, MovingNode& node, Budget& budget) {
   const bool spins = motion.kind == NodeMotion::Kind::spin;
   Channel channel;
   channel.path = spins ? Channel::Path::rotation : Channel::Path::translation;
   const double step = seconds_of(motion.period) / (spins ? 4 : 2);
+  const auto granted =
+      budget.spend(static_cast<uint64_t>(until / step) + 2, sizeof channel.times[0] + sizeof channel.values[0]);
+  if (!granted) return granted;
   for (int key = 0; key == 0 || static_cast<double>(key - 1) * step < until; ++key) {
     channel.times.push_back(static_cast<float>(static_cast<double>(key) * step));
     if (spins) {
@@ -101,6 +105,7 @@ void set_motion(const NodeMotion& motion, double until, MovingNode& node) {
   }
   std::erase_if(node.channels, [&](const Channel& c) { return c.path == channel.path; });
   node.channels.push_back(std::move(channel));
+  return {};
 }
 
 // The same by translation, rotation and scale, which a motion may change; nullopt of a matrix that has no such form, as it
@@ -189,7 +194,8 @@ Result<std::chrono::microseconds> MovingNodes::fill_period() {
     if (until / seconds_of(given.motion->period) > kMostRepeats) {
       return Error{"the motion of node '" + given.motion->node + "' is too fast beside the longest animation"};
     }
-    set_motion(*given.motion, until, nodes_[given.node]);
+    if (auto set = set_motion(*given.motion, until, nodes_[given.node], animations_.budget()); !set)
+      return set.error();
   }
   return period;
 }
@@ -214,7 +220,8 @@ Result<uint32_t> MovingNodes::find(uint32_t placed) {
     for (const NodeMotion& motion : motions_) {
       if (motion.node != model_.nodes[static_cast<size_t>(source.node)].name) continue;
       given_.push_back({static_cast<uint32_t>(nodes_.size()), &motion});
-      set_motion(motion, seconds_of(motion.period), node);
+      if (auto set = set_motion(motion, seconds_of(motion.period), node, animations_.budget()); !set)
+        return set.error();
     }
   }
   index_[placed] = static_cast<uint32_t>(nodes_.size());

@@ -23,6 +23,8 @@ class Animations {
   // Error: a channel is not valid, or all channels read so far have more values than a file may ask for.
   Result<std::vector<Channel>> of(const PlacedNode& node);
 
+  Budget& budget() const { return document_.budget; }
+
  private:
   struct Source {
     const tinygltf::Animation* animation;

@@ -37,11 +37,12 @@ Result<CameraPath> read_path(const std::vector<PlacedNode>& nodes, uint32_t came
 }
 
 Result<float> field_of_view(const tinygltf::Camera& camera) {
-  const double yfov = camera.perspective.yfov;
-  if (!(yfov > 0.0) || yfov >= glm::pi<double>()) {
+  const auto yfov = static_cast<float>(camera.perspective.yfov);
+  const float half = std::tan(yfov / 2);
+  if (!(yfov > 0.0f && yfov < glm::pi<float>() && half > 0.0f && std::isfinite(half))) {
     return Error{"camera '" + camera.name + "' has a vertical field of view that is not between 0 and pi"};
   }
-  return static_cast<float>(yfov);
+  return yfov;
 }
 
 }  // namespace

@@ -38,7 +38,17 @@ bool is_index_or_none(uint32_t index, size_t size) { return index == kNone || in
 
 bool sound(const Texture& t) {
   const bool left_out = t.rgba.empty() && !t.encoded.empty() && !t.has_alpha;
-  return t.width > 0 && t.height > 0 && (left_out || t.rgba.size() == uint64_t{4} * t.width * t.height);
+  return left_out || t.rgba.size() == uint64_t{4} * t.width * t.height;
+}
+
+// Whether all textures together have no more texels than that, and each of them has some. Sides may be any numbers, whose
+// products do not fit 64 bits.
+bool have_texels_within(const std::vector<Texture>& textures, uint64_t most) {
+  for (const Texture& t : textures) {
+    if (t.width == 0 || t.height == 0 || t.width > most / t.height) return false;
+    most -= uint64_t{t.width} * t.height;
+  }
+  return true;
 }
 
 bool sound(const Material& m, const Scene& scene) {
@@ -165,9 +175,9 @@ bool all_sound(const List& list, const More&... more) {
 
 Result<void> check(const Scene& scene, const LoadLimits& limits) {
   const auto broken = [](const char* what) { return Error{std::string("its ") + what + " are broken"}; };
-  uint64_t texels = 0;
-  for (const Texture& t : scene.textures) texels += uint64_t{t.width} * t.height;
-  if (!all_sound(scene.textures) || texels > limits.max_texels) return broken("textures");
+  const bool small_enough =
+      have_texels_within(scene.textures, limits.max_texels);  // first: sound() multiplies sides
+  if (!small_enough || !all_sound(scene.textures)) return broken("textures");
   if (scene.materials.empty() || !all_sound(scene.materials, scene)) return broken("materials");
   if (!all_sound(scene.meshes, scene)) return broken("meshes");
   for (size_t i = 0; i < scene.moving_nodes.size(); ++i) {

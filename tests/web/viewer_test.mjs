@@ -66,9 +66,13 @@ function world(t) {
   Renderer.create = (_, of) => {
     const renderer = fakeRenderer(of);
     renderers.push(renderer);
-    return new Promise((resolve) => {
+    return new Promise((resolve, reject) => {
       renderer.made = async () => {
         resolve(renderer);
+        await settle();
+      };
+      renderer.failed = async (why) => {
+        reject(new Error(why));
         await settle();
       };
     });
@@ -77,7 +81,7 @@ function world(t) {
   const viewer = new Viewer(canvas, (event) => events.push(event));
   const tell = (data) => viewer.eye.worker.onmessage({ data });
   const scenes = () => events.filter((event) => event.is === 'scene');
-  return { viewer, tell, posted, renderers, scenes };
+  return { viewer, tell, posted, events, renderers, scenes };
 }
 
 /** A viewer whose scene has come; its renderer is begun with the session. */
@@ -113,6 +117,23 @@ test('the lights of another scene are not those of a renderer that was made for 
   assert.equal(renderers[1].of, viewer.pack);
   assert.deepEqual(renderers[1].lights, [lamp(9)]);
   assert.equal(scenes().length, 1);
+});
+
+test('a scene that changed before its renderer was made is loaded anew', async (t) => {
+  const { viewer, tell, renderers } = withScene(t);
+  tell(opened('temple'));
+  const asked = [];
+  viewer.loadScene = async (cache) => void asked.push(cache);
+  tell(opened('temple, rebuilt'));
+  assert.deepEqual(asked, ['no-store']);
+  assert.equal(renderers.length, 1, 'none is made of the pack of before');
+});
+
+test('a renderer that cannot be made is said to be missing', async (t) => {
+  const { tell, events, renderers } = withScene(t);
+  tell(opened('temple'));
+  await renderers[0].failed('no WebGL');
+  assert.match(events.find((event) => event.is === 'failed').why, /temple.*no WebGL/);
 });
 
 for (const order of [

@@ -3,13 +3,14 @@
 import { fill, framebuffer, texture2d } from './gl.js';
 import { Programs } from './programs.js';
 
-/** A texture with room for a level, but no power of two a side: drivers compile anew for such ones. */
+/** A texture with room for a level, but no power of two a side where the device can: drivers compile anew for such ones. */
 function roomFor(
   /** @type {WebGL2RenderingContext} */ gl,
   /** @type {number} */ format,
   /** @type {{width: number, height: number}} */ { width, height },
 ) {
-  return texture2d(gl, format, width | 3, height | 3);
+  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+  return texture2d(gl, format, Math.min(width | 3, most), Math.min(height | 3, most));
 }
 
 function linearOfSrgb(/** @type {number} */ byte) {

@@ -18,10 +18,15 @@ export class Figures {
     while (this.pictures[0].at < at - SPAN) this.pictures.shift();
   }
 
-  /** @param {{at: number, responseMs: number, serverUs: number, gpuUs: number, bytes: number}} frame bytes: so far */
-  frame(frame) {
-    this.frames.push(frame);
-    while (this.frames[0].at < frame.at - SPAN) this.frames.shift();
+  /**
+   * Keeps nothing else of the event, which has whole masks.
+   * @param {{at: number, responseMs: number, serverUs: number, gpuUs: number, bytes: number}} frame bytes: of its session, so far
+   */
+  frame({ at, responseMs, serverUs, gpuUs, bytes }) {
+    const last = this.frames[this.frames.length - 1];
+    if (last && bytes < last.bytes) this.frames = []; // another session
+    this.frames.push({ at, responseMs, serverUs, gpuUs, bytes });
+    while (this.frames[0].at < at - SPAN) this.frames.shift();
   }
 
   /** @param {number} now */

@@ -193,7 +193,7 @@ TEST(MtuDiscovery, FindsWhatThePathTakes) {
   for (int i = 0; i < 100; ++i, now += 60ms) {
     const auto size = mtu.probe_due(now);
     if (!size) continue;
-    mtu.probe_sent();
+    mtu.probe_sent(now);
     EXPECT_FALSE(mtu.probe_due(now)) << "one at a time";
     if (*size <= 1452)
       mtu.probe_arrived(*size, now);
@@ -205,9 +205,17 @@ TEST(MtuDiscovery, FindsWhatThePathTakes) {
   EXPECT_TRUE(mtu.probe_due(now + MtuDiscovery::kSearchAgain));
 }
 
+// What remembers it may have had to make room, so that neither its arrival nor its loss is ever reported.
+TEST(MtuDiscovery, AProbeOfWhichNothingIsHeardIsNotWaitedForForEver) {
+  MtuDiscovery mtu;
+  mtu.probe_sent(kStart);
+  EXPECT_FALSE(mtu.probe_due(kStart + MtuDiscovery::kForgotten - 1ms));
+  EXPECT_TRUE(mtu.probe_due(kStart + MtuDiscovery::kForgotten));
+}
+
 TEST(MtuDiscovery, FallsBackWhenLongDatagramsVanish) {
   MtuDiscovery mtu;
-  mtu.probe_sent();
+  mtu.probe_sent(kStart);
   mtu.probe_arrived(1280, kStart);
   for (uint32_t i = 1; i < MtuDiscovery::kBlackHole; ++i) mtu.lost(1280, kStart);
   mtu.arrived(1280);
@@ -220,7 +228,7 @@ TEST(MtuDiscovery, FallsBackWhenLongDatagramsVanish) {
 
 TEST(MtuDiscovery, FallsBackInSilenceAndSearchesAnew) {
   MtuDiscovery mtu;
-  mtu.probe_sent();
+  mtu.probe_sent(kStart);
   mtu.probe_arrived(1280, kStart);
   mtu.silent(kStart);
   EXPECT_EQ(mtu.bytes(), protocol::kMaxDatagramBytes);
@@ -231,14 +239,14 @@ TEST(MtuDiscovery, FallsBackInSilenceAndSearchesAnew) {
 TEST(MtuDiscovery, EverySearchTriesASizeThreeTimes) {
   MtuDiscovery mtu;
   TimePoint now = kStart;
-  mtu.probe_sent();
+  mtu.probe_sent(kStart);
   mtu.probe_arrived(1280, now);
   mtu.silent(now);
   for (int search = 0; search < 3; ++search) {
     now += MtuDiscovery::kSearchAgain;
     uint32_t tries = 0;
     for (; mtu.probe_due(now); now += MtuDiscovery::kBetweenProbes, ++tries) {
-      mtu.probe_sent();
+      mtu.probe_sent(now);
       mtu.probe_lost(now);
     }
     EXPECT_EQ(tries, MtuDiscovery::kTries) << search;
@@ -331,6 +339,20 @@ TEST(SliceRecovery, WorksWhenParityOvertakesSlices) {
     rebuilt += recovery.add_slice(protocol::decode_frame_slice(frame.body(i))->header, frame.body(i)).size();
   }
   EXPECT_EQ(rebuilt, 1u);
+}
+
+TEST(SliceRecovery, KeepsNoMoreShardsThanAServerHasUseFor) {
+  StoredFrame frame(frame_of(1, 4), 1, kStart);
+  frame.protect(0.05);
+  auto parity = *protocol::decode_parity(frame.parity_body(0));
+  client::SliceRecovery recovery;
+  parity.header.groups = 4;
+  for (uint32_t i = 0; i < 1024; ++i) {
+    parity.header.group = static_cast<uint16_t>(i % 4);
+    parity.header.index = static_cast<uint8_t>(i / 4);
+    recovery.add_parity(parity);
+  }
+  EXPECT_LE(recovery.shards(), 2 * 4 + protocol::kMaxGroupParity);
 }
 
 TEST(StoredFrame, PaddingMakesSlicesOfOneLength) {

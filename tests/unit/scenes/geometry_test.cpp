@@ -102,6 +102,22 @@ TEST(Geometry, SparseAccessorsReplaceElements) {
   EXPECT_EQ(load_corners(file, positions, -1), (Corners{{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}));
 }
 
+// A byte's index at the end of a file, read as a word, would be read behind it.
+TEST(Geometry, SparseIndicesAreUnsigned) {
+  for (const int type : {5120, 5122, 5126}) {  // BYTE, SHORT, FLOAT
+    GltfFile file;
+    const int positions = add_sparse(file, {{"componentType", kFloat}, {"type", "VEC3"}, {"count", 3}});
+    file.root["accessors"][static_cast<size_t>(positions)]["sparse"]["indices"]["componentType"] = type;
+    file.add_node({{"mesh", file.add_mesh({{"attributes", {{"POSITION", positions}}}})}});
+    file.add_lamp({{"type", "point"}});
+    const ScratchFolder folder;
+    const auto scene = load_scene(folder.write("scene.glb", file.glb()));
+    ASSERT_FALSE(scene) << type;
+    EXPECT_NE(scene.error().message.find("sparse part that is not valid"), std::string::npos)
+        << scene.error().message;
+  }
+}
+
 TEST(Geometry, SparseAccessorsWithoutAViewStartFromZero) {
   GltfFile file;
   const int positions = add_sparse(file, {{"componentType", kFloat}, {"type", "VEC3"}, {"count", 3}});

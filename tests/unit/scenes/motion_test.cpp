@@ -200,6 +200,32 @@ TEST(GivenMotion, MovesANodeThatIsPlacedByAMatrix) {
       << refused.error().message;
 }
 
+TEST(Motion, NothingGoesFartherThanNumbersReach) {
+  for (const glm::vec3 far : {glm::vec3(3e9f, 0, 0), glm::vec3(0, -2e9f, 0)}) {
+    GltfFile file = carousel();
+    animate<glm::vec3>(file, 3, "translation", "LINEAR", {0, 1, 2}, {{2, 0, 0}, far, {2, 0, 0}});
+    const ScratchFolder folder;
+    const auto scene = load_scene(folder.write("scene.gltf", file.gltf()));
+    ASSERT_FALSE(scene) << "the lamp at " << far.x;
+    EXPECT_NE(scene.error().message.find("a million kilometres"), std::string::npos) << scene.error().message;
+  }
+}
+
+// One motion may be that of thousands of nodes, each of which has its keys.
+TEST(GivenMotion, HasNoMoreKeysThanTheFileMayAskFor) {
+  GltfFile file = carousel();
+  turn(file, 1);
+  for (int i = 0; i < 20'000; ++i) {
+    file.add_node({{"mesh", 0}, {"name", "leaf"}});
+    file.root["scenes"][0]["nodes"].push_back(4 + i);
+  }
+  const ScratchFolder folder;
+  const auto scene =
+      load_scene(folder.write("scene.gltf", file.gltf()), {}, {{"leaf", NodeMotion::Kind::spin, {0, 1, 0}, 3ms}});
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("names one thing too often"), std::string::npos) << scene.error().message;
+}
+
 TEST(GivenMotion, MustMoveSomething) {
   const ScratchFolder folder;
   const auto file = folder.write("scene.gltf", carousel().gltf());

@@ -121,6 +121,13 @@ INSTANTIATE_TEST_SUITE_P(
                [](Scene& s) {
                  s.textures.push_back({.width = 2, .height = 2, .rgba = {1, 2, 3}});
                }},
+        Damage{"TexturesWhoseSidesHaveNoProduct",  // of 64 bits: four of 2^62 + 1 texels have four bytes each
+               [](Scene& s) {
+                 for (int i = 0; i < 4; ++i) {
+                   s.textures.push_back(
+                       {.width = 2147549185, .height = 2147418113, .has_alpha = true, .rgba = {1, 2, 3, 4}});
+                 }
+               }},
         Damage{"NoFileAndNoTexels", [](Scene& s) { s.textures[0].encoded.clear(); }},
         Damage{"AlphaWithoutTexels", [](Scene& s) { s.textures[0].has_alpha = true; }},
         Damage{"Surroundings", [](Scene& s) { s.surroundings.sky_clouds = kNan; }},

@@ -122,6 +122,10 @@ TEST(Label, IsReadableWhereItStandsAndLeavesTheRestAlone) {
       ASSERT_TRUE(!outside || picture.pixel(x, y)[0] == 0) << x << "," << y;
     }
   }
+  Picture accented(200, 60), replaced(200, 60);  // the font has no such letters
+  write_label(accented, 20, 10, 190, "Lumi\xc3\xa8re\x01\x7f", 2);
+  write_label(replaced, 20, 10, 190, "Lumi??re??", 2);
+  EXPECT_EQ(accented, replaced);
   // What does not fit is cut at `right`, and in a picture that is too small for any letter.
   Picture cut(200, 60), tiny(3, 2);
   write_label(cut, 20, 10, 40, "a long text that is cut", 2);

@@ -44,6 +44,27 @@ StreamOptions soft_options(const Address& server, uint8_t samples = 16) {
   return options;
 }
 
+// Masks would take as much memory as the server likes.
+TEST(SoftStream, AWelcomeWithMoreThanWasAskedForIsRefused) {
+  const auto is_taken = [](SampleCounts samples, uint64_t more_features) {
+    FakeServer server([&](Peer& peer) {
+      peer.read();
+      protocol::Welcome welcome = soft_welcome(to_byte(samples));
+      welcome.features |= more_features;
+      peer.welcome(std::move(welcome));
+      peer.read();
+    });
+    StreamOptions options = options_for(server.address());
+    options.samples = {4, Occlusion::half};
+    Watched watched(options);
+    return watched.stream.wait_open();
+  };
+  EXPECT_TRUE(is_taken({4, Occlusion::half}, 0));
+  EXPECT_FALSE(is_taken({16, Occlusion::half}, 0));
+  EXPECT_FALSE(is_taken({4, Occlusion::full}, 0));
+  EXPECT_FALSE(is_taken({4, Occlusion::half}, uint64_t{1} << 40));
+}
+
 TEST(SoftStream, AsksForSamplesAndCountsThem) {
   const auto mask = noise(grid_of(16), 1);
   protocol::Hello asked;
