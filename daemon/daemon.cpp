@@ -112,6 +112,7 @@ void change_scenes(const Config& next, Published<SceneCatalog>& catalog, SceneHo
                    const scenes::SceneReader& read_scene, std::vector<Error>& kept) {
   auto read = SceneCatalog::read(next.scenes);
   if (!read) return kept.push_back(read.error());
+  if (!read->left_out().empty()) kept.push_back(Error{read->left_out()});
   const auto before = catalog.get();
   keep_unreadable(next, *read, *before, read_scene, kept);
   for (const std::string& name : scenes.change_sources(*read, *before)) {
@@ -166,6 +167,7 @@ Daemon::~Daemon() { stop(); }
 Result<std::unique_ptr<Daemon>> Daemon::start(Options options) {
   auto catalog = SceneCatalog::read(options.config.scenes);
   if (!catalog) return catalog.error();
+  if (!catalog->left_out().empty()) log::warning("scenes are left out", {{"why", catalog->left_out()}});
   std::unique_ptr<Daemon> made(new Daemon(std::move(options), std::move(*catalog)));
   if (auto up = made->bring_up(); !up) return up.error();
   return made;

@@ -145,7 +145,9 @@ void check_scenes(Findings& findings, const ScenesConfig& scenes, const StartChe
   for (const fs::path& folder : scenes.allow_files) {
     ScenesConfig alone;
     alone.allow_files = {folder};
-    if (const auto catalog = SceneCatalog::read(alone); !catalog) findings.add(catalog.error());
+    const auto catalog = SceneCatalog::read(alone);
+    if (!catalog) findings.add(catalog.error());
+    if (catalog && !catalog->left_out().empty()) findings.warn(catalog->left_out());
   }
 }
 

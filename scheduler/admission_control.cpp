@@ -44,7 +44,8 @@ uint64_t host_bytes_of(const Demand& d) {
 
 Booking booking_of(const Demand& d, const CostModel& model) {
   const uint64_t pixels = pixels_of(d);
-  const Nanoseconds cost = model.knows() ? model.predict({pixels, bits_of(d), true}).total() : Nanoseconds{};
+  const Nanoseconds cost =
+      model.knows() ? model.predict_within_reach({pixels, bits_of(d), true}).total() : Nanoseconds{};
   return {.buffers_per_second = d.rate_hz,
           .bits_per_second = d.rate_hz * static_cast<double>(bits_of(d)),
           .bytes_per_second = d.rate_hz * model.predict_bytes(bits_of(d)),

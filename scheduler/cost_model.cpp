@@ -80,6 +80,12 @@ Cost CostModel::predict(const Work& work) const {
   return {from_ns(begin), from_ns(trace_.at(bits))};
 }
 
+Cost CostModel::predict_within_reach(const Work& work) const {
+  if (!knows()) return predict(work);
+  const double begin = work.begins ? begin_.within_reach(static_cast<double>(work.pixels)) : 0;
+  return {from_ns(begin), from_ns(trace_.within_reach(static_cast<double>(work.bits)))};
+}
+
 void CostModel::learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace) {
   if (gpu_time <= Nanoseconds{}) return;
   const double error = std::abs(in_ns(predict(work).total() - gpu_time)) / in_ns(gpu_time);
@@ -89,7 +95,7 @@ void CostModel::learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace)
 }
 
 void CostModel::learn_bytes(uint64_t bits, size_t bytes) {
-  if (bits == 0) return;
+  if (bits < kTellingBits) return;
   bytes_per_bit_ = mean(bytes_per_bit_, static_cast<double>(bytes) / static_cast<double>(bits), ++frames_sent_);
 }
 

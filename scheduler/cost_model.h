@@ -7,9 +7,11 @@
 // Both parts are lines fitted by least squares with exponential forgetting. The residual of an outlier is clipped, as
 // in Huber's M-estimator ("Robust Estimation of a Location Parameter", 1964): a frame that a busy machine delayed
 // hardly moves the line, while a real change is learned within some tens of frames. The first measurements of a size
-// that is new to the line are not clipped.
+// that is new to the line are not clipped. What frames of 8x8 pixels cost says nothing of large ones: jobs are cut and
+// charged by the line all the same, but nobody is refused for it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "common/clock.h"
@@ -27,7 +29,11 @@ struct Work {
 // negative for any x >= 0.
 class RobustLine {
  public:
+  static constexpr double kReach = 4;
+
   double at(double x) const { return constant_ + slope_ * x; }
+  // The same, but no more than at kReach times the largest x that was measured.
+  double within_reach(double x) const { return at(std::min(x, kReach * most_x_)); }
   void learn(double x, double y);
   bool knows() const { return measurements_ > 0; }
   double constant() const { return constant_; }
@@ -57,8 +63,15 @@ class CostModel {
   // Before the first measurement this is a guess of 0.5 ns per bit, so that the first job is charged something.
   Cost predict(const Work& work) const;
 
+  // What it surely costs at least: no more than jobs of kReach times the largest size that was measured. By this sessions
+  // are admitted.
+  Cost predict_within_reach(const Work& work) const;
+
   // `trace`: the part of `gpu_time` that grows with the bits. Ignored if `gpu_time` is 0.
   void learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace);
+
+  // What smaller frames take on the wire is their headers.
+  static constexpr uint64_t kTellingBits = 1 << 14;
 
   // The encoded size of a complete frame of so many bits; 0 before the first call of learn_bytes.
   double predict_bytes(uint64_t bits) const { return bytes_per_bit_ * static_cast<double>(bits); }

@@ -5,6 +5,9 @@
 namespace gnomon::daemon {
 namespace {
 
+// A frame of a scene of which nothing is known is cut from this size on: some 256x170 pixels under three lights.
+constexpr uint64_t kUnknownBits = 1 << 17;
+
 scheduler::Work work_of(const SessionQuality& quality, const TileRows& rows, bool begins) {
   const TileGrid grid = quality.grid();
   const uint32_t top = rows.first * kTileSize;
@@ -28,8 +31,15 @@ NextJob next_job(const RenderSession& session, const scheduler::CostModel& model
   const uint32_t remaining = grid.tiles_y() - first, fewest = session.partial ? 1 : 0;
   const NextJob all = piece(remaining);
   const Nanoseconds most = quantum / kJobsOfAQuantum;
+  if (quantum <= Nanoseconds{} || remaining == 1) return all;
+  if (!model.knows() && all.work.bits >= kUnknownBits) {
+    NextJob row =
+        piece(1);  // which tells how many fit a piece; until then as dear as one, so that few are under way
+    row.cost = std::max(row.cost, most);
+    return row;
+  }
   // A frame that costs little more than a piece is not cut: each cut may make it wait for others' pieces.
-  if (quantum <= Nanoseconds{} || all.cost <= most + most / 2 || remaining == 1) return all;
+  if (all.cost <= most + most / 2) return all;
   const Nanoseconds least = piece(fewest).cost;
   const double a_row = to_seconds(all.cost - least) / (remaining - fewest);
   const double fit = fewest + std::max(0.0, to_seconds(most - least) / a_row);

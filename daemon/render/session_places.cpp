@@ -56,7 +56,7 @@ std::vector<double> SessionPlaces::loads(const CostModels& known) const {
     const uint64_t pixels = uint64_t{grant.width} * grant.height;
     const double rate_hz = grant.rate_hz > 0 ? double{grant.rate_hz} : assumed_rate_hz_;
     const scheduler::Work frame{pixels, bits_of(grant, pixels, grant.lights), true};
-    all[*device] += rate_hz * to_seconds(model->second.model(grant.samples).predict(frame).total());
+    all[*device] += rate_hz * to_seconds(model->second.model(grant.samples).predict_within_reach(frame).total());
   }
   return all;
 }

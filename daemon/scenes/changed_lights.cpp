@@ -87,7 +87,7 @@ Result<void> ChangedLights::add(const Place& place, const LightChange& change, i
   Light& known = lights_[place];
   known.change = joined(known.change, change);
   known.change.as_in_file = false;  // that is where a change begins
-  known.at_ms = std::max(at_ms, known.at_ms + 1);
+  known.at_ms = std::min(std::max(at_ms, known.at_ms + 1), static_cast<int64_t>(kLatestMs));
   return {};
 }
 

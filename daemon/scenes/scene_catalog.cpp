@@ -39,14 +39,15 @@ Result<SceneCatalog> SceneCatalog::read(const ScenesConfig& config) {
     fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
     for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
       if (!is_gltf(*at)) continue;
+      if (catalog.sources_.size() == kMaxFiles) {
+        catalog.left_out_ = "scenes.allow_files: " + folder.string() + " brings the scenes to more than " +
+                            std::to_string(kMaxFiles) + ", and the others are left out";
+        break;
+      }
       const std::string name = at->path().lexically_relative(folder).generic_string();
       if (!catalog.names_.emplace(name, name).second) continue;  // the first folder wins
       catalog.names_[at->path().string()] = name;
       catalog.sources_.push_back({name, at->path(), {}, scenes::changed_at(at->path())});
-      if (catalog.sources_.size() > kMaxFiles) {
-        return Error{"scenes.allow_files: " + folder.string() + " brings the scenes to more than " +
-                     std::to_string(kMaxFiles)};
-      }
     }
     if (error) return Error{"scenes.allow_files: " + folder.string() + ": " + error.message()};
   }

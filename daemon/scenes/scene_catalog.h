@@ -21,13 +21,16 @@ std::vector<scenes::NodeMotion> motions_of(const SceneFile& scene);
 // any thread.
 class SceneCatalog {
  public:
-  // Error if a folder cannot be read or there are more than kMaxFiles scenes.
+  // Error if a folder cannot be read. Scenes beyond kMaxFiles are left out, since who may put files into a folder must
+  // not keep the daemon from starting; left_out() says so.
   static Result<SceneCatalog> read(const ScenesConfig& config);
 
   // Scenes of this name are what they were in `before`.
   void keep(const std::string& name, const SceneCatalog& before);
 
   static constexpr size_t kMaxFiles = 4096;
+
+  const std::string& left_out() const { return left_out_; }  // with its key; empty: all are there
 
   // The configured scenes, then the files.
   const std::vector<scenes::SceneSource>& sources() const { return sources_; }
@@ -41,6 +44,7 @@ class SceneCatalog {
   std::string find(const std::string& asked) const;
 
  private:
+  std::string left_out_;
   std::vector<scenes::SceneSource> sources_;
   std::map<std::string, std::string, std::less<>> names_;  // what clients may ask for -> the source's name
 };

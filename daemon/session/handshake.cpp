@@ -24,7 +24,10 @@ uint64_t features_of(const Config& config) {
 }
 
 // Camera updates a second of one session. Beyond it no display shows more, and sums of rates stay exact.
-constexpr float kMostRateHz = 1000;
+constexpr float kLeastRateHz = 0.01f, kMostRateHz = 1000;
+
+// 0, if none was named.
+float granted_rate(float asked_hz) { return asked_hz > 0 ? std::clamp(asked_hz, kLeastRateHz, kMostRateHz) : 0; }
 
 // Text from a client, quoted and cut to 80 bytes.
 std::string shown(const std::string& text) {
@@ -119,7 +122,7 @@ std::variant<SessionGrant, Refused> check_hello(const Hello& hello, TenantId ten
                       .scene_name = std::move(scene),
                       .width = hello.width,
                       .height = hello.height,
-                      .rate_hz = std::min(hello.rate_hz, kMostRateHz),
+                      .rate_hz = granted_rate(hello.rate_hz),
                       .codec = choose_codec(hello, config.encode),
                       .dense_codec = densest_codec(hello, config.encode),
                       .cipher = choose_cipher(hello.ciphers),

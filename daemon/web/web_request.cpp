@@ -6,6 +6,7 @@
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/rfc7230.hpp>
 #include <iterator>
+#include <string_view>
 
 namespace gnomon::daemon::web {
 namespace {
@@ -69,8 +70,21 @@ void RequestReader::feed(std::span<const uint8_t> bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
+// The parser begins anew with each look, and a stranger may send byte by byte: so a header is looked at when it is
+// complete, and before, as it may be none, only when it has doubled.
+bool RequestReader::is_worth_a_look() {
+  constexpr std::string_view kEnd = "\r\n\r\n";
+  const size_t from = searched_ < kEnd.size() ? 0 : searched_ - kEnd.size();
+  const auto found =
+      std::search(buffer_.begin() + static_cast<ptrdiff_t>(from), buffer_.end(), kEnd.begin(), kEnd.end());
+  searched_ = buffer_.size();
+  if (found == buffer_.end() && buffer_.size() < 2 * looked_at_ && buffer_.size() < kMaxHeader) return false;
+  looked_at_ = buffer_.size();
+  return true;
+}
+
 std::variant<std::optional<Request>, BadRequest> RequestReader::next() {
-  if (buffer_.empty()) return std::nullopt;
+  if (buffer_.empty() || !is_worth_a_look()) return std::nullopt;
   Parser parser;
   parser.header_limit(kMaxHeader);
   parser.body_limit(0);
@@ -85,6 +99,7 @@ std::variant<std::optional<Request>, BadRequest> RequestReader::next() {
   if (count(parser.get(), http::field::host) != 1) return BadRequest{400, "a request names one Host"};
   Request request = to_request(parser.get());
   buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(used));
+  searched_ = looked_at_ = 0;
   return std::optional(std::move(request));
 }
 

@@ -47,7 +47,11 @@ class RequestReader {
   std::vector<uint8_t> take_rest() { return std::exchange(buffer_, {}); }
 
  private:
+  bool is_worth_a_look();
+
   std::vector<uint8_t> buffer_;
+  size_t searched_ = 0;   // bytes in which the end of the header was looked for
+  size_t looked_at_ = 0;  // bytes that the parser had when it looked last
 };
 
 }  // namespace gnomon::daemon::web

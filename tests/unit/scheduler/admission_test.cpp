@@ -14,8 +14,8 @@ constexpr TenantId kOne{0}, kTwo{1};
 // 1 ns and 0.01 bytes a bit.
 CostModel model() {
   CostModel made;
-  made.learn({1000, 8000, true}, 8000ns, 8000ns);
-  made.learn_bytes(8000, 80);
+  made.learn({1'000'000, 8'000'000, true}, 8ms, 8ms);
+  made.learn_bytes(8'000'000, 80'000);
   return made;
 }
 

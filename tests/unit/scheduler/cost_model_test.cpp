@@ -129,6 +129,24 @@ TEST(CostModel, AnotherSizeIsLearnedFromItsFirstFrame) {
   EXPECT_NEAR(predicted(model, small) / device.cost_ns(small), 1, 0.15);
 }
 
+// One session of tiny frames must not make the device look full to everybody.
+TEST(CostModel, TinyFramesSayNothingOfLargeOnes) {
+  CostModel model;
+  const Work tiny{64, 192, true}, large{1920 * 1080, 1920 * 1080 * 3, true};
+  for (int i = 0; i < 1000; ++i) {
+    model.learn(tiny, 2ms, 1ms);
+    model.learn_bytes(tiny.bits, 100);
+  }
+  EXPECT_LE(model.predict_within_reach(large).total(), 10ms);
+  EXPECT_GE(model.predict_within_reach(large).total(), 2ms);
+  EXPECT_GE(model.predict(large).total(), 1s) << "so that it is cut";
+  EXPECT_EQ(model.predict_bytes(large.bits), 0) << "unknown";
+  model.learn(large, 40ms, 30ms);
+  model.learn_bytes(large.bits, 60'000);
+  EXPECT_NEAR(to_milliseconds(model.predict_within_reach(large).total()), 40, 4);
+  EXPECT_NEAR(model.predict_bytes(large.bits), 60'000, 600);
+}
+
 TEST(ViewFactor, FollowsASessionsOwnViewInBothParts) {
   using std::chrono::nanoseconds;
   ViewFactor view;

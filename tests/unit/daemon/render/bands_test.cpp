@@ -71,6 +71,23 @@ TEST_P(UsualQuantumTest, OnACpuFramesAreCutLater) {
 INSTANTIATE_TEST_SUITE_P(Kinds, UsualQuantumTest, testing::Bool(),
                          [](const auto& instance) { return instance.param ? "Cpu" : "Gpu"; });
 
+// What it costs is not known, and may be anything.
+TEST_F(RenderLoopTest, TheFirstFrameOfASceneBeginsWithARow) {
+  loop_->handle(SessionClosed{kA}, now_);
+  open(kA, {.width = 160, .height = 800});
+  view(kA, 1);
+  settle();
+  EXPECT_LE(fake_->waiting(), 3u) << "a quantum's worth";
+  std::vector<uint32_t> pieces;
+  for (; fake_->waiting() > 0; settle()) {
+    pieces.push_back(fake_->rows(0));
+    fake_->complete(fake_->rows(0) * 1us);
+  }
+  EXPECT_EQ(pieces.front(), 1u);
+  EXPECT_LE(pieces.size(), 6u) << "the rest is cheap";
+  EXPECT_EQ(rendered_frames_of(kA), std::vector<uint32_t>{1});
+}
+
 TEST_F(CutFrameTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
   view(kA, 2);
   EXPECT_EQ(run_to_the_end(), 5u) << "100 us in pieces of at most a third of a quantum";

@@ -66,6 +66,13 @@ TEST(ChangedLights, AClockThatIsBehindDoesNotMakeAChangeOlder) {
   EXPECT_EQ(other.applied("hall", two_lights())[0].intensity, 2);
 }
 
+TEST(ChangedLights, AChangeAfterTheLatestDateThereIsCanBeReadAgain) {
+  ChangedLights lights;
+  for (int i = 0; i < 3; ++i)
+    ASSERT_TRUE(lights.add({"temple", 0}, parse_light_change(R"({"on": false})").value(), int64_t{1} << 53));
+  EXPECT_TRUE(ChangedLights::parse(lights.text()));
+}
+
 TEST(ChangedLights, WhatDoesNotFitTheSceneIsLeftOut) {
   ChangedLights changed;
   ASSERT_TRUE(changed.add({"hall", 2}, change_of(R"({"intensity": 1})"), 1));
