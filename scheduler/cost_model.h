@@ -12,6 +12,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "common/clock.h"
@@ -29,11 +30,11 @@ struct Work {
 // negative for any x >= 0.
 class RobustLine {
  public:
-  static constexpr double kReach = 4;
+  static constexpr double kReach = 8;
 
   double at(double x) const { return constant_ + slope_ * x; }
-  // The same, but no more than at kReach times the largest x that was measured.
-  double within_reach(double x) const { return at(std::min(x, kReach * most_x_)); }
+  // The same, but no more than at kReach times what x usually was of late (its root mean square).
+  double within_reach(double x) const { return at(n_ > 0 ? std::min(x, kReach * std::sqrt(xx_ / n_)) : x); }
   void learn(double x, double y);
   bool knows() const { return measurements_ > 0; }
   double constant() const { return constant_; }
@@ -63,8 +64,7 @@ class CostModel {
   // Before the first measurement this is a guess of 0.5 ns per bit, so that the first job is charged something.
   Cost predict(const Work& work) const;
 
-  // What it surely costs at least: no more than jobs of kReach times the largest size that was measured. By this sessions
-  // are admitted.
+  // What it surely costs at least: no more than jobs of kReach times the sizes of late. By this sessions are admitted.
   Cost predict_within_reach(const Work& work) const;
 
   // `trace`: the part of `gpu_time` that grows with the bits. Ignored if `gpu_time` is 0.
