@@ -33,8 +33,8 @@ NextJob next_job(const RenderSession& session, const scheduler::CostModel& model
   const Nanoseconds most = quantum / kJobsOfAQuantum;
   if (quantum <= Nanoseconds{} || remaining == 1) return all;
   if (!model.knows() && all.work.bits >= kUnknownBits) {
-    NextJob row =
-        piece(1);  // which tells how many fit a piece; until then as dear as one, so that few are under way
+    // A row tells how many fit a piece; until then it counts as much as one, so that few are under way.
+    NextJob row = piece(1);
     row.cost = std::max(row.cost, most);
     return row;
   }
