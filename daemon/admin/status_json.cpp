@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/audit_file.h"
 #include "common/wall_clock.h"
@@ -106,59 +107,105 @@ json to_json(const FirstExpiry& first, std::chrono::sys_seconds now) {
 
 json to_json(const log::UnwrittenAudit& audit) { return {{"unwritten", audit.lines}, {"why", audit.why}}; }
 
+// The document member by member and row by row, each written and gone before the next: the destructor of a json makes
+// room for all that is below it, and what is thrown there ends the daemon.
+class Document {
+ public:
+  void add(const char* key, const json& value) {
+    name(key);
+    write(value, "\n  ");
+  }
+  template <typename Rows, typename ToJson>
+  void add_rows(const char* key, const Rows& rows, ToJson row_of) {
+    name(key);
+    text_ += "[";
+    const char* before = "\n    ";
+    for (const auto& row : rows) {
+      text_ += std::exchange(before, ",\n    ");
+      write(row_of(row), "\n    ");
+    }
+    text_ += "]";
+  }
+  std::string text() && { return std::move(text_) + "\n}\n"; }
+
+ private:
+  void name(const char* key) {
+    text_ += std::exchange(before_, ",\n  ");
+    write(key, "");
+    text_ += ": ";
+  }
+  // A scene file's name may not be valid UTF-8: replacement characters avoid an exception.
+  void write(const json& value, std::string_view line) {
+    for (const char c : value.dump(2, ' ', false, json::error_handler_t::replace)) {
+      if (c == '\n') {
+        text_ += line;
+      } else {
+        text_ += c;
+      }
+    }
+  }
+
+  std::string text_ = "{";
+  const char* before_ = "\n  ";
+};
+
+void add_tenants(Document& document, const OperatedParts& parts, const std::vector<SessionStatus>& sessions,
+                 const SessionMemory& memory) {
+  const auto directory = parts.tenants.get();
+  const ShareReport shares = parts.devices.shares();
+  const auto sharing = parts.sharing.get();
+  std::vector<uint32_t> shown;
+  std::vector<size_t> open_sessions(std::min(directory->size(), sharing->tenants.size()));
+  for (uint32_t i = 0; i < open_sessions.size(); ++i) {
+    open_sessions[i] = static_cast<size_t>(std::count_if(
+        sessions.begin(), sessions.end(), [&](const SessionStatus& s) { return s.tenant == TenantId{i}; }));
+    if (directory->open(TenantId{i}) || open_sessions[i] > 0) shown.push_back(i);
+  }
+  document.add("policy", sharing->policy);
+  document.add("jain", shares.jain);
+  document.add("worst_lag_ms", to_milliseconds(shares.worst_lag));
+  document.add_rows("tenants", shown, [&](uint32_t i) {
+    json row{{"name", directory->name(TenantId{i})},
+             {"weight", sharing->tenants[i].scheduling.weight},
+             {"sessions", open_sessions[i]},
+             {"session_memory_bytes", i < memory.of_tenant.size() ? memory.of_tenant[i] : 0}};
+    row.update(to_json(parts.metrics.totals(TenantId{i})));
+    if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
+    return row;
+  });
+  document.add_rows("sessions", sessions,
+                    [&](const SessionStatus& s) { return to_json(s, directory->name(s.tenant)); });
+}
+
 }  // namespace
 
 std::string status_json(const OperatedParts& parts) {
-  const auto directory = parts.tenants.get();
   const std::vector<SessionStatus> sessions = parts.server.sessions();
-  const ShareReport shares = parts.devices.shares();
-  const auto sharing = parts.sharing.get();
   const SessionMemory session_memory = parts.limits.memory();
-  json status{{"version", parts.version},
-              {"ready", parts.health.ready()},
-              {"why_not_ready", why_not_ready(parts)},
-              {"draining", parts.health.draining.load()},
-              {"stopping", parts.health.stopping.load()},
-              {"devices", json::array()},
-              {"scene_memory",
-               {{"bytes", parts.scenes.memory().bytes}, {"limit_bytes", parts.scenes.memory().limit_bytes}}},
-              {"session_memory", {{"bytes", session_memory.bytes}, {"limit_bytes", session_memory.limit_bytes}}},
-              {"scenes", json::array()},
-              {"scenes_under_way", json::array()},
-              {"certificate", to_json(first_expiry(**parts.tls.get()), wall_now())},
-              {"audit", to_json(log::unwritten_audit())},
-              {"policy", sharing->policy},
-              {"jain", shares.jain},
-              {"worst_lag_ms", to_milliseconds(shares.worst_lag)},
-              {"tenants", json::array()},
-              {"sessions", json::array()}};
-  for (const PooledDevice& device : parts.devices.report()) status["devices"].push_back(to_json(device));
+  Document document;
+  document.add("version", parts.version);
+  document.add("ready", parts.health.ready());
+  document.add("why_not_ready", why_not_ready(parts));
+  document.add("draining", parts.health.draining.load());
+  document.add("stopping", parts.health.stopping.load());
+  document.add_rows("devices", parts.devices.report(), [](const PooledDevice& device) { return to_json(device); });
+  document.add("scene_memory",
+               {{"bytes", parts.scenes.memory().bytes}, {"limit_bytes", parts.scenes.memory().limit_bytes}});
+  document.add("session_memory", {{"bytes", session_memory.bytes}, {"limit_bytes", session_memory.limit_bytes}});
   const SceneReports reports = parts.devices.scenes();
-  for (const auto& [name, scene] : parts.scenes.resident()) {
+  document.add_rows("scenes", parts.scenes.resident(), [&](const auto& resident) {
+    const auto& [name, scene] = resident;
     const auto report = reports.find(scene.loaded.id);
-    const SceneReport just_arrived{name, scene.on_device, {.unbuilt = 1}, {}};
-    status["scenes"].push_back(to_json(name, scene, report == reports.end() ? just_arrived : report->second));
-  }
-  for (const SceneUnderWay& scene : parts.scenes.under_way()) {
-    status["scenes_under_way"].push_back(to_json(scene, Clock::now()));
-  }
-  for (uint32_t i = 0; i < std::min(directory->size(), sharing->tenants.size()); ++i) {
-    const auto open = std::count_if(sessions.begin(), sessions.end(),
-                                    [&](const SessionStatus& s) { return s.tenant == TenantId{i}; });
-    if (!directory->open(TenantId{i}) && open == 0) continue;
-    json row{{"name", directory->name(TenantId{i})},
-             {"weight", sharing->tenants[i].scheduling.weight},
-             {"sessions", open},
-             {"session_memory_bytes", i < session_memory.of_tenant.size() ? session_memory.of_tenant[i] : 0}};
-    row.update(to_json(parts.metrics.totals(TenantId{i})));
-    if (i < shares.tenants.size()) row.update(to_json(shares.tenants[i]));
-    status["tenants"].push_back(std::move(row));
-  }
-  for (const SessionStatus& session : sessions) {
-    status["sessions"].push_back(to_json(session, directory->name(session.tenant)));
-  }
-  // A scene file's name may not be valid UTF-8: replacement characters avoid an exception.
-  return status.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+    return to_json(
+        name, scene,
+        report == reports.end() ? SceneReport{name, scene.on_device, {.unbuilt = 1}, {}} : report->second);
+  });
+  document.add_rows("scenes_under_way", parts.scenes.under_way(),
+                    [now = Clock::now()](const SceneUnderWay& scene) { return to_json(scene, now); });
+  document.add("certificate", to_json(first_expiry(**parts.tls.get()), wall_now()));
+  document.add("audit", to_json(log::unwritten_audit()));
+  add_tenants(document, parts, sessions, session_memory);
+  return std::move(document).text();
 }
 
 }  // namespace gnomon::daemon

@@ -29,7 +29,6 @@ tenants: [{name: studio, open: true}]
 """
 CREDENTIALS = "/etc/gnomon/credentials"
 FAULTS = """[Service]
-WatchdogSec=6s
 Environment=VK_ADD_LAYER_PATH=/opt/faults VK_INSTANCE_LAYERS=VK_LAYER_GNOMON_faults GNOMON_FAULTS=/run/gnomon
 """
 KNOWS = ("gnomon-load", "--server", "127.0.0.1:7600", "--ca", f"{PRIVATE}/ca.pem", "--scene", "living_room",
@@ -52,8 +51,9 @@ class Booted(unittest.TestCase):
         self.restarts = int(self.system.property("NRestarts"))
 
     def serves(self):
-        done = self.system.run(*LOAD, "--seconds", 0.5, "--may-miss", 99, check=False)  # beside builds of light buffers
-        self.assertEqual(done.returncode, 0, done.stdout + self.system.journal())
+        def answers():  # beside builds of light buffers, and on a machine that may be busy with more
+            return self.system.run(*LOAD, "--seconds", 0.5, "--may-miss", 99, check=False).returncode == 0
+        eventually(answers, "frames for clients")
 
     def restarted(self):
         eventually(lambda: int(self.system.property("NRestarts")) > self.restarts, "a restart")

@@ -229,7 +229,7 @@ class Browsers(unittest.TestCase):
                           "the session is shown")[0]
         self.assertEqual(mine["address"], self.where()[0])
         code, output = self.node.ctl("sessions")
-        self.assertRegex(output, rf"{session.welcome.session} +arcade +living_room +\S+ +websocket")
+        self.assertRegex(output, rf"{session.welcome.session} +arcade +living_room +\d+x\d+ +as granted +websocket")
         self.assertGreater(self.node.metric("gnomon_transport_sessions", transport="websocket"), 0)
         self.assertGreater(self.node.metric("gnomon_transport_bytes_sent_total", transport="websocket"), before)
         self.assertEqual(self.browser().ask("/").status, 200)
