@@ -67,6 +67,7 @@ struct WebConfig {
   std::vector<std::string> hosts = {};  // further names, "node7" or "node7:443", by which browsers may reach us
   bool webtransport = false;            // beside WebSockets, on the UDP ports of the data channel
   std::chrono::milliseconds progress_timeout{15000};  // see daemon/web/progress.h
+  uint32_t requests_per_s = 200;  // of an address to a net thread, in the long run; twenty times as many at once
   friend bool operator==(const WebConfig&, const WebConfig&) = default;
 };
 

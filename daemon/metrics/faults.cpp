@@ -71,6 +71,7 @@ constexpr std::array kTable{
     FaultRow{Fault::tls_failed, kRefusal, "tls", Level::debug, "connection speaks no TLS"},
     FaultRow{Fault::connection_rate, kRefusal, "connection_rate", Level::debug,
              "too many connections from one address"},
+    FaultRow{Fault::web_rate, kRefusal, "web_rate", Level::debug, "browser's address asked for too much"},
     FaultRow{Fault::proxy_header, kRefusal, "proxy_header", Level::warning,
              "connection of one of server.proxies without a proper PROXY header"},
     FaultRow{Fault::proxy_unlisted, kRefusal, "proxy_unlisted", Level::warning,

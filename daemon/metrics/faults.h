@@ -61,6 +61,7 @@ enum class Fault : uint8_t {
   tls_distrusted,
   tls_failed,
   connection_rate,
+  web_rate,
   proxy_header,
   proxy_unlisted,
   // A connection to the admin server is closed before it has asked for anything.

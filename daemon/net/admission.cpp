@@ -23,6 +23,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::milliseconds kFirstNews = 500ms;  // a client hears within a second what it waits for
 constexpr std::chrono::milliseconds kBetweenNews = 1s;
+constexpr double kRequestsAtOnce_s = 20;  // of what web.requests_per_s allows: a first page is some 90 files
 
 constexpr const char* kGoingAway = "the server is going away";
 constexpr const char* kNoSession = "no such session, or it is over";
@@ -31,7 +32,12 @@ constexpr const char* kNoSession = "no such session, or it is over";
 
 Admission::Admission(const NetShared& shared, uint16_t data_port, asio::io_context& io, SessionControl& control,
                      PendingConnections& pending)
-    : shared_(shared), data_port_(data_port), io_(io), control_(control), pending_(pending) {}
+    : shared_(shared),
+      data_port_(data_port),
+      io_(io),
+      control_(control),
+      pending_(pending),
+      web_requests_(kRequestsAtOnce_s * shared.config.web.requests_per_s, shared.config.web.requests_per_s) {}
 
 void Admission::on_accept(asio::ip::tcp::socket socket, const asio::ip::address& client) {
   const std::shared_ptr<Tls> tls = *shared_.tls.get();
@@ -50,7 +56,7 @@ void Admission::on_accept(asio::ip::tcp::socket socket, const asio::ip::address&
       },
       std::stop_source(std::nostopstate));
   if (shared_.web) {
-    stream->listen_to_browser(std::make_shared<WebExchange>(shared_, io_, pending_, *stream));
+    stream->listen_to_browser(std::make_shared<WebExchange>(shared_, io_, pending_, *stream, web_requests_));
   }
   stream->start();
 }

@@ -16,9 +16,11 @@
 #include <stop_token>
 #include <string>
 
+#include "common/token_buckets.h"
 #include "daemon/net/admission_refusal.h"
 #include "daemon/net/net_shared.h"
 #include "daemon/net/pending_connections.h"
+#include "daemon/session/client_network.h"
 #include "daemon/net/session_control.h"
 #include "daemon/session/session.h"
 
@@ -79,6 +81,7 @@ class Admission {
   asio::io_context& io_;
   SessionControl& control_;
   PendingConnections& pending_;
+  TokenBuckets<ClientNetwork> web_requests_;
 };
 
 }  // namespace gnomon::daemon

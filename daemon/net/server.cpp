@@ -41,7 +41,7 @@ Server::Server(const NetShared& shared)
     : metrics_(shared.metrics),
       proxies_(shared.config.server.proxies),
       patience_(shared.config.server.handshake_timeout),
-      rate_(shared.config.server.max_sessions_per_address, shared.config.server.connections_per_s) {}
+      connections_(shared.config.server.max_sessions_per_address, shared.config.server.connections_per_s) {}
 
 Result<std::unique_ptr<Server>> Server::open(const NetShared& shared) {
   std::unique_ptr<Server> made(new Server(shared));
@@ -105,7 +105,7 @@ void Server::take_from_proxy(NetThread& owner, tcp::socket socket, const asio::i
 }
 
 void Server::hand_on(NetThread& owner, tcp::socket socket, const asio::ip::address& client) {
-  if (!rate_.admit(network_of(client), Clock::now())) {
+  if (!connections_.take(network_of(client), 1, Clock::now())) {
     return metrics_.report(Fault::connection_rate, {{"address", client.to_string()}});
   }
   owner.adopt(std::move(socket), client);

@@ -7,10 +7,11 @@
 #include <memory>
 #include <vector>
 
-#include "daemon/net/connection_rate.h"
+#include "common/token_buckets.h"
 #include "daemon/net/door_port.h"
 #include "daemon/net/net_thread.h"
 #include "daemon/net/proxy_greeting.h"
+#include "daemon/session/client_network.h"
 
 namespace gnomon::daemon {
 
@@ -54,7 +55,9 @@ class Server {
   Metrics& metrics_;
   const ProxyAddresses proxies_;
   const Nanoseconds patience_;  // with a proxy, until its header is there
-  ConnectionRate rate_;         // used by the first net thread, as are the acceptor, the timer and next_
+  // A TLS handshake costs a server more than a client. Used by the first net thread, as are the acceptor, the timer and
+  // next_.
+  TokenBuckets<ClientNetwork> connections_;
   std::vector<std::unique_ptr<NetThread>> threads_;
   std::unique_ptr<asio::ip::tcp::acceptor> acceptor_;
   std::unique_ptr<asio::steady_timer> retry_;

@@ -36,11 +36,12 @@ std::vector<std::string> names_of(const NetShared& shared) {
 }  // namespace
 
 WebExchange::WebExchange(const NetShared& shared, asio::io_context& io, PendingConnections& pending,
-                         ControlStream& stream)
+                         ControlStream& stream, TokenBuckets<ClientNetwork>& requests)
     : shared_(shared),
       io_(io),
       pending_(pending),
       stream_(stream),
+      requests_(requests),
       hosts_(names_of(shared)),
       progress_(shared.web->patience, Clock::now()) {}
 
@@ -83,7 +84,23 @@ void WebExchange::answer_requests() {
   }
 }
 
+// Of a file of the page's, which is ready to be sent. A code has to be drawn, and a list to be written.
+double WebExchange::cost_of(const web::Request& request) const {
+  constexpr double kOfACode = 20, kOfAHundredNames = 1;
+  if (web::qr_target(request.target)) return kOfACode;
+  const auto scene = web::scene_target(request.target);
+  if (!scene || !scene->name.empty()) return 1;
+  return 1 + kOfAHundredNames * static_cast<double>(shared_.catalog.get()->sources().size()) / 100;
+}
+
 void WebExchange::answer(const web::Request& request) {
+  if (!requests_.take(network_of(stream_.peer()), cost_of(request), Clock::now())) {
+    shared_.metrics.report(Fault::web_rate, {{"address", stream_.peer().to_string()}});
+    web::Response response = web::text_response(429, "too many requests from this address");
+    response.fields.emplace_back("Retry-After", "1");
+    response.close = true;  // further connections have a rate too
+    return respond(request, response);
+  }
   const auto response = response_to(request);
   if (!response) return answer_later(request, *web::scene_target(request.target));
   respond(request, *response);

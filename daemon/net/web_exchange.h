@@ -9,6 +9,7 @@
 #include <optional>
 #include <stop_token>
 
+#include "common/token_buckets.h"
 #include "daemon/net/net_shared.h"
 #include "daemon/net/pending_connections.h"
 #include "daemon/security/allowed_hosts.h"
@@ -22,8 +23,9 @@ namespace gnomon::daemon {
 // Belongs to its stream, and so to the net thread; outlived by everything that it refers to.
 class WebExchange : public BrowserListener, public std::enable_shared_from_this<WebExchange> {
  public:
-  // Precondition: `shared.web` is set.
-  WebExchange(const NetShared& shared, asio::io_context& io, PendingConnections& pending, ControlStream& stream);
+  // Precondition: `shared.web` is set. `requests`: what each address may still ask the net thread for.
+  WebExchange(const NetShared& shared, asio::io_context& io, PendingConnections& pending, ControlStream& stream,
+              TokenBuckets<ClientNetwork>& requests);
 
   void on_open() override;
   void on_bytes(std::span<const uint8_t> bytes) override;
@@ -34,6 +36,7 @@ class WebExchange : public BrowserListener, public std::enable_shared_from_this<
  private:
   void answer_requests();
   void answer(const web::Request& request);
+  double cost_of(const web::Request& request) const;
   void answer_later(const web::Request& request, const web::SceneTarget& target);
   asio::awaitable<void> await_scene(std::shared_ptr<ControlStream> stream, web::Request request,
                                     web::SceneTarget target);
@@ -47,6 +50,7 @@ class WebExchange : public BrowserListener, public std::enable_shared_from_this<
   asio::io_context& io_;
   PendingConnections& pending_;
   ControlStream& stream_;
+  TokenBuckets<ClientNetwork>& requests_;
   AllowedHosts hosts_;
   web::RequestReader reader_;
   web::Progress progress_;

@@ -65,6 +65,7 @@ Result<void> WebTransport::open(DataSocket& socket) {
   options.limits.half_open = std::max(1u, server.max_half_open / server.net_threads);
   options.limits.retry_above = std::max<size_t>(1, options.limits.half_open / 4);
   options.limits.per_network = server.max_sessions_per_address;
+  options.limits.per_network_per_s = server.connections_per_s;
   auto made = quic::make_endpoint(options);
   if (!made) return Error{"web.webtransport: " + made.error().message};
   endpoint_ = std::move(*made);

@@ -57,7 +57,9 @@ struct Limits {
   size_t connections = 1024;
   size_t half_open = 64;
   size_t retry_above = 16;                         // half-open ones: then an address has to be validated
+  double unvalidated_per_s = 50;                   // likewise beyond this, with as many at once
   size_t per_network = 64;                         // of an IPv4 address or a /64 of IPv6
+  double per_network_per_s = 100;                  // handshakes in the long run; per_network of them at once
   Nanoseconds patience = std::chrono::seconds(3);  // until the session is accepted
   Nanoseconds silence = std::chrono::seconds(10);  // then a connection is dropped
 };

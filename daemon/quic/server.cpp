@@ -36,7 +36,10 @@ Result<std::unique_ptr<Endpoint>> make_endpoint(const Options& options) {
   return std::unique_ptr<Endpoint>(std::move(made));
 }
 
-Server::Server(const Options& options) : options_(options) {
+Server::Server(const Options& options)
+    : options_(options),
+      unvalidated_(options.limits.unvalidated_per_s, options.limits.unvalidated_per_s),
+      handshakes_(static_cast<double>(options.limits.per_network), options.limits.per_network_per_s) {
   (void)gnutls_rnd(GNUTLS_RND_RANDOM, secret_.data(), secret_.size());
 }
 
@@ -76,9 +79,10 @@ void Server::begin(std::span<const uint8_t> packet, const Address& from, TimePoi
     if (validated) arrival.original = original;
   }
   if (!arrival.original && arrival.header.dcid.datalen < NGTCP2_MIN_INITIAL_DCIDLEN) return;  // RFC 9000, 7.2
-  if (!arrival.original && half_open_.size() >= options_.limits.retry_above) {
+  if (!arrival.original && (half_open_.size() >= options_.limits.retry_above || !unvalidated_.take(1, now))) {
     return ask_to_retry(arrival.header, from, now);
   }
+  if (!handshakes_.take(network_of(from), 1, now)) return;
   arrival.id = ++newest_;
   auto connection = Connection::make(arrival, options_, credentials_, out_, now);
   if (!connection) return;

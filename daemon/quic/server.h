@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "common/token_buckets.h"
 #include "daemon/quic/connection.h"
 #include "daemon/quic/endpoint.h"
 
@@ -51,6 +52,9 @@ class Server : public Endpoint {
   std::map<ConnectionId, Timed> connections_;
   std::map<ConnectionId, TimePoint> half_open_;  // each with the time at which it began
   std::map<std::string, size_t> per_network_;
+  // A handshake costs a server more than a client, also one that is given up with its first packet.
+  TokenBucket unvalidated_;
+  TokenBuckets<std::string> handshakes_;
   std::set<std::pair<TimePoint, ConnectionId>> times_;
   std::set<ConnectionId> sent_;  // since the last take_packets()
   ConnectionId newest_ = 0;

@@ -149,6 +149,28 @@ class Browsers(unittest.TestCase):
         body.write("/", method="GET", Content_Length="5")
         self.assertEqual(body.answer().status, 413)
 
+    def test_one_address_asks_for_so_much(self):
+        """Then it is told to come back later; what costs more counts as more, and who has a session is left alone."""
+        with Node(BUILD, web={"listen": True, "requests_per_s": 2}, log={"level": "debug"}) as node:
+            node.start()
+            session = BrowserSession(*self.where(node), Hello(scene="living_room", tenant="studio", width=64, height=64))
+            self.addCleanup(session.abandon)
+
+            def answers(target):
+                browser, taken = self.opened(Browser(*self.where(node))), 0
+                while (answer := browser.ask(target)).status == 200:
+                    taken += 1
+                self.assertEqual((answer.status, answer.fields["connection"], answer.fields["retry-after"]),
+                                 (429, "close", "1"))
+                with self.assertRaises(Closed):
+                    browser.ask(target)
+                return taken
+            self.assertGreaterEqual(answers("/"), 39)  # of 40, the session's apart, and what came meanwhile
+            self.assertEqual(answers("/qr/token.svg"), 0)
+            self.assertGreater(node.metric("gnomon_refusals_total", reason="web_rate"), 0)
+            session.picture(session.welcome.scene.default_camera)
+            eventually(lambda: self.opened(Browser(*self.where(node))).ask("/").status == 200, "it may ask again")
+
     def test_foreign_names_are_refused(self):
         browser = self.browser()
         self.assertEqual(browser.ask("/", Host="attacker.example").status, 403)

@@ -1,7 +1,6 @@
-// Who gets a place among connections without a session, in virtual time: rates of addresses and shares of places.
+// Who gets a place among connections without a session, in virtual time.
 #include <gtest/gtest.h>
 
-#include "daemon/net/connection_rate.h"
 #include "daemon/net/half_open_places.h"
 #include "daemon/net/words_for_clients.h"
 
@@ -11,44 +10,12 @@ namespace {
 using namespace std::chrono_literals;
 
 ClientNetwork at(const char* address) { return network_of(asio::ip::make_address(address)); }
-ClientNetwork number(uint32_t i) { return network_of(asio::ip::address_v4(i)); }
 
 TEST(ClientNetworks, CountAHomesIpv6AddressesAsOne) {
   EXPECT_EQ(at("2001:db8:1:2::1"), at("2001:db8:1:2:ffff::2"));
   EXPECT_NE(at("2001:db8:1:2::1"), at("2001:db8:1:3::1"));
   EXPECT_NE(at("192.0.2.1"), at("192.0.2.2"));
   EXPECT_EQ(at("192.0.2.1"), at("::ffff:192.0.2.1")) << "the same, mapped";
-}
-
-TEST(ConnectionRate, GivesABurstThenARate) {
-  ConnectionRate rate(5, 10);
-  const auto here = at("192.0.2.1"), there = at("192.0.2.2");
-  TimePoint now{1h};
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(rate.admit(here, now)) << i;
-  EXPECT_FALSE(rate.admit(here, now));
-  EXPECT_TRUE(rate.admit(there, now)) << "others are not to suffer";
-  now += 100ms;
-  EXPECT_TRUE(rate.admit(here, now));
-  EXPECT_FALSE(rate.admit(here, now));
-  now += 1h;
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(rate.admit(here, now)) << i;
-  EXPECT_FALSE(rate.admit(here, now)) << "no more is saved up";
-}
-
-TEST(ConnectionRate, RemembersABoundedNumberOfNetworks) {
-  ConnectionRate rate(2, 1);
-  for (uint32_t i = 0; i < 3 * ConnectionRate::kMaxNetworks; ++i) {
-    EXPECT_TRUE(rate.admit(number(i), TimePoint(1h)));
-    ASSERT_LE(rate.size(), ConnectionRate::kMaxNetworks);
-  }
-}
-
-TEST(ConnectionRate, AFloodOfFreshAddressesWinsNothingForWhoHasSpentTheirs) {
-  ConnectionRate rate(3, 1);
-  const TimePoint now{1h};
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(rate.admit(at("192.0.2.1"), now));
-  for (uint32_t i = 0; i < 3 * ConnectionRate::kMaxNetworks; ++i) EXPECT_TRUE(rate.admit(number(i), now)) << i;
-  EXPECT_FALSE(rate.admit(at("192.0.2.1"), now)) << "it is still remembered";
 }
 
 TEST(HalfOpenPlaces, OneAddressPushesOutItsOwnAlone) {

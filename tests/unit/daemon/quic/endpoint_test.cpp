@@ -271,6 +271,43 @@ TEST_F(QuicTest, OneAddressAndAllTogetherHaveABound) {
   EXPECT_EQ(endpoint_->half_open(), 3u);
 }
 
+// A connection that its first packets close again holds no place, and costs a handshake nevertheless.
+TEST_F(QuicTest, HandshakesOfANetworkHaveARate) {
+  options_.limits.per_network = 4;
+  options_.limits.per_network_per_s = 1;
+  options_.limits.unvalidated_per_s = 1000;
+  open_endpoint();
+  const auto answered_of = [&](int clients, const char* host) {
+    int answered = 0;
+    for (int i = 0; i < clients; ++i) {
+      QuicClient& client = add_client(host);
+      for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
+      answered += endpoint_->take_packets(now_).empty() ? 0 : 1;
+      client.close(now_);
+      for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
+      endpoint_->take_packets(now_);
+      EXPECT_EQ(endpoint_->connections(), 0u) << "it has closed";
+    }
+    return answered;
+  };
+  EXPECT_EQ(answered_of(20, "192.0.2.2"), 4);
+  EXPECT_EQ(answered_of(3, "192.0.2.3"), 3) << "others are not to suffer";
+  now_ += 2s;
+  EXPECT_EQ(answered_of(20, "192.0.2.2"), 2);
+}
+
+// Whoever can write any sender's address into its packets has no network.
+TEST_F(QuicTest, BeyondARateAddressesAreProvedFirst) {
+  options_.limits.unvalidated_per_s = 3;
+  options_.limits.retry_above = 1000;
+  open_endpoint();
+  for (int i = 0; i < 10; ++i) add_client(("192.0.2." + std::to_string(10 + i)).c_str());
+  run(200ms);
+  EXPECT_EQ(
+      std::count_if(clients_.begin(), clients_.end(), [](const auto& client) { return client->was_retried(); }), 7);
+  EXPECT_EQ(asked_.size(), 10u) << "they are let in with their tokens";
+}
+
 // First packets of a client, cut and bent: no crash, and at most one answer each, no longer than what asked for it
 // three times over.
 TEST_F(QuicTest, MalformedFirstPacketsAreHarmless) {
