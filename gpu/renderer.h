@@ -35,6 +35,9 @@ struct CameraView {
   float near_plane = 0.05f;
 };
 
+// For whom a scene was loaded, such as one of the daemon's tenants. 0: nobody in particular.
+using SceneOwner = StrongId<struct SceneOwnerTag, uint32_t>;
+
 // A set of a scene's lights, by number.
 inline constexpr uint32_t kMaxLights = 256;
 using LightSet = std::bitset<kMaxLights>;
@@ -156,6 +159,9 @@ class Renderer {
                      std::function<void()> /*wake*/) {
     resident(make_resident(id, scene));
   }
+  // Before a scene is brought: whose it is. Work beside the frames is done for several owners at a time, and for each in
+  // turn. Forgotten with evict().
+  virtual void set_owner(SceneId, SceneOwner) {}
   virtual void evict(SceneId id) = 0;
   // The footprint of a resident scene; zeros if the scene is not resident.
   virtual SceneFootprint footprint(SceneId) const { return {}; }

@@ -43,6 +43,7 @@ class VulkanRenderer : public Renderer {
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
     return scenes_.make_resident(id, scene);
   }
+  void set_owner(SceneId id, SceneOwner owner) override { scenes_.set_owner(id, owner); }
   void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
              std::function<void()> wake) override {
     scenes_.bring(id, scene, std::move(resident), std::move(wake));

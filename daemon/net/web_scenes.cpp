@@ -106,10 +106,12 @@ asio::awaitable<std::optional<web::Response>> answer_about_scene(const NetShared
   if (!*scene) {
     co_return refuse(shared, without_scene(scene->error().message, name, *shared.catalog.get()), claim, *stream);
   }
+  ScenePacks::WaitId wait;
   const Ask<Result<ScenePackPtr>> make = [&](auto on_answer) {
-    shared.packs->get(name, std::move(**scene), std::move(on_answer));
+    wait = shared.packs->get(name, std::move(**scene), tenant, std::move(on_answer));
   };
   const auto made = co_await answer_of(io, make, departure);
+  if (!made) shared.packs->give_up(wait);
   if (!made) co_return std::nullopt;
   if (!*made)
     co_return refuse(shared, refused(RefusalCode::scene_unavailable, made->error().message), claim, *stream);

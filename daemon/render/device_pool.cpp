@@ -155,7 +155,7 @@ void DevicePool::bring(const SceneLoaded& arrived) {
   std::vector<RenderInbox*> inboxes;
   for (const auto& device : devices_) inboxes.push_back(&device->inbox());
   ask_all(inboxes, AnswerAt::last, arrived.resident, [&](const auto& reply) {
-    return SceneLoaded{arrived.scene, reply, arrived.name, arrived.lights};
+    return SceneLoaded{arrived.scene, reply, arrived.name, arrived.lights, arrived.owner};
   });
 }
 

@@ -20,11 +20,13 @@ Result<void> RenderDevice::make_renderer() {
   return {};
 }
 
-void RenderDevice::bring_scene(const scenes::LoadedScene& scene, Arrived arrived) {
+void RenderDevice::bring_scene(const scenes::LoadedScene& scene, gpu::SceneOwner owner, Arrived arrived) {
   if (scenes_.contains(scene.id)) return arrived(renderer_->footprint(scene.id));
   const auto [arriving, is_new] = arriving_.try_emplace(scene.id, Arriving{scene, {}});
   arriving->second.waiting.push_back(std::move(arrived));
-  if (is_new) bring(scene.id);
+  if (!is_new) return;
+  owners_[scene.id] = owner;
+  bring(scene.id);
 }
 
 void RenderDevice::bring(SceneId id) {
@@ -34,11 +36,13 @@ void RenderDevice::bring(SceneId id) {
     scenes_.emplace(id, arriving_.at(id).scene.scene);
     answer(id, renderer_->footprint(id));
   };
+  renderer_->set_owner(id, owners_[id]);
   renderer_->bring(id, arriving_.at(id).scene.scene, resident, wake());
 }
 
 void RenderDevice::answer(SceneId id, const Result<gpu::SceneFootprint>& result) {
   const auto arriving = arriving_.extract(id);
+  if (!result) owners_.erase(id);
   for (const Arrived& arrived : arriving.mapped().waiting) arrived(result);
 }
 
@@ -49,6 +53,7 @@ void RenderDevice::refuse_arriving(const Error& why) {
 void RenderDevice::remove_scene(SceneId scene) {
   renderer_->evict(scene);
   scenes_.erase(scene);
+  owners_.erase(scene);
 }
 
 Result<void> RenderDevice::rebuild(TimePoint now) {
@@ -61,6 +66,7 @@ Result<void> RenderDevice::rebuild(TimePoint now) {
   renderer_.reset();  // before the next one is made, as two renderers may not fit on the device
   if (auto made = make_renderer(); !made) return made;
   for (const auto& [id, scene] : scenes_) {
+    renderer_->set_owner(id, owners_[id]);
     if (auto made = renderer_->make_resident(id, scene); !made) return made;
   }
   std::vector<SceneId> on_their_way;

@@ -40,7 +40,7 @@ class RenderDevice {
   // finish_background. Callers that ask for a scene on its way are answered together with the first. A scene that is on
   // its way when the device is lost is brought to the next renderer.
   using Arrived = std::function<void(Result<gpu::SceneFootprint>)>;
-  void bring_scene(const scenes::LoadedScene& scene, Arrived arrived);
+  void bring_scene(const scenes::LoadedScene& scene, gpu::SceneOwner owner, Arrived arrived);
   // Answers all callers that still wait for a scene with the error.
   void refuse_arriving(const Error& why);
 
@@ -64,6 +64,7 @@ class RenderDevice {
   RenderInbox* inbox_ = nullptr;
   uint32_t number_ = 0;
   std::map<SceneId, scenes::ScenePtr> scenes_;
+  std::map<SceneId, gpu::SceneOwner> owners_;  // of those and of arriving_
   std::map<SceneId, Arriving> arriving_;
   std::deque<TimePoint> losses_;
   std::unique_ptr<gpu::Renderer> renderer_;  // destroyed first, as its callbacks refer to the other members

@@ -63,6 +63,7 @@ struct SceneLoaded {
   std::string name = {};
   // What operators have changed until the scene is there, called on the render thread then; if empty, nothing.
   std::function<LightsUpdate()> lights = {};
+  gpu::SceneOwner owner = {};
 };
 
 // The scene is removed from the device. No session uses it, nor will before it is brought again.

@@ -127,7 +127,7 @@ void RenderLoop::forget(RenderSession& session) {
 void RenderLoop::bring_scene(const SceneLoaded& arrived) {
   if (stopping_) return arrived.resident(Error{"the server is stopping"});
   if (recovery_.lost()) return recovery_.defer(arrived);
-  device_.bring_scene(arrived.scene, [this, arrived](Result<gpu::SceneFootprint> made) {
+  device_.bring_scene(arrived.scene, arrived.owner, [this, arrived](Result<gpu::SceneFootprint> made) {
     if (!made) return arrived.resident(std::move(made));
     motion_.add(arrived.scene.id, arrived.name, arrived.scene);
     const auto resident = [resident = arrived.resident, made] { resident(made); };

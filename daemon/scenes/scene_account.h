@@ -7,13 +7,17 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/ids.h"
 #include "common/result.h"
-#include "daemon/scenes/load_queue.h"
 
 namespace gnomon::daemon {
+
+// nullopt: the operator.
+using SceneAsker = std::optional<TenantId>;
 
 struct SceneMemoryLimits {
   uint64_t all_bytes = 0;           // 0: no limit

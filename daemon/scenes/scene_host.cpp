@@ -13,8 +13,11 @@
 namespace gnomon::daemon {
 namespace {
 
-// One tenant may have half of them at work (load_queue.h).
+// Of one tenant half of them are under way at most, from the file to the devices (common/fair_queue.h); the operator's may
+// be all.
 constexpr uint32_t kLoaders = 4;
+
+gpu::SceneOwner owner_for(SceneAsker asker) { return gpu::SceneOwner(asker ? asker->value + 1 : 0); }
 
 const Error kNobodyWaits{"nobody waits for it any more"};
 const Error kNoMemory{"no memory"};  // so short that copies allocate nothing
@@ -47,7 +50,7 @@ SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, SceneLigh
       devices_(devices),
       lights_(lights),
       metrics_(metrics),
-      requests_(kLoaders) {
+      requests_(kLoaders, SceneAsker{}) {
   account_.set_limits(std::move(memory.limits));
   for (uint32_t i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
 }
@@ -71,17 +74,25 @@ void SceneHost::stop_reading() {
 
 void SceneHost::serve_requests() {
   while (auto request = next_request()) {
-    if (!done_or_dropped("a request for a scene", [&] { serve(*request); })) request->refuse(kNoMemory);
-    {
-      std::lock_guard lock(mutex_);
-      requests_.done(request->asker);
-    }
-    changed_.notify_all();
+    PlacePtr place;
+    until_memory_suffices([&] { place = std::make_shared<Place>(request->asker); });
+    if (!done_or_dropped("a request for a scene", [&] { serve(*request, place); })) request->refuse(kNoMemory);
+    if (!place->kept) give_back(*place);
   }
 }
 
+// Any thread; once is enough.
+void SceneHost::give_back(Place& place) {
+  if (place.given_back.exchange(true)) return;
+  {
+    std::lock_guard lock(mutex_);
+    requests_.done(place.asker);
+  }
+  changed_.notify_all();
+}
+
 // Reads the scene, or waits with the request for whoever reads it already.
-void SceneHost::serve(const Request& request) {
+void SceneHost::serve(const Request& request, const PlacePtr& place) {
   Reading own{{request}, {}, 0};
   const std::stop_token stop = own.stop.get_token();
   {
@@ -100,7 +111,7 @@ void SceneHost::serve(const Request& request) {
   lock.unlock();
   for (const Request& waiting : reading.mapped().waiting) {
     const bool served = done_or_dropped("an answer about a scene", [&] {
-      if (!again) return bring(waiting, loaded);
+      if (!again) return bring(waiting, loaded, place);
       std::lock_guard queue(mutex_);
       requests_.push(waiting.asker, waiting);
     });
@@ -193,7 +204,7 @@ void SceneHost::give_up(FetchId fetch) {
   if (ready) ready(kNobodyWaits);
 }
 
-void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded) {
+void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded, const PlacePtr& place) {
   if (!loaded) return request.ready(loaded.error());
   if (auto room = within_memory([&] { return make_room(request, *loaded); }); !room) {
     {
@@ -205,10 +216,13 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
   SceneLoaded arrived;
   arrived.scene = *loaded;
   arrived.name = request.name;
-  arrived.resident = [this, scene = *loaded, request](Result<gpu::SceneFootprint> on_device) {
+  arrived.owner = owner_for(request.asker);
+  arrived.resident = [this, scene = *loaded, request, place](Result<gpu::SceneFootprint> on_device) {
+    give_back(*place);
     arrive(request, scene, on_device);
   };
   lights_.bring(arrived);
+  place->kept = true;
 }
 
 // Enters the scene into the account, and takes away those that leave for it. Error: there is no room.

@@ -1,10 +1,12 @@
 // Brings scenes from disk to the devices, each once: read on the loaders' threads, made resident on the render threads.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <future>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -14,12 +16,12 @@
 #include <vector>
 
 #include "common/clock.h"
+#include "common/fair_queue.h"
 #include "daemon/config/config.h"
 #include "daemon/frame/scene_use.h"
 #include "daemon/metrics/metrics.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/render/scene_motion.h"
-#include "daemon/scenes/load_queue.h"
 #include "daemon/scenes/scene_account.h"
 #include "daemon/scenes/scene_catalog.h"
 #include "daemon/scenes/scene_lights.h"
@@ -134,14 +136,24 @@ class SceneHost {
     double share = 0;       // of the file's way to a scene
   };
 
+  // A request's share of the loaders, until its scene is read and, where it could be, resident.
+  struct Place {
+    explicit Place(SceneAsker of) : asker(of) {}
+    const SceneAsker asker;
+    bool kept = false;  // by a scene on its way to the devices, which gives it back; the loader's thread
+    std::atomic<bool> given_back = false;
+  };
+  using PlacePtr = std::shared_ptr<Place>;
+
   void serve_requests();  // a loader's thread
-  void serve(const Request& request);
+  void give_back(Place& place);
+  void serve(const Request& request, const PlacePtr& place);
   std::optional<Request> next_request();
   Result<scenes::LoadedScene> read(const Request& request, const std::stop_token& stop);
   Result<void> make_room(const Request& request, const scenes::LoadedScene& loaded);
   bool is_free(const std::string& name) const;  // with mutex_ held
   void take_away(const std::string& name);      // with mutex_ held; the scene is resident
-  void bring(Request request, const Result<scenes::LoadedScene>& loaded);
+  void bring(Request request, const Result<scenes::LoadedScene>& loaded, const PlacePtr& place);
   Ready counted(const std::string& name, Ready ready);  // with mutex_ held
   void arrive(const Request& request, const scenes::LoadedScene& scene,
               const Result<gpu::SceneFootprint>& on_device);
@@ -162,7 +174,7 @@ class SceneHost {
   std::map<std::string, LightsUpdate> early_lights_;  // of scenes in on_the_way_; guarded by mutex_
   std::condition_variable changed_;                   // notified when requests_ or ending_ has changed
   SceneAccount account_;                              // guarded by mutex_
-  LoadQueue<Request> requests_;                       // guarded by mutex_
+  FairQueue<SceneAsker, Request> requests_;           // guarded by mutex_
   std::map<std::string, Reading> reading_;            // guarded by mutex_
   struct UnderWay {
     uint32_t requests = 0;

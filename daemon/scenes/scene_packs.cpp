@@ -12,7 +12,8 @@
 namespace gnomon::daemon {
 namespace {
 
-constexpr int kNice = 10;  // beside threads that frames wait for
+constexpr int kNice = 10;         // beside threads that frames wait for
+constexpr uint32_t kThreads = 2;  // one of them is for another tenant
 
 std::span<const uint8_t> as_numbers(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()};
@@ -30,8 +31,8 @@ Result<ScenePack> ScenePacks::make_pack(const scenes::Scene& scene) {
                    std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end())};
 }
 
-ScenePacks::ScenePacks(SceneHost& host, Make make) : host_(host), make_(std::move(make)) {
-  thread_ = std::thread([this] { serve(); });
+ScenePacks::ScenePacks(SceneHost& host, Make make) : host_(host), make_(std::move(make)), wanted_(kThreads) {
+  for (uint32_t i = 0; i < kThreads; ++i) threads_.emplace_back([this] { serve(); });
 }
 
 ScenePacks::~ScenePacks() {
@@ -40,44 +41,71 @@ ScenePacks::~ScenePacks() {
     ending_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  for (std::thread& thread : threads_) thread.join();
 }
 
-void ScenePacks::get(const std::string& name, SceneForUse scene, Ready ready) {
-  if (scene.pack) return ready(scene.pack);
+ScenePacks::WaitId ScenePacks::get(const std::string& name, SceneForUse scene, SceneAsker asker, Ready ready) {
+  WaitId id;
+  if (scene.pack) {
+    ready(scene.pack);
+    return id;
+  }
   {
     std::lock_guard lock(mutex_);
+    id.value = ++last_wait_;
     const auto [waiting, first] = waiting_.try_emplace(scene.id);
-    waiting->second.push_back(std::move(ready));
-    if (first) wanted_.push_back({name, std::move(scene)});
+    waiting->second.push_back({id, std::move(ready)});
+    if (first) wanted_.push(asker, {name, std::move(scene), asker});
   }
   changed_.notify_all();
+  return id;
+}
+
+void ScenePacks::give_up(WaitId wait) {
+  std::vector<SceneForUse> unused;  // outlives the lock, as the host may be told
+  std::lock_guard lock(mutex_);
+  for (auto& [scene, waiting] : waiting_)
+    std::erase_if(waiting, [&](const Waiting& one) { return one.id == wait; });
+  wanted_.drop([&](Wanted& wanted) {
+    const auto found = waiting_.find(wanted.scene.id);
+    if (!found->second.empty()) return false;
+    waiting_.erase(found);
+    unused.push_back(std::move(wanted.scene));
+    return true;
+  });
 }
 
 void ScenePacks::serve() {
   be_nicer(kNice);
   std::unique_lock lock(mutex_);
+  std::optional<Wanted> wanted;
   while (true) {
-    changed_.wait(lock, [this] { return ending_ || !wanted_.empty(); });
+    changed_.wait(lock, [&] { return ending_ || (wanted = wanted_.start()); });
     if (ending_) return;
-    const Wanted wanted = std::move(wanted_.front());
-    wanted_.pop_front();
     lock.unlock();
-    const auto made = within_memory([&]() -> Result<ScenePackPtr> {
-      auto pack = make_(*wanted.scene.scene);
-      if (!pack) return pack.error();
-      return ScenePackPtr(std::make_shared<const ScenePack>(std::move(*pack)));
-    });
-    done_or_dropped("a scene pack", [&] { finish(wanted, made); });
+    const SceneAsker asker = wanted->asker;
+    make(*wanted);
+    wanted.reset();
     lock.lock();
+    wanted_.done(asker);
+    changed_.notify_all();
   }
+}
+
+void ScenePacks::make(const Wanted& wanted) {
+  const auto made = within_memory([&]() -> Result<ScenePackPtr> {
+    auto pack = make_(*wanted.scene.scene);
+    if (!pack) return pack.error();
+    return ScenePackPtr(std::make_shared<const ScenePack>(std::move(*pack)));
+  });
+  done_or_dropped("a scene pack", [&] { finish(wanted, made); });
 }
 
 // The scene is used until here, so that it cannot have left. Who asks after the pack was kept gets it with the scene; who
 // got the scene before, and asks only now, has it made again, which is rare and gives the same bytes.
 void ScenePacks::finish(const Wanted& wanted, Result<ScenePackPtr> made) {
   if (made) host_.keep_pack(wanted.name, *made, (*made)->packed->size());
-  std::vector<Ready> waiting;
+  std::vector<Waiting> waiting;
   {
     std::lock_guard lock(mutex_);
     const auto entry = waiting_.extract(wanted.scene.id);
@@ -89,7 +117,7 @@ void ScenePacks::finish(const Wanted& wanted, Result<ScenePackPtr> made) {
   } else {
     log::error("scene not packed for browsers", {{"scene", wanted.name}, {"why", made.error().message}});
   }
-  for (const Ready& ready : waiting) ready(made);
+  for (const Waiting& one : waiting) one.ready(made);
 }
 
 }  // namespace gnomon::daemon

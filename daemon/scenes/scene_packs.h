@@ -1,13 +1,12 @@
 // Scenes as browsers get them (web/PACK.md): each made once while its scene is resident, when the first browser asks for
 // it, and kept with the scene, compressed, until that leaves. It counts in the account of the scenes' memory.
 //
-// A thread of its own makes them, at a low priority: it copies and compresses for seconds what the confined worker has
+// Threads of its own make them, at a low priority, for one tenant no more than one at a time: they copy and compress for seconds what the confined worker has
 // checked already, which would make that worker read the whole scene a second time.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/fair_queue.h"
 #include "common/result.h"
 #include "daemon/scenes/scene_host.h"
 
@@ -35,10 +35,14 @@ class ScenePacks {
 
   // `host` outlives this.
   explicit ScenePacks(SceneHost& host, Make make = make_pack);
-  ~ScenePacks();  // blocks until a pack that is being made is done; who waits is not answered
+  ~ScenePacks();  // blocks until packs that are being made are done; who waits is not answered
 
-  // Any thread. `ready` is called once, on the caller's thread or that which makes packs. The scene is used meanwhile.
-  void get(const std::string& name, SceneForUse scene, Ready ready);
+  // Any thread. `ready` is called once, unless it was given up, on the caller's thread or one that makes packs. The scene
+  // is used meanwhile.
+  using WaitId = StrongId<struct PackWaitTag, uint64_t>;
+  WaitId get(const std::string& name, SceneForUse scene, SceneAsker asker, Ready ready);
+  // Any thread. `ready` is not called from now on, unless it is being called. What nobody waits for any more is not begun.
+  void give_up(WaitId wait);
 
   // Blocking. Error: the scene makes no pack that browsers can hold, or there is no memory.
   static Result<ScenePack> make_pack(const scenes::Scene& scene);
@@ -47,19 +51,26 @@ class ScenePacks {
   struct Wanted {
     std::string name;
     SceneForUse scene;
+    SceneAsker asker;
+  };
+  struct Waiting {
+    WaitId id;
+    Ready ready;
   };
 
-  void serve();  // the thread
+  void serve();  // a thread
+  void make(const Wanted& wanted);
   void finish(const Wanted& wanted, Result<ScenePackPtr> made);
 
   SceneHost& host_;
   const Make make_;
   std::mutex mutex_;  // held for look-ups; never while the host is called
   std::condition_variable changed_;
-  std::map<SceneId, std::vector<Ready>> waiting_;  // for those that are wanted or being made; guarded by mutex_
-  std::deque<Wanted> wanted_;                      // guarded by mutex_
-  bool ending_ = false;                            // guarded by mutex_
-  std::thread thread_;
+  std::map<SceneId, std::vector<Waiting>> waiting_;  // for those that are wanted or being made; guarded by mutex_
+  FairQueue<SceneAsker, Wanted> wanted_;             // guarded by mutex_
+  uint64_t last_wait_ = 0;                           // guarded by mutex_
+  bool ending_ = false;                              // guarded by mutex_
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace gnomon::daemon

@@ -31,22 +31,30 @@ Result<void> ResidentScenes::make_resident(SceneId id, const scenes::ScenePtr& s
 // thread calls in finish_background: here and below the outer function is the work, and the inner one takes over.
 void ResidentScenes::bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
                            std::function<void()> wake) {
-  light_builds_.pause();  // until the scene is resident, with at least a hierarchy for its lights
-  area_builds_.pause();
+  const SceneOwner owner = owner_of(id);
+  light_builds_.pause(owner);  // until the scene is resident, with at least a hierarchy for its lights
+  area_builds_.pause(owner);
   background_.run(
-      [this, id, scene, pool = pool_, built = built_, missing = missing_variants(false), resident] {
+      owner,
+      [this, id, owner, scene, pool = pool_, built = built_, missing = missing_variants(false), resident] {
         const auto made = std::make_shared<Arrived>(arrive(*pool, scene, built, missing));
-        return [this, id, made, resident] {
+        return [this, id, owner, made, resident] {
           resident(settle_in(id, *made));
-          light_builds_.resume();
-          area_builds_.resume();
+          light_builds_.resume(owner);
+          area_builds_.resume(owner);
         };
       },
       std::move(wake));
-  bring_occlusion(scene);
+  bring_occlusion(owner, scene);
+}
+
+SceneOwner ResidentScenes::owner_of(SceneId id) const {
+  const auto found = owners_.find(id);
+  return found == owners_.end() ? SceneOwner{} : found->second;
 }
 
 void ResidentScenes::evict(SceneId id) {
+  owners_.erase(id);
   scenes_.erase(id);
   light_builds_.stop(id);
   area_builds_.stop(id);
@@ -64,7 +72,7 @@ void ResidentScenes::rebuild_lights(SceneId id, std::function<void(Result<void>)
   if (found == scenes_.end()) return settled(not_resident(id));
   if (!pool_->tracer().builds_for_lights()) return settled({});
   light_builds_.start(
-      id, found->second->light_count(),
+      {id, owner_of(id)}, found->second->light_count(),
       [this, id, scene = found->second->scene_ptr(), pool = pool_, lights = found->second->lights(),
        settled](const BuildWatch& watch) {
         const auto built = within_memory([&] { return build_for_lights(pool->tracer(), *scene, lights, watch); });
@@ -86,7 +94,7 @@ void ResidentScenes::build_areas(SceneId id) {
   const bool builds = pool_->tracer().soft_shader() && scene.area_lights().any();
   if (!builds || !light_builds_.progress(id).lights.empty() || !areas_asked_.insert(id).second) return;
   area_builds_.start(
-      id, scene.area_lights().set().count(),
+      {id, owner_of(id)}, scene.area_lights().set().count(),
       [this, id, scene = scene.scene_ptr(), pool = pool_, lights = scene.lights()](const BuildWatch& watch) {
         const auto built = within_memory([&] { return build_for_areas(pool->tracer(), *scene, lights, watch); });
         return [this, id, scene, built] {
@@ -141,8 +149,9 @@ ResidentScenes::Variants ResidentScenes::make_variants(const SlotPool& pool, con
   return made;
 }
 
-void ResidentScenes::bring_occlusion(const scenes::ScenePtr& scene) {
+void ResidentScenes::bring_occlusion(SceneOwner owner, const scenes::ScenePtr& scene) {
   background_.run(
+      owner,
       [this, scene, pool = pool_, missing = missing_variants(true), built = built_] {
         // A scene without its light buffers is traced as one in motion is, by hierarchies, until they are built.
         const bool moves = built == Built::what_is_quick || scenes::moves(*scene);

@@ -27,6 +27,7 @@ class ResidentScenes {
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene);
   void bring(SceneId id, const scenes::ScenePtr& scene, std::function<void(Result<void>)> resident,
              std::function<void()> wake);
+  void set_owner(SceneId id, SceneOwner owner) { owners_[id] = owner; }
   // Precondition: all recorded submits of the scene were started.
   void evict(SceneId id);
 
@@ -39,6 +40,9 @@ class ResidentScenes {
   void finish_background();
 
  private:
+  // As many as the daemon has readers, so that no scene waits for one of somebody else's that takes long.
+  static constexpr uint32_t kScenesAtOnce = 4;
+
   using Variants = std::vector<std::pair<PlanKind, std::unique_ptr<PlanVariant>>>;
   // A scene made beside the frames, and the variants that the scene is the first to need.
   struct Arrived {
@@ -51,7 +55,8 @@ class ResidentScenes {
                         const std::vector<PlanKind>& missing);
   static Variants make_variants(const SlotPool& pool, const std::vector<PlanKind>& missing, bool moves, bool soft);
   // Those that the scene may need for ambient occlusion, which it does not wait for.
-  void bring_occlusion(const scenes::ScenePtr& scene);
+  void bring_occlusion(SceneOwner owner, const scenes::ScenePtr& scene);
+  SceneOwner owner_of(SceneId id) const;
   std::vector<PlanKind> missing_variants(bool occlusion) const;
   void give(Variants& made);
   Result<void> settle_in(SceneId id, Arrived& made);
@@ -60,7 +65,8 @@ class ResidentScenes {
   const std::shared_ptr<SlotPool> pool_;
   const Built built_;
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;
-  Background background_;  // declared last, so that its threads and those of the builds end first
+  std::map<SceneId, SceneOwner> owners_;  // others are nobody's in particular
+  Background background_{kScenesAtOnce};  // declared last, so that its threads and those of the builds end first
   LightBuilds light_builds_;
   std::set<SceneId> areas_asked_;  // scenes whose areas are built, or being built, or could not be
   LightBuilds area_builds_;

@@ -1,7 +1,6 @@
 #include "gpu/scene/background.h"
 
 #include <utility>
-#include <vector>
 
 #include "common/freed_memory.h"
 #include "common/niceness.h"
@@ -9,26 +8,46 @@
 namespace gnomon::gpu {
 
 Background::~Background() {
-  jobs_.close();
-  if (thread_.joinable()) thread_.join();
+  {
+    std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
 }
 
-void Background::run(std::function<Finish()> work, std::function<void()> wake) {
-  jobs_.push_surely({std::move(work), std::move(wake)});
-  if (!thread_.joinable()) thread_ = std::thread([this] { serve(); });
+void Background::run(SceneOwner owner, std::function<Finish()> work, std::function<void()> wake) {
+  JobPtr job;
+  until_memory_suffices([&] { job = std::make_shared<Job>(); });
+  *job = {owner, std::move(work), std::move(wake)};
+  until_memory_suffices([&] {
+    std::lock_guard lock(mutex_);
+    jobs_.push(owner, job);
+  });
+  if (threads_.size() < most_threads_) threads_.emplace_back([this] { serve(); });
+  changed_.notify_one();
 }
 
 void Background::serve() {
   if (niceness_ != 0) be_nicer(niceness_);
-  std::vector<Job> batch;
-  for (jobs_.take(batch); !batch.empty(); jobs_.take(batch)) {
-    for (Job& job : batch) {
-      if (jobs_.closed()) return;
-      finished_.push_surely(job.work());
-      job.wake();
-      give_back_freed_memory();
+  while (const JobPtr job = next()) {
+    finished_.push_surely(job->work());
+    job->wake();
+    *job = {job->owner, {}, {}};  // what it holds is freed before the next one begins
+    give_back_freed_memory();
+    {
+      std::lock_guard lock(mutex_);
+      jobs_.done(job->owner);
     }
+    changed_.notify_all();
   }
+}
+
+Background::JobPtr Background::next() {
+  std::unique_lock lock(mutex_);
+  std::optional<JobPtr> job;
+  changed_.wait(lock, [&] { return ending_ || (job = jobs_.start()); });
+  return ending_ ? nullptr : *job;
 }
 
 void Background::finish() {

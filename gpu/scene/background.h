@@ -1,10 +1,17 @@
-// Work beside the frames: runs jobs on one thread, and the functions that they return on the owner's thread.
+// Work beside the frames: runs jobs on threads of its own, and the functions that they return on the owner's thread.
 #pragma once
 
+#include <condition_variable>
+#include <cstdint>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <thread>
+#include <vector>
 
+#include "common/fair_queue.h"
 #include "common/inbox.h"
+#include "gpu/renderer.h"
 
 namespace gnomon::gpu {
 
@@ -12,27 +19,36 @@ class Background {
  public:
   using Finish = std::function<void()>;
 
-  // `niceness`: by how much the thread and those that the work starts are nicer than the process (nice(2)).
-  explicit Background(int niceness = 0) : niceness_(niceness) {}
-  ~Background();  // waits for the job in progress; other jobs, and results that were not finished, are dropped
+  // `threads`: jobs of several owners at a time, of one owner at most half as many (or one). `niceness`: by how much the
+  // threads and those that the work starts are nicer than the process (nice(2)).
+  explicit Background(uint32_t threads = 1, int niceness = 0)
+      : most_threads_(threads), niceness_(niceness), jobs_(threads) {}
+  ~Background();  // waits for the jobs in progress; other jobs, and results that were not finished, are dropped
 
-  // The owner's thread. Jobs run on the thread one after the other: `work` is called, its result is queued for
-  // finish(), then `wake` is called.
-  void run(std::function<Finish()> work, std::function<void()> wake);
+  // The owner's thread. `work` is called on a thread, its result is queued for finish(), then `wake` is called. Owners of
+  // scenes take turns; jobs of one begin in order.
+  void run(SceneOwner owner, std::function<Finish()> work, std::function<void()> wake);
   // The owner's thread. Calls the queued results in order; does not block.
   void finish();
 
  private:
   struct Job {
+    SceneOwner owner{};
     std::function<Finish()> work;
     std::function<void()> wake;
   };
+  using JobPtr = std::shared_ptr<Job>;
   void serve();
+  JobPtr next();  // blocks; nullptr at the end
 
+  const uint32_t most_threads_;
   const int niceness_;
-  Inbox<Job> jobs_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  FairQueue<SceneOwner, JobPtr> jobs_;  // guarded by mutex_
+  bool ending_ = false;                 // guarded by mutex_
   Inbox<Finish> finished_;
-  std::thread thread_;  // started by the first job
+  std::vector<std::thread> threads_;  // started as jobs come
 };
 
 }  // namespace gnomon::gpu

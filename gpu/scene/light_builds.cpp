@@ -18,9 +18,9 @@ LightBuilds::~LightBuilds() {
   for (auto& [scene, build] : builds_) build.stop.request_stop();
 }
 
-void LightBuilds::start(SceneId scene, size_t lights, Work work, std::function<void()> wake) {
-  stop(scene);
-  const Build& build = builds_[scene] = {{}, std::make_shared<Shares>(lights)};
+void LightBuilds::start(Owned owned, size_t lights, Work work, std::function<void()> wake) {
+  stop(owned.scene);
+  const Build& build = builds_[owned.scene] = {{}, std::make_shared<Shares>(lights)};
   const auto job = [this, work = std::move(work), stop = build.stop.get_token(), shares = build.shares] {
     const BuildWatch watch{[&](size_t light, double share) { shares->set(light, share); }, stop};
     const Background::Finish done = work(watch);
@@ -29,18 +29,21 @@ void LightBuilds::start(SceneId scene, size_t lights, Work work, std::function<v
       done();
     };
   };
-  deferred_.push_back([this, job, wake = std::move(wake)] { thread_.run(job, wake); });
-  begin_deferred();
+  deferred_[owned.owner].push_back(
+      [this, job, owner = owned.owner, wake = std::move(wake)] { threads_.run(owner, job, wake); });
+  begin_deferred(owned.owner);
 }
 
-void LightBuilds::resume() {
-  --pauses_;
-  begin_deferred();
+void LightBuilds::resume(SceneOwner owner) {
+  if (--pauses_.at(owner) == 0) pauses_.erase(owner);
+  begin_deferred(owner);
 }
 
-void LightBuilds::begin_deferred() {
-  if (pauses_ > 0) return;
-  for (const auto& begin : std::exchange(deferred_, {})) begin();
+void LightBuilds::begin_deferred(SceneOwner owner) {
+  if (pauses_.contains(owner)) return;
+  const auto deferred = deferred_.extract(owner);
+  if (deferred.empty()) return;
+  for (const auto& begin : deferred.mapped()) begin();
 }
 
 void LightBuilds::stop(SceneId scene) {

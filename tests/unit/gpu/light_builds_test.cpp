@@ -12,7 +12,7 @@ namespace {
 
 using namespace gpu;
 
-constexpr SceneId kRoom{1}, kHall{2};
+constexpr SceneId kRoom{1}, kHall{2}, kAttic{3};
 
 // Waits for a result that the owner's thread must finish, and finishes it.
 struct Owner {
@@ -33,7 +33,7 @@ TEST(LightBuilds, TellsOfEachLightHowFarItIsAndForgetsItAtTheEnd) {
   std::promise<void> half, go_on;
   bool done = false;
   owner.builds.start(
-      kRoom, 3,
+      {kRoom}, 3,
       [&](const BuildWatch& watch) {
         watch.progress(0, 1);
         watch.progress(1, 0.5);
@@ -56,7 +56,7 @@ TEST(LightBuilds, GivesFramesPrecedence) {
   Owner owner;
   int niceness = 0;
   owner.builds.start(
-      kRoom, 1,
+      {kRoom}, 1,
       [&](const BuildWatch&) {
         niceness = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
         return [] {};
@@ -79,7 +79,7 @@ TEST(LightBuilds, StopsABuildWhoseSceneLeaves) {
   Owner owner;
   std::promise<void> begun;
   bool stopped = false;
-  owner.builds.start(kRoom, 1, endless(begun, stopped), owner.wake());
+  owner.builds.start({kRoom}, 1, endless(begun, stopped), owner.wake());
   begun.get_future().wait();
   owner.builds.stop(kRoom);
   EXPECT_TRUE(owner.builds.progress(kRoom).lights.empty());
@@ -91,10 +91,10 @@ TEST(LightBuilds, ALaterBuildOfASceneTakesThePlaceOfTheFirst) {
   Owner owner;
   std::promise<void> begun;
   bool stopped = false, built = false;
-  owner.builds.start(kRoom, 1, endless(begun, stopped), owner.wake());
+  owner.builds.start({kRoom}, 1, endless(begun, stopped), owner.wake());
   begun.get_future().wait();
   owner.builds.start(
-      kRoom, 2, [&](const BuildWatch&) { return [&] { built = true; }; }, owner.wake());
+      {kRoom}, 2, [&](const BuildWatch&) { return [&] { built = true; }; }, owner.wake());
   while (!built) owner.finish_one();
   EXPECT_TRUE(stopped);
   EXPECT_TRUE(owner.builds.progress(kRoom).lights.empty());
@@ -103,20 +103,40 @@ TEST(LightBuilds, ALaterBuildOfASceneTakesThePlaceOfTheFirst) {
 TEST(LightBuilds, BeginNothingNewWhileTheyAreHeld) {
   Owner owner;
   bool first = false, second = false;
-  owner.builds.pause();
-  owner.builds.pause();
+  owner.builds.pause({});
+  owner.builds.pause({});
   owner.builds.start(
-      kRoom, 1, [&](const BuildWatch&) { return [&] { first = true; }; }, owner.wake());
+      {kRoom}, 1, [&](const BuildWatch&) { return [&] { first = true; }; }, owner.wake());
   owner.builds.start(
-      kHall, 2, [&](const BuildWatch&) { return [&] { second = true; }; }, owner.wake());
-  owner.builds.resume();
+      {kHall}, 2, [&](const BuildWatch&) { return [&] { second = true; }; }, owner.wake());
+  owner.builds.resume({});
   EXPECT_EQ(owner.builds.progress(kHall).lights.size(), 2u) << "it waits for its turn";
   EXPECT_TRUE(owner.woken.push(0));
   owner.finish_one();
   EXPECT_FALSE(first);
-  owner.builds.resume();
+  owner.builds.resume({});
   while (!second) owner.finish_one();
   EXPECT_TRUE(first);
+}
+
+TEST(LightBuilds, AnotherOwnersScenesWaitForNone) {
+  Owner owner;
+  const SceneOwner greedy{1}, modest{2};
+  std::promise<void> begun;
+  bool stopped = false, second = false, other = false;
+  owner.builds.start({kRoom, greedy}, 1, endless(begun, stopped), owner.wake());
+  begun.get_future().wait();
+  owner.builds.start(
+      {kAttic, greedy}, 1, [&](const BuildWatch&) { return [&] { second = true; }; }, owner.wake());
+  owner.builds.pause(greedy);
+  owner.builds.start(
+      {kHall, modest}, 1, [&](const BuildWatch&) { return [&] { other = true; }; }, owner.wake());
+  owner.finish_one();
+  EXPECT_TRUE(other) << "beside a build that never ends";
+  EXPECT_FALSE(second) << "one at a time of an owner";
+  owner.builds.stop(kRoom);
+  while (!second) owner.finish_one();
+  EXPECT_TRUE(stopped);
 }
 
 TEST(LightBuilds, TheirEndStopsTheBuildUnderWay) {
@@ -124,7 +144,7 @@ TEST(LightBuilds, TheirEndStopsTheBuildUnderWay) {
   bool stopped = false;
   {
     Owner owner;
-    owner.builds.start(kRoom, 1, endless(begun, stopped), owner.wake());
+    owner.builds.start({kRoom}, 1, endless(begun, stopped), owner.wake());
     begun.get_future().wait();
   }
   EXPECT_FALSE(stopped) << "the result of a build without owner is dropped";

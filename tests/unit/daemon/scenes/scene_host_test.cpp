@@ -177,6 +177,27 @@ TEST_F(RefusedScene, WithoutLightsIsReadOnceAndLetGo) {
   EXPECT_EQ(to.host->memory().bytes, 0u);
 }
 
+// The devices never take it: what is read stays on its way to them.
+TEST_F(RefusedScene, NoFurtherSceneOfATenantIsReadBeforeOneIsResident) {
+  Host to;
+  to.host.emplace(to.catalog, to.devices, to.lights, to.metrics, reader(1));
+  Answer answers[4];
+  const auto is_prepared = [&](const char* name) {
+    return under_way(*to.host, name)->stage == SceneUnderWay::Stage::preparing;
+  };
+  const auto wait_for = [&](const char* name) {
+    for (int i = 0; i < 10'000 && !is_prepared(name); ++i) std::this_thread::sleep_for(1ms);
+    EXPECT_TRUE(is_prepared(name)) << name;
+  };
+  for (int i = 0; i < 3; ++i) to.host->fetch(std::string(1, "abc"[i]), answers[i].ready(), kTenant);
+  wait_for("a");
+  wait_for("b");
+  to.host->fetch("d", answers[3].ready(), TenantId{0});
+  wait_for("d");
+  EXPECT_EQ(under_way(*to.host, "c")->stage, SceneUnderWay::Stage::queued);
+  EXPECT_EQ(readings_, 3);
+}
+
 TEST(SceneHost, EndsBesideReadersThatAreAtWork) {
   Host to;
   Answer answer;

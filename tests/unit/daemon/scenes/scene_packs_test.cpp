@@ -9,6 +9,8 @@
 namespace gnomon::daemon {
 namespace {
 
+constexpr TenantId kAsker{0}, kOtherAsker{1};
+
 struct Packs {
   explicit Packs(ScenePacks::Make make) : packs(host, std::move(make)) {}
 
@@ -42,7 +44,7 @@ TEST(ScenePacks, AreMadeOnceForAllWhoWait) {
   });
   std::latch answered(3);
   for (int i = 0; i < 3; ++i) {
-    to.packs.get("a", Packs::scene(1), [&](const Result<ScenePackPtr>& pack) {
+    to.packs.get("a", Packs::scene(1), kAsker, [&](const Result<ScenePackPtr>& pack) {
       EXPECT_TRUE(pack && (*pack)->sha256 == "ab");
       answered.count_down();
     });
@@ -57,7 +59,7 @@ TEST(ScenePacks, OneThatIsKeptWithItsSceneIsNotMadeAgain) {
   SceneForUse scene = Packs::scene(1);
   scene.pack = std::make_shared<const ScenePack>(pack_of("cd"));
   bool there = false;
-  to.packs.get("a", std::move(scene),
+  to.packs.get("a", std::move(scene), kAsker,
                [&](const Result<ScenePackPtr>& pack) { there = pack && (*pack)->sha256 == "cd"; });
   EXPECT_TRUE(there);
 }
@@ -70,13 +72,59 @@ TEST(ScenePacks, WhatCannotBeMadeIsSaidAndTriedAgain) {
   });
   for (const char* why : {"no pack", "there is not enough memory for it", "no pack"}) {
     std::binary_semaphore answered{0};
-    to.packs.get("a", Packs::scene(1), [&](const Result<ScenePackPtr>& pack) {
+    to.packs.get("a", Packs::scene(1), kAsker, [&](const Result<ScenePackPtr>& pack) {
       ASSERT_FALSE(pack);
       EXPECT_EQ(pack.error().message, why);
       answered.release();
     });
     answered.acquire();
   }
+}
+
+// Makes packs that are done when the test says so.
+struct SlowPacks {
+  ScenePacks::Make make() {
+    return [this](const scenes::Scene&) -> Result<ScenePack> {
+      begun.release();
+      go.acquire();
+      return pack_of("ab");
+    };
+  }
+  std::counting_semaphore<8> begun{0}, go{0};
+};
+
+TEST(ScenePacks, ATenantsPackWaitsForNoneOfAnother) {
+  SlowPacks slow;
+  Packs to(slow.make());
+  std::latch answered(3);
+  const auto ready = [&](const Result<ScenePackPtr>&) { answered.count_down(); };
+  to.packs.get("a", Packs::scene(1), kAsker, ready);
+  to.packs.get("b", Packs::scene(2), kAsker, ready);
+  slow.begun.acquire();
+  to.packs.get("c", Packs::scene(3), kOtherAsker, ready);
+  slow.begun.acquire();
+  EXPECT_FALSE(slow.begun.try_acquire()) << "one at a time of a tenant";
+  slow.go.release(3);
+  answered.wait();
+}
+
+TEST(ScenePacks, WhatNobodyWaitsForIsNotBegun) {
+  SlowPacks slow;
+  Packs to(slow.make());
+  std::latch answered(2);
+  const auto ready = [&](const Result<ScenePackPtr>&) { answered.count_down(); };
+  const auto never = [](const Result<ScenePackPtr>&) { FAIL() << "it was given up"; };
+  to.packs.get("a", Packs::scene(1), kAsker, ready);
+  slow.begun.acquire();
+  const auto gone = to.packs.get("b", Packs::scene(2), kAsker, never);
+  const auto shared = to.packs.get("c", Packs::scene(3), kAsker, never);
+  to.packs.get("c", Packs::scene(3), kAsker, ready);
+  to.packs.give_up(gone);
+  to.packs.give_up(shared);
+  slow.go.release(2);
+  slow.begun.acquire();
+  answered.wait();
+  EXPECT_FALSE(slow.begun.try_acquire()) << "only what somebody waits for still";
 }
 
 }  // namespace

@@ -1,33 +1,38 @@
-#include "daemon/scenes/load_queue.h"
+#include "common/fair_queue.h"
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <string>
 
-namespace gnomon::daemon {
+#include "common/ids.h"
+
+namespace gnomon {
 namespace {
+
+using Asker = std::optional<TenantId>;
 
 const TenantId kGreedy{0}, kModest{1}, kThird{2};
 
-// The requests in the order in which a single reader serves them.
-std::string served(LoadQueue<std::string>& queue) {
+// The requests in the order in which a single place serves them.
+std::string served(FairQueue<Asker, std::string>& queue) {
   std::string order;
   while (const auto request = queue.start()) {
     order += *request;
-    queue.done(std::isupper(request->front()) ? SceneAsker(kModest) : SceneAsker(kGreedy));
+    queue.done(std::isupper(request->front()) ? Asker(kModest) : Asker(kGreedy));
   }
   return order;
 }
 
-TEST(LoadQueue, TenantsTakeTurnsHoweverManyOneAsksFor) {
-  LoadQueue<std::string> queue(1);
+TEST(FairQueue, TenantsTakeTurnsHoweverManyOneAsksFor) {
+  FairQueue<Asker, std::string> queue(1);
   for (const char* scene : {"a", "b", "c"}) queue.push(kGreedy, scene);
   queue.push(kModest, "D");
   EXPECT_EQ(served(queue), "aDbc");
 }
 
-TEST(LoadQueue, WhoComesLaterWaitsForNoQueueOfAnother) {
-  LoadQueue<int> queue(100);
+TEST(FairQueue, WhoComesLaterWaitsForNoQueueOfAnother) {
+  FairQueue<Asker, int> queue(100);
   for (int i = 0; i < 100; ++i) queue.push(TenantId{3}, i);
   EXPECT_EQ(queue.start(), 0);
   queue.push(TenantId{1}, -1);
@@ -35,8 +40,8 @@ TEST(LoadQueue, WhoComesLaterWaitsForNoQueueOfAnother) {
   EXPECT_EQ(queue.start(), 1);
 }
 
-TEST(LoadQueue, OneTenantLeavesReadersToTheOthers) {
-  LoadQueue<std::string> queue(4);
+TEST(FairQueue, OneTenantLeavesPlacesToTheOthers) {
+  FairQueue<Asker, std::string> queue(4);
   for (int i = 0; i < 9; ++i) queue.push(kGreedy, "a");
   EXPECT_TRUE(queue.start());
   EXPECT_TRUE(queue.start());
@@ -47,8 +52,8 @@ TEST(LoadQueue, OneTenantLeavesReadersToTheOthers) {
   EXPECT_EQ(queue.start(), "c") << "the last one is for somebody who has none";
 }
 
-TEST(LoadQueue, AReaderThatIsDoneServesTheNext) {
-  LoadQueue<std::string> queue(2);
+TEST(FairQueue, APlaceThatIsDoneServesTheNext) {
+  FairQueue<Asker, std::string> queue(2);
   queue.push(kGreedy, "a");
   queue.push(kGreedy, "b");
   EXPECT_EQ(queue.start(), "a");
@@ -58,15 +63,15 @@ TEST(LoadQueue, AReaderThatIsDoneServesTheNext) {
   EXPECT_FALSE(queue.start());
 }
 
-TEST(LoadQueue, TheOperatorMayTakeEveryReader) {
-  LoadQueue<int> queue(3);
+TEST(FairQueue, OneThatIsNotLimitedMayTakeEveryPlace) {
+  FairQueue<Asker, int> queue(3, Asker{});
   for (int i = 0; i < 4; ++i) queue.push(std::nullopt, i);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(queue.start(), i);
   EXPECT_FALSE(queue.start());
 }
 
-TEST(LoadQueue, WhatNobodyWaitsForIsNotStarted) {
-  LoadQueue<std::string> queue(4);
+TEST(FairQueue, WhatNobodyWaitsForIsNotStarted) {
+  FairQueue<Asker, std::string> queue(4);
   queue.push(kGreedy, "gone");
   queue.push(kGreedy, "stays");
   queue.push(kModest, "gone");
@@ -76,4 +81,4 @@ TEST(LoadQueue, WhatNobodyWaitsForIsNotStarted) {
 }
 
 }  // namespace
-}  // namespace gnomon::daemon
+}  // namespace gnomon
