@@ -1,6 +1,7 @@
 #include "daemon/daemon.h"
 
 #include "daemon/scenes/scene_clock.h"
+#include "daemon/scenes/scene_fetches.h"
 #include "daemon/service/supervisor.h"
 #include "daemon/session/credentials.h"
 

@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "common/clock.h"
+#include "scheduler/worst_rate.h"
 
 namespace gnomon::scheduler {
 
@@ -70,6 +71,10 @@ class CostModel {
   // `trace`: the part of `gpu_time` that grows with the bits. Ignored if `gpu_time` is 0.
   void learn(const Work& work, Nanoseconds gpu_time, Nanoseconds trace);
 
+  // What bits cost at worst, whatever predict() says of those of late.
+  WorstRate& worst() { return worst_; }
+  const WorstRate& worst() const { return worst_; }
+
   // What smaller frames take on the wire is their headers.
   static constexpr uint64_t kTellingBits = 1 << 14;
 
@@ -84,6 +89,7 @@ class CostModel {
 
  private:
   RobustLine begin_, trace_;
+  WorstRate worst_;
   double relative_error_ = 0;
   uint64_t measurements_ = 0;
   double bytes_per_bit_ = 0;

@@ -43,6 +43,14 @@ class SampleCosts {
   // Of frames with these samples alone, to learn from them.
   CostModel& of(SampleCounts samples) { return models_[index(samples)]; }
 
+  // So many bits of a frame with these samples are traced within `limit`, whatever its view. While nothing has told, hard
+  // shadows are believed to be cheap; what points and occlusion cost differs by orders of magnitude.
+  uint64_t bits_within(SampleCounts samples, Nanoseconds limit) const {
+    const uint64_t unknown = index(samples) == 0 ? WorstRate::kMostBits : kUnknownSoftBits;
+    return models_[index(samples)].worst().bits_within(limit, unknown);
+  }
+  static constexpr uint64_t kUnknownSoftBits = 1 << 18;
+
  private:
   // In the order of what they are expected to cost.
   static constexpr size_t index(SampleCounts samples) {

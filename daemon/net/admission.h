@@ -20,8 +20,8 @@
 #include "daemon/net/admission_refusal.h"
 #include "daemon/net/net_shared.h"
 #include "daemon/net/pending_connections.h"
-#include "daemon/session/client_network.h"
 #include "daemon/net/session_control.h"
+#include "daemon/session/client_network.h"
 #include "daemon/session/session.h"
 
 namespace gnomon::daemon {

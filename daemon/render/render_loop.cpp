@@ -158,7 +158,7 @@ void RenderLoop::settle_job(const JobFinished& job, TimePoint now) {
   if (job.out_of_memory) return settle_unstarted(job, now);
   RenderSession* session = queue_.find(job.ticket.session);
   if (session) session->view.learn(job.model_cost, {job.gpu - job.trace, job.trace});
-  if (costs_.learn(job)) queue_.requeue_scene(job.scene, now);
+  if (costs_.learn(job, queue_.quantum())) queue_.requeue_scene(job.scene, now);
 }
 
 // A band that was not started loses its frame. If the frame was given up before, it was counted then.

@@ -124,7 +124,10 @@ void RenderQueue::charge(const scheduler::Ticket& ticket, uint64_t policy, Nanos
 }
 
 void RenderQueue::cut_next_job(RenderSession& session, Nanoseconds quantum) {
-  session.next = next_job(session, costs_.model_of(session.grant().scene, session.quality.samples()), quantum);
+  const SceneId scene = session.grant().scene;
+  const SampleCounts samples = session.quality.samples();
+  session.next =
+      next_job(session, costs_.model_of(scene, samples), quantum, costs_.bits_within(scene, samples, quantum));
 }
 
 }  // namespace gnomon::daemon

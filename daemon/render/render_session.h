@@ -50,6 +50,8 @@ inline constexpr int kJobsOfAQuantum = 3;
 
 // Cuts what remains of a frame so that no piece costs more than that, as far as complete rows and the rasterisation
 // allow; the latter is never cut, and makes up a piece alone if it has to. `quantum` 0: frames are never cut.
-NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds quantum);
+// `most_bits`: what may take a quantum at worst, and so at most makes up a job.
+NextJob next_job(const RenderSession& session, const scheduler::CostModel& model, Nanoseconds quantum,
+                 uint64_t most_bits);
 
 }  // namespace gnomon::daemon

@@ -19,8 +19,14 @@ class SceneCosts {
     return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].model(samples);
   }
 
-  // Precondition: the job was executed. Returns true if the scene's model changed by more than a quarter at once.
-  bool learn(const JobFinished& job);
+  // So many bits of a frame of the scene are traced within `limit`, whatever its view.
+  uint64_t bits_within(SceneId scene, SampleCounts samples, Nanoseconds limit) {
+    return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].bits_within(samples, limit);
+  }
+
+  // Precondition: the job was executed. `quantum`: what no job should take; 0: whatever it likes. Returns true if the scene's model changed by more than a quarter at
+  // once.
+  bool learn(const JobFinished& job, Nanoseconds quantum);
   void learn_bytes(const BytesSent& sent) {
     built_[sent.scene].of(sent.samples).learn_bytes(sent.bits, sent.bytes);
   }

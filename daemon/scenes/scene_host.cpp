@@ -75,20 +75,17 @@ void SceneHost::stop_reading() {
 void SceneHost::serve_requests() {
   while (auto request = next_request()) {
     PlacePtr place;
-    until_memory_suffices([&] { place = std::make_shared<Place>(request->asker); });
+    const auto when_free = [this, asker = request->asker] {
+      {
+        std::lock_guard lock(mutex_);
+        requests_.done(asker);
+      }
+      changed_.notify_all();
+    };
+    until_memory_suffices([&] { place = std::make_shared<Place>(when_free); });
     if (!done_or_dropped("a request for a scene", [&] { serve(*request, place); })) request->refuse(kNoMemory);
-    if (!place->kept) give_back(*place);
+    if (!place->kept) place->give_back();
   }
-}
-
-// Any thread; once is enough.
-void SceneHost::give_back(Place& place) {
-  if (place.given_back.exchange(true)) return;
-  {
-    std::lock_guard lock(mutex_);
-    requests_.done(place.asker);
-  }
-  changed_.notify_all();
 }
 
 // Reads the scene, or waits with the request for whoever reads it already.
@@ -218,7 +215,7 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
   arrived.name = request.name;
   arrived.owner = owner_for(request.asker);
   arrived.resident = [this, scene = *loaded, request, place](Result<gpu::SceneFootprint> on_device) {
-    give_back(*place);
+    place->give_back();
     arrive(request, scene, on_device);
   };
   lights_.bring(arrived);
@@ -328,19 +325,6 @@ std::vector<std::string> SceneHost::change_sources(SceneCatalog& next, const Sce
   for (const std::string& name : kept) next.keep(name, before);
   registry_.set_sources(next.sources());
   return kept;
-}
-
-std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name) {
-  struct Answer {
-    std::promise<Result<void>> result;
-    std::atomic<bool> given{false};
-  };
-  const auto answer = std::make_shared<Answer>();
-  host.fetch(name, [answer](const Result<SceneForUse>& scene) {
-    if (answer->given.exchange(true)) return;
-    answer->result.set_value(scene ? Result<void>() : Result<void>(scene.error()));
-  });
-  return answer->result.get_future();
 }
 
 void SceneHost::keep_pack(const std::string& name, std::shared_ptr<const ScenePack> pack, uint64_t bytes) {

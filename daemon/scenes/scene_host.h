@@ -4,7 +4,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
-#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -138,15 +137,20 @@ class SceneHost {
 
   // A request's share of the loaders, until its scene is read and, where it could be, resident.
   struct Place {
-    explicit Place(SceneAsker of) : asker(of) {}
-    const SceneAsker asker;
+    explicit Place(std::function<void()> when_free) : free_(std::move(when_free)) {}
+    // Any thread; once is enough.
+    void give_back() {
+      if (!given_back_.exchange(true)) free_();
+    }
     bool kept = false;  // by a scene on its way to the devices, which gives it back; the loader's thread
-    std::atomic<bool> given_back = false;
+
+   private:
+    const std::function<void()> free_;
+    std::atomic<bool> given_back_ = false;
   };
   using PlacePtr = std::shared_ptr<Place>;
 
   void serve_requests();  // a loader's thread
-  void give_back(Place& place);
   void serve(const Request& request, const PlacePtr& place);
   std::optional<Request> next_request();
   Result<scenes::LoadedScene> read(const Request& request, const std::stop_token& stop);
@@ -188,10 +192,5 @@ class SceneHost {
 
 // The one of this name; nullopt if it is not under way. Any thread.
 std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name);
-
-// As SceneHost::fetch(), for a caller that waits for the result: a success when the scene is resident, or the error.
-// Precondition: the render threads run.
-using SceneFetches = std::vector<std::future<Result<void>>>;
-std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name);
 
 }  // namespace gnomon::daemon

@@ -96,6 +96,25 @@ TEST_F(CutFrameTest, AFrameThatCostsMoreIsCutAndAnsweredAsOne) {
   EXPECT_EQ(rendered_[0].mask.mask().grid.height, kHeight);
 }
 
+// Views of the sky make the model say that a frame costs next to nothing.
+TEST_F(CutFrameTest, AViewThatWasCheapIsCutByWhatTheDearestCost) {
+  constexpr auto kDearRow = 30us;
+  uint32_t frame = 2, most_rows = 0;
+  const auto show = [&](Nanoseconds row) {
+    view(kA, frame++);
+    most_rows = 0;
+    for (settle(); fake_->waiting() > 0; settle()) {
+      most_rows = std::max(most_rows, fake_->rows(0));
+      fake_->complete(fake_->rows(0) * row);
+    }
+    rendered_.clear();
+  };
+  for (int i = 0; i < 3; ++i) show(kDearRow);
+  for (int i = 0; i < 200; ++i) show(10ns);
+  show(kDearRow);
+  EXPECT_LE(most_rows * kDearRow, 75us) << "a quantum";
+}
+
 TEST_F(CutFrameTest, ABandThatCouldNotBeStartedCostsItsFrameAlone) {
   view(kA, 2);
   settle();
