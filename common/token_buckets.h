@@ -21,8 +21,9 @@ class TokenBucket {
   double left(TimePoint now) const {
     return std::min(at_once_, left_ + per_second_ * std::max(0.0, to_seconds(now - counted_)));
   }
-  // Returns false, and takes nothing, if less than `tokens` are left.
+  // Returns false, and takes nothing, if less than `tokens` are left. What is more than all takes all.
   bool take(double tokens, TimePoint now) {
+    tokens = std::min(tokens, at_once_);
     left_ = left(now);
     counted_ = std::max(counted_, now);
     if (left_ < tokens) return false;

@@ -43,13 +43,13 @@ class SampleCosts {
   // Of frames with these samples alone, to learn from them.
   CostModel& of(SampleCounts samples) { return models_[index(samples)]; }
 
-  // So many bits of a frame with these samples are traced within `limit`, whatever its view. While nothing has told, hard
-  // shadows are believed to be cheap; what points and occlusion cost differs by orders of magnitude.
-  uint64_t bits_within(SampleCounts samples, Nanoseconds limit) const {
-    const uint64_t unknown = index(samples) == 0 ? WorstRate::kMostBits : kUnknownSoftBits;
-    return models_[index(samples)].worst().bits_within(limit, unknown);
+  // So many bits of a frame with these samples are traced within `limit`, whatever its view, as far as one knows; no more
+  // than kMostHardBits, or `most_soft_bits` with points or occlusion, whose cost differs by orders of magnitude.
+  uint64_t bits_within(SampleCounts samples, Nanoseconds limit, uint64_t most_soft_bits) const {
+    const uint64_t most = index(samples) == 0 ? kMostHardBits : most_soft_bits;
+    return models_[index(samples)].worst().bits_within(limit, most);
   }
-  static constexpr uint64_t kUnknownSoftBits = 1 << 18;
+  static constexpr uint64_t kMostHardBits = uint64_t{1} << 25;  // 1920x1080 under 16 lights
 
  private:
   // In the order of what they are expected to cost.

@@ -31,14 +31,14 @@ class WorstRate {
     std::sort(dearest_.begin(), dearest_.end(), std::greater<>());
   }
 
-  // So many bits take no longer than `limit`, as far as one knows; `unknown` while nothing has told. At most kMostBits.
-  uint64_t bits_within(Nanoseconds limit, uint64_t unknown) const {
-    const double worst = std::max(dearest_[1], before_[1]);  // ns
-    if (worst <= 0) return unknown;
-    return static_cast<uint64_t>(std::min<double>(kMostBits, static_cast<double>(limit.count()) / worst));
+  // So many bits take no longer than `limit`, as far as one knows, and are no more than `most`.
+  uint64_t bits_within(Nanoseconds limit, uint64_t most) const {
+    // The second of all four.
+    const double worst = std::max(std::min(dearest_[0], before_[0]), std::max(dearest_[1], before_[1]));  // ns
+    if (worst <= 0) return most;
+    return static_cast<uint64_t>(std::min(static_cast<double>(most), static_cast<double>(limit.count()) / worst));
   }
 
-  static constexpr uint64_t kMostBits = uint64_t{1} << 25;  // 1920x1080 under 16 lights
   // Device time that the scene's jobs take until a rate is forgotten, and at most twice that. Views that cost nothing do
   // not make time pass.
   static constexpr Nanoseconds kRemembered = std::chrono::minutes(10);

@@ -203,7 +203,7 @@ Keys<WebConfig> web_keys() {
       choice("webtransport", &W::webtransport, {{"false", false}, {"true", true}}),
       scalars("hosts", &W::hosts, "a list of host names, each with or without a colon and a port", parse_text),
       integer("progress_timeout_ms", &W::progress_timeout, 100, kHourMs),
-      integer("requests_per_s", &W::requests_per_s, 1, 1'000'000),
+      integer("requests_per_s", &W::requests_per_s, 10, 1'000'000),
   };
 }
 

@@ -82,7 +82,8 @@ void Server::begin(std::span<const uint8_t> packet, const Address& from, TimePoi
   if (!arrival.original && (half_open_.size() >= options_.limits.retry_above || !unvalidated_.take(1, now))) {
     return ask_to_retry(arrival.header, from, now);
   }
-  if (!handshakes_.take(network_of(from), 1, now)) return;
+  // Who has not proved its address may have written anybody's.
+  if (arrival.original && !handshakes_.take(network_of(from), 1, now)) return;
   arrival.id = ++newest_;
   auto connection = Connection::make(arrival, options_, credentials_, out_, now);
   if (!connection) return;

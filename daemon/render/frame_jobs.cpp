@@ -67,7 +67,7 @@ void FrameJobs::begin(RenderSession& session, const scheduler::Ticket& ticket, T
   session.quality.frame_begun(now);
   load_.frame_begun();
   session.partial = std::move(frame);
-  submitted(session, ticket, now);
+  submitted(session, now);
 }
 
 gpu::RenderJob FrameJobs::job_of(const RenderSession& session, const PartialFrame& frame, TimePoint now) const {
@@ -89,13 +89,13 @@ void FrameJobs::resume(RenderSession& session, const scheduler::Ticket& ticket, 
   const PartialFrame& frame = *session.partial;
   const auto resumed =
       device_.renderer().resume(frame.job, session.next.rows.count, completion(session, ticket, frame));
-  if (resumed) return submitted(session, ticket, now);
+  if (resumed) return submitted(session, now);
   give_up(session);
   not_submitted(session, ticket, resumed.error(), now);
 }
 
-void FrameJobs::submitted(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {
-  load_.job_started(ticket.predicted, now);
+void FrameJobs::submitted(RenderSession& session, TimePoint now) {
+  load_.job_started(session.next.booked, now);
   const scheduler::Work& work = session.next.work;
   queue_.account().started(session.grant().tenant, work.begins, work.bits, now);
   session.partial->next_row += session.next.rows.count;
@@ -132,6 +132,7 @@ std::function<void(gpu::FrameDone)> FrameJobs::completion(const RenderSession& s
   job.samples = session.quality.samples();
   job.work = session.next.work;
   job.model_cost = session.next.model_cost;
+  job.booked = session.next.booked;
   job.unbuilt = frame.unbuilt;
   return [job, meta = frame.meta, &inbox = inbox_, &sink = sink_](gpu::FrameDone done) mutable {
     job.gpu = Nanoseconds(done.gpu_ns);

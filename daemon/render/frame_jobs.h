@@ -37,7 +37,7 @@ class FrameJobs {
   void begin(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   void resume(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
   gpu::RenderJob job_of(const RenderSession& session, const PartialFrame& frame, TimePoint now) const;
-  void submitted(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now);
+  void submitted(RenderSession& session, TimePoint now);
   void not_submitted(RenderSession& session, const scheduler::Ticket& ticket, const Error& why, TimePoint now);
   std::function<void(gpu::FrameDone)> completion(const RenderSession& session, const scheduler::Ticket& ticket,
                                                  const PartialFrame& frame) const;

@@ -1,5 +1,7 @@
 #include "daemon/render/render_device.h"
 
+#include "common/within_memory.h"
+
 namespace gnomon::daemon {
 
 Result<std::unique_ptr<RenderDevice>> RenderDevice::open(RendererFactory factory, RenderInbox& inbox,
@@ -23,18 +25,25 @@ Result<void> RenderDevice::make_renderer() {
 void RenderDevice::bring_scene(const scenes::LoadedScene& scene, gpu::SceneOwner owner, Arrived arrived) {
   if (scenes_.contains(scene.id)) return arrived(renderer_->footprint(scene.id));
   const auto [arriving, is_new] = arriving_.try_emplace(scene.id, Arriving{scene, {}});
-  arriving->second.waiting.push_back(std::move(arrived));
-  if (!is_new) return;
-  owners_[scene.id] = owner;
-  bring(scene.id);
+  const auto begun = within_memory([&, id = scene.id, new_scene = is_new]() -> Result<void> {
+    arriving_.at(id).waiting.push_back(std::move(arrived));
+    if (!new_scene) return {};
+    owners_[id] = owner;
+    bring(id);
+    return {};
+  });
+  if (!begun && arriving_.contains(scene.id)) answer(scene.id, begun.error());
 }
 
 void RenderDevice::bring(SceneId id) {
   const auto resident = [this, id](const Result<void>& made) {
     if (!arriving_.contains(id)) return;  // refused meanwhile
     if (!made) return answer(id, made.error());
-    scenes_.emplace(id, arriving_.at(id).scene.scene);
-    answer(id, renderer_->footprint(id));
+    const auto kept = within_memory([&]() -> Result<void> {
+      scenes_.emplace(id, arriving_.at(id).scene.scene);
+      return {};
+    });
+    answer(id, kept ? Result<gpu::SceneFootprint>(renderer_->footprint(id)) : kept.error());
   };
   renderer_->set_owner(id, owners_[id]);
   renderer_->bring(id, arriving_.at(id).scene.scene, resident, wake());

@@ -90,6 +90,7 @@ struct JobFinished {
   SampleCounts samples = {};
   scheduler::Work work;
   scheduler::Cost model_cost{};  // predicted; 0 if the model knew nothing yet
+  Nanoseconds booked{};          // NextJob::booked
   Nanoseconds gpu{};             // device time
   Nanoseconds trace{};           // the part of `gpu` that grows with the traced bits
   bool unbuilt = false;          // the scene's lights were traced with a hierarchy (gpu::LightState)

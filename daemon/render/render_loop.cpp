@@ -20,7 +20,7 @@ RenderLoop::RenderLoop(const SharingPolicy& sharing, RenderDevice& device, Rende
     : device_(device),
       metrics_(metrics),
       motion_(device, metrics, sink),
-      costs_(motion_),
+      costs_(motion_, device.renderer().info().on_cpu),
       queue_(sharing, device.renderer().info().on_cpu ? kQuantumOfCpu : kQuantumOfGpu, costs_, sink, metrics),
       jobs_(device, inbox, metrics, sink, motion_, queue_),
       recovery_(device, motion_, metrics) {}
@@ -147,7 +147,7 @@ void RenderLoop::change_light(const LightChanged& changed, TimePoint now) {
 }
 
 void RenderLoop::settle_job(const JobFinished& job, TimePoint now) {
-  jobs_.load().job_finished(job.ticket.predicted, now);
+  jobs_.load().job_finished(job.booked, now);
   queue_.charge(job.ticket, job.policy, job.gpu, now);
   queue_.account().finished(job.ticket.tenant, job.ticket.predicted, job.gpu, now);
   metrics_.device_busy(device_.number(), job.ticket.tenant, job.gpu);

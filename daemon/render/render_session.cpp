@@ -26,11 +26,11 @@ NextJob next_job(const RenderSession& session, const scheduler::CostModel& model
     return Nanoseconds(static_cast<int64_t>(share * static_cast<double>(quantum.count())));
   };
   const auto piece = [&](uint32_t rows) {
-    NextJob job{{first, rows}, work_of(session.quality, {first, rows}, !session.partial), {}, {}};
+    NextJob job{{first, rows}, work_of(session.quality, {first, rows}, !session.partial), {}, {}, {}};
     const scheduler::Cost predicted = model.predict(job.work);
-    // A view that may be dearer than any of late counts as a quarter of what it may cost, so that few jobs are under way.
     const double worst = static_cast<double>(job.work.bits) / static_cast<double>(std::max<uint64_t>(1, most_bits));
-    job.cost = std::max(session.view.apply(predicted), quantum_share(worst / 4));
+    job.cost = session.view.apply(predicted);
+    job.booked = std::max(job.cost, quantum_share(worst / 4));
     if (model.knows()) job.model_cost = predicted;
     return job;
   };
@@ -41,7 +41,7 @@ NextJob next_job(const RenderSession& session, const scheduler::CostModel& model
   if (!model.knows() && all.work.bits >= kUnknownBits) {
     // A row tells how many fit a piece; until then it counts as much as one, so that few are under way.
     NextJob row = piece(1);
-    row.cost = std::max(row.cost, most);
+    row.booked = std::max(row.booked, most);
     return row;
   }
   const uint64_t bits_of_row = std::max<uint64_t>(1, work_of(session.quality, {first, 1}, false).bits);

@@ -22,6 +22,9 @@ struct NextJob {
   scheduler::Work work;
   scheduler::Cost model_cost{};  // prediction of the scene's model; 0 if it knows nothing yet
   Nanoseconds cost{};            // prediction for this session's view
+  // With what it counts while it is on the device: the prediction, and at least a quarter of what it may cost at worst,
+  // so that few jobs are under way whose view may be dearer than any of late.
+  Nanoseconds booked{};
 };
 
 struct RenderSession {

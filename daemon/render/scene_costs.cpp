@@ -12,7 +12,9 @@ constexpr double kSurprise = 1.25;
 bool SceneCosts::learn(const JobFinished& job, Nanoseconds quantum) {
   scheduler::SampleCosts& costs = (job.unbuilt ? unbuilt_ : built_)[job.scene];
   const auto predicted = [&] { return to_seconds(costs.model(job.samples).predict(job.work).total()); };
-  const auto most_bits = [&] { return static_cast<double>(costs.bits_within(job.samples, quantum)); };
+  const auto most_bits = [&] {
+    return static_cast<double>(costs.bits_within(job.samples, quantum, most_soft_bits_));
+  };
   const double before = predicted(), most_before = most_bits();
   costs.of(job.samples).learn(job.work, job.gpu, job.trace);
   if (quantum > Nanoseconds{}) {

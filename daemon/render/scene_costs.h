@@ -12,7 +12,8 @@ namespace gnomon::daemon {
 // to the render thread.
 class SceneCosts {
  public:
-  explicit SceneCosts(const SceneMotion& motion) : motion_(motion) {}
+  SceneCosts(const SceneMotion& motion, bool on_cpu)
+      : motion_(motion), most_soft_bits_(on_cpu ? kMostSoftBitsOfCpu : kMostSoftBitsOfGpu) {}
 
   // The model that applies to frames of the scene now.
   const scheduler::CostModel& model_of(SceneId scene, SampleCounts samples) {
@@ -21,7 +22,7 @@ class SceneCosts {
 
   // So many bits of a frame of the scene are traced within `limit`, whatever its view.
   uint64_t bits_within(SceneId scene, SampleCounts samples, Nanoseconds limit) {
-    return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].bits_within(samples, limit);
+    return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].bits_within(samples, limit, most_soft_bits_);
   }
 
   // Precondition: the job was executed. `quantum`: what no job should take; 0: whatever it likes. Returns true if the scene's model changed by more than a quarter at
@@ -35,7 +36,11 @@ class SceneCosts {
   const CostModels& built() const { return built_; }
 
  private:
+  // What takes about a quantum where every point needs a walk of its own.
+  static constexpr uint64_t kMostSoftBitsOfCpu = 1 << 18, kMostSoftBitsOfGpu = 1 << 22;
+
   const SceneMotion& motion_;
+  const uint64_t most_soft_bits_;
   CostModels built_, unbuilt_;
 };
 

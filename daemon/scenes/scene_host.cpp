@@ -51,11 +51,16 @@ SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, SceneLigh
       lights_(lights),
       metrics_(metrics),
       requests_(kLoaders, SceneAsker{}) {
+  alive_->host = this;
   account_.set_limits(std::move(memory.limits));
   for (uint32_t i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
 }
 
-SceneHost::~SceneHost() { stop(); }
+SceneHost::~SceneHost() {
+  stop();
+  std::lock_guard lock(alive_->mutex);
+  alive_->host = nullptr;
+}
 
 void SceneHost::stop() {
   stop_reading();
@@ -75,17 +80,21 @@ void SceneHost::stop_reading() {
 void SceneHost::serve_requests() {
   while (auto request = next_request()) {
     PlacePtr place;
-    const auto when_free = [this, asker = request->asker] {
-      {
-        std::lock_guard lock(mutex_);
-        requests_.done(asker);
-      }
-      changed_.notify_all();
-    };
-    until_memory_suffices([&] { place = std::make_shared<Place>(when_free); });
+    until_memory_suffices([&] { place = std::make_shared<Place>(alive_, request->asker); });
     if (!done_or_dropped("a request for a scene", [&] { serve(*request, place); })) request->refuse(kNoMemory);
-    if (!place->kept) place->give_back();
   }
+}
+
+void SceneHost::Place::give_back() {
+  if (given_back_.exchange(true)) return;
+  std::lock_guard alive(alive_->mutex);
+  SceneHost* const host = alive_->host;
+  if (!host) return;
+  {
+    std::lock_guard lock(host->mutex_);
+    host->requests_.done(asker_);
+  }
+  host->changed_.notify_all();
 }
 
 // Reads the scene, or waits with the request for whoever reads it already.
@@ -100,6 +109,8 @@ void SceneHost::serve(const Request& request, const PlacePtr& place) {
   const auto loaded = within_memory([&] { return read(request, stop); });
   std::unique_lock lock(mutex_);
   const auto reading = reading_.extract(request.name);
+  // What is on its way already takes no further place.
+  const PlacePtr kept = on_the_way_.contains(request.name) ? nullptr : place;
   // Who asked after the reader had been stopped has it read anew.
   const bool again = !loaded && stop.stop_requested() && !ending_;
   if (loaded) {  // at once, so that it is under way until it is resident
@@ -108,7 +119,7 @@ void SceneHost::serve(const Request& request, const PlacePtr& place) {
   lock.unlock();
   for (const Request& waiting : reading.mapped().waiting) {
     const bool served = done_or_dropped("an answer about a scene", [&] {
-      if (!again) return bring(waiting, loaded, place);
+      if (!again) return bring(waiting, loaded, kept);
       std::lock_guard queue(mutex_);
       requests_.push(waiting.asker, waiting);
     });
@@ -215,11 +226,10 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
   arrived.name = request.name;
   arrived.owner = owner_for(request.asker);
   arrived.resident = [this, scene = *loaded, request, place](Result<gpu::SceneFootprint> on_device) {
-    place->give_back();
+    if (place) place->give_back();
     arrive(request, scene, on_device);
   };
   lights_.bring(arrived);
-  place->kept = true;
 }
 
 // Enters the scene into the account, and takes away those that leave for it. Error: there is no room.

@@ -135,17 +135,22 @@ class SceneHost {
     double share = 0;       // of the file's way to a scene
   };
 
-  // A request's share of the loaders, until its scene is read and, where it could be, resident.
-  struct Place {
-    explicit Place(std::function<void()> when_free) : free_(std::move(when_free)) {}
-    // Any thread; once is enough.
-    void give_back() {
-      if (!given_back_.exchange(true)) free_();
-    }
-    bool kept = false;  // by a scene on its way to the devices, which gives it back; the loader's thread
+  // For what outlives the host in the devices' queues.
+  struct Alive {
+    std::mutex mutex;  // taken before the host's
+    SceneHost* host;   // nullptr once it is gone; guarded by mutex
+  };
+  // A request's share of the loaders, until its scene is read and, where it could be, resident. Any thread; it is given
+  // back at the end at the latest, whatever memory was short for.
+  class Place {
+   public:
+    Place(std::shared_ptr<Alive> alive, SceneAsker asker) : alive_(std::move(alive)), asker_(asker) {}
+    ~Place() { give_back(); }
+    void give_back();
 
    private:
-    const std::function<void()> free_;
+    const std::shared_ptr<Alive> alive_;
+    const SceneAsker asker_;
     std::atomic<bool> given_back_ = false;
   };
   using PlacePtr = std::shared_ptr<Place>;
@@ -162,6 +167,7 @@ class SceneHost {
   void arrive(const Request& request, const scenes::LoadedScene& scene,
               const Result<gpu::SceneFootprint>& on_device);
 
+  const std::shared_ptr<Alive> alive_ = std::make_shared<Alive>();
   scenes::Registry registry_;
   const uint64_t light_buffer_bytes_;
   DevicePool& devices_;

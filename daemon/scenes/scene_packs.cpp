@@ -53,26 +53,31 @@ ScenePacks::WaitId ScenePacks::get(const std::string& name, SceneForUse scene, S
   {
     std::lock_guard lock(mutex_);
     id.value = ++last_wait_;
-    const auto [waiting, first] = waiting_.try_emplace(scene.id);
-    waiting->second.push_back({id, std::move(ready)});
-    if (first) wanted_.push(asker, {name, std::move(scene), asker});
+    Awaited& awaited = awaited_[scene.id];
+    if (!awaited.begun && !awaited.queues.contains(asker)) {
+      wanted_.push(asker, {name, std::move(scene), asker});
+      awaited.queues.insert(asker);
+    }
+    awaited.waiting.push_back({id, std::move(ready)});
   }
   changed_.notify_all();
   return id;
 }
 
 void ScenePacks::give_up(WaitId wait) {
-  std::vector<SceneForUse> unused;  // outlives the lock, as the host may be told
   std::lock_guard lock(mutex_);
-  for (auto& [scene, waiting] : waiting_)
-    std::erase_if(waiting, [&](const Waiting& one) { return one.id == wait; });
-  wanted_.drop([&](Wanted& wanted) {
-    const auto found = waiting_.find(wanted.scene.id);
-    if (!found->second.empty()) return false;
-    waiting_.erase(found);
-    unused.push_back(std::move(wanted.scene));
-    return true;
+  for (auto& [scene, awaited] : awaited_)
+    std::erase_if(awaited.waiting, [&](const Waiting& one) { return one.id == wait; });
+  wanted_.drop([&](const Wanted& wanted) {
+    const auto found = awaited_.find(wanted.scene.id);
+    return found == awaited_.end() || found->second.waiting.empty();
   });
+  std::erase_if(awaited_, [](const auto& entry) { return !entry.second.begun && entry.second.waiting.empty(); });
+}
+
+bool ScenePacks::begin(const Wanted& wanted) {
+  const auto found = awaited_.find(wanted.scene.id);
+  return found != awaited_.end() && !std::exchange(found->second.begun, true);
 }
 
 void ScenePacks::serve() {
@@ -82,9 +87,10 @@ void ScenePacks::serve() {
   while (true) {
     changed_.wait(lock, [&] { return ending_ || (wanted = wanted_.start()); });
     if (ending_) return;
-    lock.unlock();
     const SceneAsker asker = wanted->asker;
-    make(*wanted);
+    const bool begins = begin(*wanted);
+    lock.unlock();
+    if (begins) make(*wanted);
     wanted.reset();
     lock.lock();
     wanted_.done(asker);
@@ -108,8 +114,8 @@ void ScenePacks::finish(const Wanted& wanted, Result<ScenePackPtr> made) {
   std::vector<Waiting> waiting;
   {
     std::lock_guard lock(mutex_);
-    const auto entry = waiting_.extract(wanted.scene.id);
-    waiting = std::move(entry.mapped());
+    auto entry = awaited_.extract(wanted.scene.id);
+    waiting = std::move(entry.mapped().waiting);
   }
   if (made) {
     log::info("scene packed for browsers",

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -57,8 +58,15 @@ class ScenePacks {
     WaitId id;
     Ready ready;
   };
+  // A pack that somebody waits for: in the queues of all who do, or being made.
+  struct Awaited {
+    std::vector<Waiting> waiting;
+    std::set<SceneAsker> queues;
+    bool begun = false;
+  };
 
-  void serve();  // a thread
+  void serve();                      // a thread
+  bool begin(const Wanted& wanted);  // false if it is made or given up; with mutex_ held
   void make(const Wanted& wanted);
   void finish(const Wanted& wanted, Result<ScenePackPtr> made);
 
@@ -66,10 +74,10 @@ class ScenePacks {
   const Make make_;
   std::mutex mutex_;  // held for look-ups; never while the host is called
   std::condition_variable changed_;
-  std::map<SceneId, std::vector<Waiting>> waiting_;  // for those that are wanted or being made; guarded by mutex_
-  FairQueue<SceneAsker, Wanted> wanted_;             // guarded by mutex_
-  uint64_t last_wait_ = 0;                           // guarded by mutex_
-  bool ending_ = false;                              // guarded by mutex_
+  std::map<SceneId, Awaited> awaited_;    // guarded by mutex_
+  FairQueue<SceneAsker, Wanted> wanted_;  // guarded by mutex_
+  uint64_t last_wait_ = 0;                // guarded by mutex_
+  bool ending_ = false;                   // guarded by mutex_
   std::vector<std::thread> threads_;
 };
 

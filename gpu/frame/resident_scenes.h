@@ -66,7 +66,8 @@ class ResidentScenes {
   const Built built_;
   std::map<SceneId, std::unique_ptr<ResidentScene>> scenes_;
   std::map<SceneId, SceneOwner> owners_;  // others are nobody's in particular
-  Background background_{kScenesAtOnce};  // declared last, so that its threads and those of the builds end first
+  Background background_{kScenesAtOnce,
+                         SceneOwner{}};  // declared last, so that its threads and those of the builds end first
   LightBuilds light_builds_;
   std::set<SceneId> areas_asked_;  // scenes whose areas are built, or being built, or could not be
   LightBuilds area_builds_;

@@ -1,5 +1,6 @@
 #include "gpu/scene/background.h"
 
+#include <system_error>
 #include <utility>
 
 #include "common/freed_memory.h"
@@ -24,8 +25,17 @@ void Background::run(SceneOwner owner, std::function<Finish()> work, std::functi
     std::lock_guard lock(mutex_);
     jobs_.push(owner, job);
   });
-  if (threads_.size() < most_threads_) threads_.emplace_back([this] { serve(); });
+  if (threads_.size() < most_threads_) add_thread();
   changed_.notify_one();
+}
+
+// One thread is enough for all jobs, only later.
+void Background::add_thread() {
+  try {
+    threads_.emplace_back([this] { serve(); });
+  } catch (const std::system_error&) {
+    if (threads_.empty()) throw;
+  }
 }
 
 void Background::serve() {

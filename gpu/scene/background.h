@@ -23,6 +23,9 @@ class Background {
   // threads and those that the work starts are nicer than the process (nice(2)).
   explicit Background(uint32_t threads = 1, int niceness = 0)
       : most_threads_(threads), niceness_(niceness), jobs_(threads) {}
+  // `unlimited`: an owner that may have every thread.
+  Background(uint32_t threads, SceneOwner unlimited)
+      : most_threads_(threads), niceness_(0), jobs_(threads, unlimited) {}
   ~Background();  // waits for the jobs in progress; other jobs, and results that were not finished, are dropped
 
   // The owner's thread. `work` is called on a thread, its result is queued for finish(), then `wake` is called. Owners of
@@ -38,6 +41,7 @@ class Background {
     std::function<void()> wake;
   };
   using JobPtr = std::shared_ptr<Job>;
+  void add_thread();
   void serve();
   JobPtr next();  // blocks; nullptr at the end
 

@@ -51,6 +51,8 @@ class Device {
   void retire(std::function<void()> destroy);
   // Any thread. Calls the deferred functions whose work has passed. Every frame slot calls it before it is reused.
   void collect();
+  // Held while a piece is uploaded and for the pause after it, so that all uploads together leave frames half of the time.
+  std::mutex& uploading() { return uploading_; }
 
  private:
   struct Parked {
@@ -67,6 +69,7 @@ class Device {
   VkDevice device_ = VK_NULL_HANDLE;
   std::vector<std::unique_ptr<Queue>> queues_;
   MemoryAllocator memory_;
+  std::mutex uploading_;
   std::mutex parking_;
   std::deque<Parked> parked_;  // values never decrease
 };

@@ -163,6 +163,7 @@ Result<Buffer> upload(const DevicePtr& device, std::span<const std::byte> conten
   for (size_t at = 0; at < content.size(); at += kUploadPieceBytes) {
     const size_t bytes = std::min(kUploadPieceBytes, content.size() - at);
     std::memcpy(staging->mapped(), content.data() + at, bytes);
+    const std::lock_guard one_at_a_time(device->uploading());
     const TimePoint began = Clock::now();
     const VkBufferCopy region{0, at, bytes};
     const auto copied = run_now(device, [&](VkCommandBuffer commands) {

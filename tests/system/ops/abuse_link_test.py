@@ -173,7 +173,11 @@ class Link(unittest.TestCase):
         stat = pathlib.Path(f"/proc/{self.node.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(stat[11]) + int(stat[12])) / os.sysconf("SC_CLK_TCK")
 
-    def cost_of_reports(self, session, count=6000):
+    def cost_of_reports(self, session):
+        """The least of three measurements, as the daemon may do other things beside."""
+        return min(self.measured_cost_of_reports(session) for _ in range(3))
+
+    def measured_cost_of_reports(self, session, count=6000):
         """Processor time of the daemon for each report that nothing has come, in microseconds."""
         before = self.processor_seconds()
         for number in range(count):

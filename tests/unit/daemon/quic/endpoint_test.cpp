@@ -275,17 +275,23 @@ TEST_F(QuicTest, OneAddressAndAllTogetherHaveABound) {
 TEST_F(QuicTest, HandshakesOfANetworkHaveARate) {
   options_.limits.per_network = 4;
   options_.limits.per_network_per_s = 1;
-  options_.limits.unvalidated_per_s = 1000;
+  options_.limits.retry_above = 0;
   open_endpoint();
+  const auto send_all_of = [&](QuicClient& client) {
+    for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
+    return endpoint_->take_packets(now_);
+  };
   const auto answered_of = [&](int clients, const char* host) {
     int answered = 0;
     for (int i = 0; i < clients; ++i) {
       QuicClient& client = add_client(host);
-      for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
-      answered += endpoint_->take_packets(now_).empty() ? 0 : 1;
+      for (const Packet& retry : send_all_of(client)) client.receive(retry.bytes, now_);
+      EXPECT_TRUE(client.was_retried());
+      const auto answer = send_all_of(client);
+      answered += answer.empty() ? 0 : 1;
+      for (const Packet& packet : answer) client.receive(packet.bytes, now_);
       client.close(now_);
-      for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
-      endpoint_->take_packets(now_);
+      send_all_of(client);
       EXPECT_EQ(endpoint_->connections(), 0u) << "it has closed";
     }
     return answered;
@@ -294,6 +300,22 @@ TEST_F(QuicTest, HandshakesOfANetworkHaveARate) {
   EXPECT_EQ(answered_of(3, "192.0.2.3"), 3) << "others are not to suffer";
   now_ += 2s;
   EXPECT_EQ(answered_of(20, "192.0.2.2"), 2);
+}
+
+// Who writes another's address into its packets spends nothing of the other's.
+TEST_F(QuicTest, UnprovedHandshakesCountForNobody) {
+  options_.limits.per_network = 4;
+  options_.limits.per_network_per_s = 1;
+  options_.limits.retry_above = 1000;
+  open_endpoint();
+  for (int i = 0; i < 20; ++i) {
+    QuicClient& client = add_client("192.0.2.2");
+    for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
+    EXPECT_FALSE(endpoint_->take_packets(now_).empty());
+    client.close(now_);
+    for (const Bytes& packet : client.take_packets(now_)) endpoint_->receive(packet, client.address(), now_);
+    endpoint_->take_packets(now_);
+  }
 }
 
 // Whoever can write any sender's address into its packets has no network.

@@ -198,6 +198,23 @@ TEST_F(RefusedScene, NoFurtherSceneOfATenantIsReadBeforeOneIsResident) {
   EXPECT_EQ(readings_, 3);
 }
 
+TEST_F(RefusedScene, WhoAsksForASceneOnItsWayTakesNoPlace) {
+  Host to;
+  to.host.emplace(to.catalog, to.devices, to.lights, to.metrics, reader(1));
+  Answer answers[4];
+  const auto wait_for = [&](const char* name) {
+    for (int i = 0; i < 10'000 && under_way(*to.host, name)->stage != SceneUnderWay::Stage::preparing; ++i) {
+      std::this_thread::sleep_for(1ms);
+    }
+    EXPECT_EQ(under_way(*to.host, name)->stage, SceneUnderWay::Stage::preparing) << name;
+  };
+  to.host->fetch("a", answers[0].ready(), kTenant);
+  wait_for("a");
+  for (int i = 1; i < 3; ++i) to.host->fetch("a", answers[i].ready(), kTenant);
+  to.host->fetch("b", answers[3].ready(), kTenant);
+  wait_for("b");
+}
+
 TEST(SceneHost, EndsBesideReadersThatAreAtWork) {
   Host to;
   Answer answer;

@@ -108,6 +108,21 @@ TEST(ScenePacks, ATenantsPackWaitsForNoneOfAnother) {
   answered.wait();
 }
 
+TEST(ScenePacks, APackThatTwoWaitForIsInTheQueuesOfBoth) {
+  SlowPacks slow;
+  Packs to(slow.make());
+  std::latch answered(3);
+  const auto ready = [&](const Result<ScenePackPtr>&) { answered.count_down(); };
+  to.packs.get("a", Packs::scene(1), kAsker, ready);
+  slow.begun.acquire();
+  to.packs.get("b", Packs::scene(2), kAsker, ready);
+  to.packs.get("b", Packs::scene(2), kOtherAsker, ready);
+  slow.begun.acquire();  // beside the first one's
+  slow.go.release(2);
+  answered.wait();
+  EXPECT_FALSE(slow.begun.try_acquire()) << "it is made once";
+}
+
 TEST(ScenePacks, WhatNobodyWaitsForIsNotBegun) {
   SlowPacks slow;
   Packs to(slow.make());
