@@ -25,8 +25,8 @@ class SceneCosts {
     return (motion_.unbuilt(scene) ? unbuilt_ : built_)[scene].bits_within(samples, limit, most_soft_bits_);
   }
 
-  // Precondition: the job was executed. `quantum`: what no job should take; 0: whatever it likes. Returns true if the scene's model changed by more than a quarter at
-  // once.
+  // Precondition: the job was executed. `quantum`: what no job should take; 0: whatever it likes. Returns true if the
+  // scene's model changed by more than a quarter at once.
   bool learn(const JobFinished& job, Nanoseconds quantum);
   void learn_bytes(const BytesSent& sent) {
     built_[sent.scene].of(sent.samples).learn_bytes(sent.bits, sent.bytes);

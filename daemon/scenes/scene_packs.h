@@ -1,8 +1,8 @@
 // Scenes as browsers get them (web/PACK.md): each made once while its scene is resident, when the first browser asks for
 // it, and kept with the scene, compressed, until that leaves. It counts in the account of the scenes' memory.
 //
-// Threads of its own make them, at a low priority, for one tenant no more than one at a time: they copy and compress for seconds what the confined worker has
-// checked already, which would make that worker read the whole scene a second time.
+// Threads of its own make them, at a low priority, for one tenant no more than one at a time: they copy and compress for
+// seconds what the confined worker has checked already, which would make that worker read the whole scene a second time.
 #pragma once
 
 #include <condition_variable>
