@@ -1,5 +1,7 @@
 #include "daemon/admin/readiness.h"
 
+#include "daemon/scenes/scene_fetches.h"
+
 namespace gnomon::daemon {
 namespace {
 

@@ -10,6 +10,7 @@
 #include "daemon/net/web_exchange.h"
 #include "daemon/net/welcome.h"
 #include "daemon/net/words_for_clients.h"
+#include "daemon/scenes/scene_fetches.h"
 #include "daemon/security/random_bytes.h"
 #include "daemon/session/credentials.h"
 #include "daemon/session/resumption.h"

@@ -1,5 +1,6 @@
 #include "daemon/scenes/scene_fetches.h"
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 
@@ -16,6 +17,13 @@ std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name) 
     answer->result.set_value(scene ? Result<void>() : Result<void>(scene.error()));
   });
   return answer->result.get_future();
+}
+
+std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name) {
+  const auto all = host.under_way();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const SceneUnderWay& scene) { return scene.name == name; });
+  return found == all.end() ? std::nullopt : std::optional(*found);
 }
 
 }  // namespace gnomon::daemon

@@ -1,7 +1,8 @@
-// Scenes that the start waits for.
+// Scenes that are waited for.
 #pragma once
 
 #include <future>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,5 +14,8 @@ namespace gnomon::daemon {
 // Precondition: the render threads run.
 using SceneFetches = std::vector<std::future<Result<void>>>;
 std::future<Result<void>> fetch_later(SceneHost& host, const std::string& name);
+
+// The one of this name; nullopt if it is not under way. Any thread.
+std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name);
 
 }  // namespace gnomon::daemon

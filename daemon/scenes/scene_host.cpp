@@ -386,13 +386,6 @@ std::vector<SceneUnderWay> SceneHost::under_way() const {
   return all;
 }
 
-std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name) {
-  const auto all = host.under_way();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const SceneUnderWay& scene) { return scene.name == name; });
-  return found == all.end() ? std::nullopt : std::optional(*found);
-}
-
 SceneHost::MemoryInUse SceneHost::memory() const {
   std::lock_guard lock(mutex_);
   return {account_.bytes(), account_.limits().all_bytes};

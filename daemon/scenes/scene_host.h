@@ -196,7 +196,4 @@ class SceneHost {
   std::vector<std::thread> loaders_;
 };
 
-// The one of this name; nullopt if it is not under way. Any thread.
-std::optional<SceneUnderWay> under_way(const SceneHost& host, const std::string& name);
-
 }  // namespace gnomon::daemon

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <semaphore>
 
+#include "daemon/scenes/scene_fetches.h"
+
 namespace gnomon::daemon {
 namespace {
 
