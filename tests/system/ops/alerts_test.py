@@ -73,15 +73,18 @@ class Happens(unittest.TestCase):
         self.addCleanup(stop)
         return stop
 
-    def browse(self, path):
-        """As a browser that takes any certificate."""
+    def browser(self):
+        """One that takes any certificate: asks for the first page, and yields the status of each answer."""
         context = ssl._create_unverified_context()
         context.set_alpn_protocols(["http/1.1"])
         host, port = self.node.control.rsplit(":", 1)
         connection = http.client.HTTPSConnection(host, int(port), context=context)
-        connection.request("GET", path)
-        self.assertEqual(connection.getresponse().status, 200)
-        connection.close()
+        self.addCleanup(connection.close)
+        while True:
+            connection.request("GET", "/")
+            answer = connection.getresponse()
+            answer.read()
+            yield answer.status
 
     def scrapes(self, happen=lambda: None, window_s=WINDOW_S, settled=False, shows=lambda scrape: True):
         """Two of the calm before, and one after that `shows` it, as gauges of a second do now and then on a busy machine;
@@ -120,13 +123,24 @@ class Alerts(Happens):
         self.flying(tenant="arcade")
         self.assertEqual(what_fires(self.node.folder, self.scrapes(), for_s=7200), {})
 
+    def test_a_browser_that_asks_too_often_raises_none(self):
+        """It is answered 429 and counted; nobody has to get up for it."""
+        node = self.start(web={"listen": True, "requests_per_s": 10})
+        self.load({"studio": 1})
+        self.flying()
+
+        def ask():
+            self.assertIn(429, self.browser())
+            self.assertGreater(node.metric("gnomon_refusals_total", reason="web_rate"), 0)
+        self.assertEqual(what_fires(node.folder, self.scrapes(ask)), {})
+
     def test_a_daemon_that_is_gone(self):
         self.start()
         self.raises("GnomonDown", self.node.stop, window_s=0)
 
     def test_a_daemon_that_drains(self):
         self.start(web={"listen": True})
-        self.browse("/")
+        self.assertEqual(next(self.browser()), 200)
         self.load({"studio": 1})
         self.flying()
         self.raises("GnomonNotReady", lambda: self.assertEqual(self.node.ctl("drain")[0], 0))
