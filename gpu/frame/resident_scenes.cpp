@@ -127,12 +127,6 @@ std::vector<PlanKind> ResidentScenes::missing_variants(bool occlusion) const {
 // Any thread may call this.
 ResidentScenes::Arrived ResidentScenes::arrive(const SlotPool& pool, const scenes::ScenePtr& scene, Built built,
                                                const std::vector<PlanKind>& missing) {
-  // Such a file is a mistake, and its frames have met memory that nothing had written.
-  const auto shows = within_memory([&]() -> Result<bool> {
-    return !scenes::geometry_of(*scene)->mesh.triangles.empty() || scenes::moving_mesh_size(*scene).triangles > 0;
-  });
-  if (!shows) return {shows.error(), {}};
-  if (!*shows) return {Error{"no triangle of it has an area"}, {}};
   Arrived made{within_memory([&] {
                  return ResidentScene::create(pool.device(), scene, &pool.tracer(), pool.variants().slots(), built);
                }),

@@ -1,6 +1,7 @@
 #include "gpu/vulkan/resources.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <thread>
 #include <utility>
@@ -151,8 +152,10 @@ Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommand
 }
 
 Result<Buffer> upload(const DevicePtr& device, std::span<const std::byte> content, VkBufferUsageFlags usage) {
+  static constexpr std::array<std::byte, kNoElementBytes> kZeros{};
+  if (content.empty()) content = kZeros;
   auto buffer = Buffer::create(device, content.size(), usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::device);
-  if (!buffer || content.empty()) return buffer;
+  if (!buffer) return buffer;
   if (buffer->mapped()) {
     std::memcpy(buffer->mapped(), content.data(), content.size());
     return buffer;

@@ -76,7 +76,9 @@ Result<void> run_now(const DevicePtr& device, const std::function<void(VkCommand
 inline constexpr size_t kUploadPieceBytes = size_t{8} << 20;
 
 // A device buffer with this content; blocking. After each piece it rests for as long as the piece took: an upload has at
-// most half of the copies' time, whatever its size (scheduler/PROMISE.md).
+// most half of the copies' time, whatever its size (scheduler/PROMISE.md). Where there is no content, the buffer has
+// kNoElementBytes of zeros: shaders read the first element before they know whether there is one.
+inline constexpr size_t kNoElementBytes = 64;  // of the largest element of any list
 Result<Buffer> upload(const DevicePtr& device, std::span<const std::byte> content, VkBufferUsageFlags usage = 0);
 
 }  // namespace gnomon::gpu

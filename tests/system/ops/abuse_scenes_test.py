@@ -90,6 +90,31 @@ class Bombs(unittest.TestCase):
                 self.assertRegex(ask(other, "arcade", "linked.glb"), "refused")
 
 
+class NothingShows(unittest.TestCase):
+    def test_a_scene_without_an_area_beside_frames_of_others(self):
+        """By light buffers, whose shaders read of it what the memory held of the scene before."""
+        scenes = {"list": [{"name": "living_room", "file": "living_room.glb"}], "allow_files": ["bombs"]}
+        with Node(BUILD, scenes=scenes,
+                  render={"device": "cpu", "tracer": "light_buffer", "wait_for_light_buffers": True}) as node:
+            (node.folder / "bombs").mkdir()
+            bombs.make(node.folder / "bombs")
+            node.start()
+
+            def frames(tenant):
+                return node.metric("gnomon_visibility_buffers_total", tenant=tenant)
+            flying = [node.load({"studio": 1}, size="160x90", rate=30, seconds=600)]
+            flying += [node.load({"arcade": 1}, size="64x64", rate=5, seconds=600, scene="alternating_alpha.glb")
+                       for _ in range(3)]
+            try:
+                eventually(lambda: frames("arcade"), "frames of it")
+                self.assertEqual(ask(node, "arcade", "heavy_vertices.glb"), "served")
+                before = frames("studio")
+                eventually(lambda: frames("studio") > before, "frames of the other tenant")
+            finally:
+                for load in flying:
+                    load.kill()
+
+
 @unsanitized(BUILD, "maps terabytes of addresses")
 class LittleMemory(unittest.TestCase):
     def test_a_scene_that_finds_no_memory_is_refused_and_nothing_dies(self):
