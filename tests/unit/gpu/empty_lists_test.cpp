@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "gpu/vulkan/resources.h"
 #include "tests/unit/gpu/made_scenes.h"
