@@ -2,10 +2,6 @@
 // stores for each light a word of visibility bits and a word with a 1 for each bit that was traced. A subgroup of 128
 // traces two tiles side by side: no lane idles, except in a last column that stands alone.
 //
-// A workgroup has SUBGROUPS of them, which trace tiles side by side, or halves of tiles where two SHARERS trace each: a
-// half is a word's first or second 32 bits. Nothing passes between them. A processor holds only so many workgroups at a
-// time, and a walk mostly waits.
-//
 // This file has the part that narrow and wide subgroups share: loading the pixels, and testing the planes of their
 // leaves. They differ in how they walk the lists of the undecided pixels: trace_light_buffer_narrow.comp,
 // trace_light_buffer_wide.comp. LANES is defined on the compiler's command line, and
@@ -13,13 +9,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "subgroup.glsl"
 #include "frame.glsl"
-#ifndef SUBGROUPS
-#define SUBGROUPS 1
-#endif
-#ifndef SHARERS
-#define SHARERS 1
-#endif
-#define TILE_INVOCATIONS (LANES * SUBGROUPS)
+#define TILE_INVOCATIONS LANES
 #include "surface.glsl"
 
 #ifndef TRACER_PUSH_MORE
@@ -42,8 +32,8 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const uint kNone = 0xffffffffu;
-const uint kTiles = LANES > 64 ? LANES / 64 : SUBGROUPS / SHARERS;  // of each workgroup
-const uint kRounds = LANES < 64 ? 64 / SHARERS / LANES : 1;         // number of pixels of each lane
+const uint kTiles = LANES > 64 ? LANES / 64 : 1;   // of each subgroup
+const uint kRounds = LANES < 64 ? 64 / LANES : 1;  // number of pixels of each lane
 
 #include "tracers/light_buffer.glsl"
 
@@ -60,13 +50,13 @@ uint by_rows(uint by_blocks) {
   return by_blocks ^ swap ^ (swap << 4);
 }
 
-// The word of the lane's tile, or in x the lane's half of it. `bits`: the lane's own, one for each round.
+// The word of the lane's tile. `bits`: the lane's own, one for each round.
 uvec2 tile_word(uint bits) {
   uvec2 word = uvec2(0u);
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     uvec4 lanes = ballot((bits & (1u << r)) != 0u);
     uint shift = r * LANES;
-    if (LANES >= 64) word = LANES == 64 || lane() < 64u ? lanes.xy : lanes.zw;
+    if (LANES >= 64) word = kTiles == 1u || lane() < 64u ? lanes.xy : lanes.zw;
     else if (shift < 32u) word.x |= lanes.x << (shift & 31u);
     else word.y |= lanes.x << (shift & 31u);
   }
@@ -75,27 +65,13 @@ uvec2 tile_word(uint bits) {
 
 // The tile that the lane traces a part of. It may lie beyond the last column, where it shows nothing.
 uvec2 tile_of_lane() {
-#if SUBGROUPS > 1
-  uint within = gl_SubgroupID / SHARERS;
-#else
-  uint within = lane() / 64u;
-#endif
-  return uvec2(gl_WorkGroupID.x * kTiles + within, gl_WorkGroupID.y);
-}
-
-// Of the lane's tile, 1 for the second half where two subgroups share it.
-uint half_of_lane() {
-#if SHARERS > 1
-  return gl_SubgroupID % 2u;
-#else
-  return 0u;
-#endif
+  return kTiles == 1u ? gl_WorkGroupID.xy : uvec2(gl_WorkGroupID.x * kTiles + lane() / 64u, gl_WorkGroupID.y);
 }
 
 void load_pixels(out Pixels pixels) {
   pixels.shown = 0u;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
-    uvec2 pixel = tile_of_lane() * 8u + pixel_in_tile(32u * half_of_lane() + (r * LANES + lane()) % 64u);
+    uvec2 pixel = tile_of_lane() * 8u + pixel_in_tile((r * LANES + lane()) % 64u);
     uint id = triangle_at(pixel);
     pixels.surface[r] = surface_of(max(id, 1u) - 1u, pixel);
     pixels.origin[r] = segment_origin(frame.camera, pixels.surface[r]);
@@ -167,13 +143,8 @@ void store_words(uint light, uint lit, uint care) {
   bool is_first_of_tile = lane() % 64u == 0u;
   if (is_first_of_tile && (kTiles == 1u || tile.x < frame.tiles_x)) {
     uint word = frame.planes[light] * frame.tile_count + tile.y * frame.tiles_x + tile.x;
-#if SHARERS > 1
-    push.masks.at[word][half_of_lane()] = mask_word.x;
-    push.valid_bits.at[word][half_of_lane()] = care_word.x;
-#else
     push.masks.at[word] = mask_word;
     push.valid_bits.at[word] = care_word;
-#endif
   }
 }
 

@@ -22,7 +22,7 @@ std::optional<TraceShader> light_buffer_shader(uint32_t lanes) {
     case 4: return TraceShader{trace_light_buffer_4_comp, lanes};
     case 8: return TraceShader{trace_light_buffer_8_comp, lanes};
     case 16: return TraceShader{trace_light_buffer_16_comp, lanes};
-    case 32: return TraceShader{trace_light_buffer_32_comp, lanes, 2};
+    case 32: return TraceShader{trace_light_buffer_32_comp, lanes};
     case 64: return TraceShader{trace_light_buffer_64_comp, lanes};
     case 128: return TraceShader{trace_light_buffer_128_comp, lanes, 2};
     default: return std::nullopt;

@@ -12,7 +12,6 @@
 #include "spirv/trace_light_buffer_16_emulated.h"
 #include "spirv/trace_light_buffer_32_emulated.h"
 #include "spirv/trace_light_buffer_64_emulated.h"
-#include "spirv/trace_light_buffer_8_sharing.h"
 #include "spirv/trace_soft_light_buffer_128_emulated.h"
 #include "spirv/trace_soft_light_buffer_16_emulated.h"
 #include "spirv/trace_soft_light_buffer_32_emulated.h"
@@ -37,8 +36,6 @@ gpu::RendererOptions device_options(const std::string& tracer) {
     options.tracer_options.light_buffer_shader = emulated_light_buffer_shader(lanes);
     options.tracer_options.light_buffer_soft_shader = emulated_soft_shader(lanes);
   }
-  if (number_in_environment("GNOMON_TEST_SHARING"))
-    options.tracer_options.light_buffer_shader = sharing_light_buffer_shader();
   return options;
 }
 
@@ -57,8 +54,6 @@ gpu::TraceShader emulated_light_buffer_shader(uint32_t lanes) {
     default: std::fprintf(stderr, "no subgroups of %u lanes are emulated\n", lanes); std::abort();
   }
 }
-
-gpu::TraceShader sharing_light_buffer_shader() { return {trace_light_buffer_8_sharing, 8, 2}; }
 
 gpu::TraceShader emulated_soft_shader(uint32_t lanes) {
   switch (lanes) {

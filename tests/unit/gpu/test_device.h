@@ -10,8 +10,7 @@
 namespace gnomon::test {
 
 // The device that GNOMON_TEST_DEVICE selects, else the best one; rasterised as GNOMON_TEST_RASTER says; with the shader
-// of light buffers that is for subgroups of GNOMON_TEST_EMULATED_LANES lanes, emulated, or that of GNOMON_TEST_SHARING,
-// instead of the device's own. With a small budget for light buffers.
+// of light buffers that is for subgroups of GNOMON_TEST_EMULATED_LANES lanes, emulated, instead of the device's own. With a small budget for light buffers.
 gpu::RendererOptions device_options(const std::string& tracer = "auto");
 // With the budget that a scene has by itself.
 gpu::RendererOptions full_size_options(const std::string& tracer = "auto");
@@ -20,10 +19,7 @@ gpu::RendererOptions full_size_options(const std::string& tracer = "auto");
 // Precondition: lanes is 16, 32, 64 or 128.
 gpu::TraceShader emulated_light_buffer_shader(uint32_t lanes);
 
-// For subgroups of 8 lanes of which two share a tile and four a workgroup, as those of 32 do.
-gpu::TraceShader sharing_light_buffer_shader();
-
-// As emulated_light_buffer_shader, for area lights.
+// Likewise, for area lights.
 gpu::TraceShader emulated_soft_shader(uint32_t lanes);
 
 // The value of an environment variable that has a number; 0 if it is not set.
