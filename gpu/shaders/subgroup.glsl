@@ -56,3 +56,15 @@ uint broadcast(uint value, uint from) { return subgroupBroadcast(value, from); }
 vec3 broadcast(vec3 value, uint from) { return subgroupBroadcast(value, from); }
 
 #endif
+
+// How many lanes voted, and how many of them are before this one.
+uint lanes_in(uvec4 votes) {
+  uvec4 counts = uvec4(bitCount(votes));
+  return counts.x + (LANES > 32 ? counts.y : 0u) + (LANES > 64 ? counts.z + counts.w : 0u);
+}
+uint lanes_before(uvec4 votes) {
+  uint word = lane() / 32u, below = (1u << (lane() & 31u)) - 1u;
+  uvec4 kept;
+  for (uint i = 0u; i < 4u; ++i) kept[i] = i < word ? votes[i] : i == word ? votes[i] & below : 0u;
+  return lanes_in(kept);
+}

@@ -9,6 +9,9 @@ struct Hierarchy {
   uint node_count;
   uint first_triangle;  // of the scene's numbers
 };
+// Whether to look where the points are before they are tested: on vector units, where a test takes as many steps as a
+// lane needs, and not on GPUs.
+layout(constant_id = 0) const bool kLooksAtPoints = true;
 #define TRACER_PUSH Hierarchy still; Hierarchy moving;
 #include "trace_soft.glsl"
 #include "tracers/bvh_bundle.glsl"

@@ -16,15 +16,16 @@ struct Hierarchy {
 #include "soft_lights.glsl"
 #define TRACER_PUSH_MORE SoftFrame soft; Hierarchy still; Hierarchy moving;
 #include "trace_light_buffer.glsl"
-#include "seen_before_light.glsl"
-#include "tracers/bvh.glsl"
 
-// A list that is longer is not walked: the hierarchy of the resting geometry answers for its pixels, in less time on
-// GPUs. Vector units, whose lanes leave a hierarchy together, walk every list.
-#ifndef LONG_LIST
-#define LONG_LIST (LANES >= 32 ? 192 : 0xffffff)
-#endif
-const uint kLongList = LONG_LIST;
+// A list that is longer is not walked: the hierarchy of the resting geometry answers for its pixels sooner.
+const uint kLongList = LANES >= 32 ? 192u : 384u;
+
+// From this length of a list and this many points on it pays to look first where the points are: on vector units, whose
+// steps are those of the lane that tests most points. GPUs took 5 to 40% longer for that.
+const bool kLooksAtPoints = LANES <= 16;
+const uint kWorthLookingLength = 48u, kWorthLookingSamples = 16u;
+
+#include "tracers/bvh_bundle.glsl"
 
 // For each pixel of a lane, the sample points that are in front of its surface and that nothing has hidden so far.
 struct Open {
@@ -46,7 +47,7 @@ vec3 origin_of(Pixels pixels, uint round) {
 
 // The points in front of the surface. Where the whole light is, with room for all rounding, no point is looked at.
 Open facing_points(SoftLight light, Pixels pixels, uint care) {
-  uint samples = push.soft.samples, all = (1u << samples) - 1u;
+  uint samples = push.soft.samples, all = all_points(samples);
   vec3 middle = frame.lights[light.light].position;
   Open open;
   uint partly = 0u;
@@ -65,38 +66,44 @@ Open facing_points(SoftLight light, Pixels pixels, uint care) {
       uint facing = 0u;
       for (uint i = 0u; i < samples; ++i)
         facing |= sample_segment(pixels.origin[r], pixels.surface[r].normal, push.soft.points[open.first[r] + i]).traced
-                      ? 1u << i : 0u;
+                      ? point_bit(i) : 0u;
       open.points[r] &= (partly & (1u << r)) != 0u ? facing : all;
     }
   }
   return open;
 }
 
-vec3 direction_to(uint point, vec3 origin) { return sample_segment(origin, vec3(0.0), push.soft.points[point]).direction; }
-
 // The state of one pixel's walk through its leaf's list.
 struct Walk {
   uint round;
-  vec3 origin;
+  Bundle bundle;
+  SeenPoints points;
+  uint open;
   float depth;
-  uint place;        // in the leaf
-  uint next, end;    // entries
-  uint first, open;  // sample points
+  uint place;      // in the leaf
+  uint next, end;  // entries
 };
 
-Walk start_walk(Asked asked, Pixels pixels, Open open, uint round) {
+Bundle bundle_of(SoftLight light, Pixels pixels, Open open, uint round) {
+  vec3 origin = origin_of(pixels, round);
+  return Bundle(origin, frame.lights[light.light].position - origin, light.radius, chosen(open.first, round));
+}
+
+Walk start_walk(SoftLight light, Asked asked, Pixels pixels, Open open, uint round) {
   Walk walk;
   walk.round = round;
-  walk.origin = origin_of(pixels, round);
   walk.depth = asked.depth[0];
   [[unroll]] for (uint r = 1u; r < kRounds; ++r) walk.depth = round == r ? asked.depth[r] : walk.depth;
   uint at = chosen(asked.place, round), leaf = chosen(asked.leaf, round);
-  uint count = Leaves(push.leaves).at[leaf].count;
+  uint count = Leaves(push.leaves).at[leaf].count, length = count & ((1u << kCountBits) - 1u);
   walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
   walk.next = Leaves(push.leaves).at[leaf].first;
-  walk.end = walk.next + (count & ((1u << kCountBits) - 1u));
-  walk.first = chosen(open.first, round);
+  walk.end = walk.next + length;
   walk.open = chosen(open.points, round);
+  walk.bundle = bundle_of(light, pixels, open, round);
+  bool looks = kLooksAtPoints && push.soft.samples >= kWorthLookingSamples && length >= kWorthLookingLength;
+  if (looks) walk.points = points_as_seen(walk.bundle.origin, walk.bundle.to_middle, light.radius, walk.bundle.first);
+  else walk.points = points_anywhere();
   return walk;
 }
 
@@ -112,29 +119,6 @@ uint next_candidate(inout Walk walk) {
   return candidate;
 }
 
-// The points of `walk.open` that the triangle does not hide.
-uint left_open(SoftLight light, uint triangle, Walk walk) {
-  vec3 p0 = Vec3s(push.corners).at[3u * triangle], p1 = Vec3s(push.corners).at[3u * triangle + 1u],
-       p2 = Vec3s(push.corners).at[3u * triangle + 2u];
-  SeenTriangle seen = seen_triangle(walk.origin, p0, p1, p2);
-  uint before = seen_before_light(seen, frame.lights[light.light].position - walk.origin, light.radius);
-  uint hidden = before == kHidesLight ? ~0u : 0u;
-  if (before == kCutsLight) {
-    for (uint i = 0u; i < push.soft.samples; ++i)
-      hidden |= meets_seen_triangle(seen, direction_to(walk.first + i, walk.origin)) ? 1u << i : 0u;
-  }
-  hidden &= walk.open;
-  uint by_alpha = triangle < push.first_masked ? 0u : hidden;
-  if (by_alpha != 0u) {
-    for (; by_alpha != 0u; by_alpha &= by_alpha - 1u) {
-      uint i = uint(findLSB(by_alpha));
-      if (!blocks_by_alpha(triangle, walk.origin, direction_to(walk.first + i, walk.origin), p0, p1, p2))
-        hidden &= ~(1u << i);
-    }
-  }
-  return walk.open & ~hidden;
-}
-
 // A lane that has finished a pixel continues with its next.
 void walk_lists(SoftLight light, Asked asked, Pixels pixels, inout Open open) {
   uint asking = asked.undecided;
@@ -142,12 +126,14 @@ void walk_lists(SoftLight light, Asked asked, Pixels pixels, inout Open open) {
   walk.next = walk.end = 0u;
   while (asking != 0u || walk.next < walk.end) {
     if (walk.next >= walk.end) {
-      walk = start_walk(asked, pixels, open, uint(findLSB(asking)));
+      walk = start_walk(light, asked, pixels, open, uint(findLSB(asking)));
       asking &= asking - 1u;
     }
     uint candidate = next_candidate(walk);
     if (candidate != kNone) {
-      walk.open = left_open(light, candidate, walk);
+      Occluder occluder = Occluder(candidate, candidate >= push.first_masked, Vec3s(push.corners).at[3u * candidate],
+                                   Vec3s(push.corners).at[3u * candidate + 1u], Vec3s(push.corners).at[3u * candidate + 2u]);
+      walk.open = left_open(walk.bundle, walk.points, walk.open, occluder);
       walk.next = walk.open == 0u ? walk.end : walk.next;
     }
     [[unroll]] for (uint r = 0u; r < kRounds; ++r) open.points[r] = walk.round == r ? walk.open : open.points[r];
@@ -164,17 +150,47 @@ uint with_long_lists(Asked asked) {
   return with;
 }
 
-// Takes away the points of the pixels `asking` that a hierarchy's geometry hides.
-void hide_behind(Hierarchy hierarchy, Pixels pixels, uint asking, inout Open open) {
+#if LANES >= 32
+// Pixels whose points are traced, those of the subgroup's one after the other.
+shared vec3 traced_origin[LANES];
+shared uint traced_first[LANES], traced_open[LANES];
+
+// Takes away the points of the pixels `asking` that a hierarchy's geometry hides. The segments of one pixel are side by
+// side in the lanes: they pass the same nodes, and no lane idles because its pixel does not ask.
+void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint asking, inout Open open) {
+  uint samples = push.soft.samples;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
-    uint left = (asking & (1u << r)) != 0u ? open.points[r] : 0u;
-    for (uint asked = left; asked != 0u; asked &= asked - 1u) {
-      uint i = uint(findLSB(asked));
-      if (meets(hierarchy, pixels.origin[r], direction_to(open.first[r] + i, pixels.origin[r]))) left &= ~(1u << i);
+    bool asks = (asking & (1u << r)) != 0u && open.points[r] != 0u;
+    uvec4 votes = ballot(asks);
+    uint count = lanes_in(votes), own = lanes_before(votes);
+    if (asks) {
+      traced_origin[own] = pixels.origin[r];
+      traced_first[own] = open.first[r];
+      traced_open[own] = open.points[r];
     }
-    if ((asking & (1u << r)) != 0u) open.points[r] = left;
+    barrier();
+    for (uint from = 0u; from < count; from += LANES / samples) {
+      uint pixel = from + lane() / samples, i = lane() % samples;
+      if (pixel >= count || (traced_open[pixel] & point_bit(i)) == 0u) continue;
+      Bundle bundle = Bundle(traced_origin[pixel], vec3(0.0), 0.0, traced_first[pixel]);
+      if (meets(hierarchy, bundle.origin, direction_to(bundle, i)))
+        atomicAnd(traced_open[pixel], ~point_bit(i));
+    }
+    barrier();
+    if (asks) open.points[r] = traced_open[own];
+    barrier();
   }
 }
+#else
+// Takes away the points of the pixels `asking` that a hierarchy's geometry hides.
+void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint asking, inout Open open) {
+  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+    bool asks = (asking & (1u << r)) != 0u;
+    uint left = open_behind(hierarchy, bundle_of(light, pixels, open, r), asks ? open.points[r] : 0u);
+    open.points[r] = asks ? left : open.points[r];
+  }
+}
+#endif
 
 void store_word(SoftLight light, uint plane, uvec2 lit, uvec2 valid) {
   uvec2 tile = tile_of_lane();
@@ -229,12 +245,12 @@ void main() {
         uint by_hierarchy = with_long_lists(asked);
         asked.undecided &= ~by_hierarchy;
         if (any_lane(asked.undecided != 0u)) walk_lists(light, asked, pixels, open);
-        if (any_lane(by_hierarchy != 0u)) hide_behind(push.still, pixels, by_hierarchy, open);
+        if (any_lane(by_hierarchy != 0u)) hide_behind(light, push.still, pixels, by_hierarchy, open);
       } else {
         open = facing_points(light, pixels, care);
-        hide_behind(push.still, pixels, care, open);
+        hide_behind(light, push.still, pixels, care, open);
       }
-      if (push.moving.node_count != 0u) hide_behind(push.moving, pixels, care, open);
+      if (push.moving.node_count != 0u) hide_behind(light, push.moving, pixels, care, open);
     }
     store_planes(light, open, care);
   }

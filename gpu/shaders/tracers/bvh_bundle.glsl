@@ -1,48 +1,10 @@
 // Walks a hierarchy for all segments from a surface to the points of an area light, in one walk where the light is small for
 // its distance (shaft culling: Haines and Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", 1991). The counts
 // are those of tracing each segment by itself, as a box is met whenever one of its triangles is, and triangles that do
-// not hide or miss the whole light are tested segment by segment. Includes what declares `push` with a soft frame before.
-#include "seen_before_light.glsl"
+// not hide or miss the whole light are tested segment by segment. Includes what declares `push` with a soft frame, and
+// kLooksAtPoints, before.
+#include "light_bundle.glsl"
 #include "tracers/bvh.glsl"
-
-// Points are sets of bits: bit i is point `first` + i.
-struct Bundle {
-  vec3 origin;
-  vec3 to_middle;  // of the light
-  float radius;    // no point is farther from the middle
-  uint first;
-};
-
-vec3 direction_to(Bundle bundle, uint i) {
-  return sample_segment(bundle.origin, vec3(0.0), push.soft.points[bundle.first + i]).direction;
-}
-
-// The points in front of the surface. Where the whole light is, with room for all rounding, no point is looked at.
-uint facing_points(Bundle bundle, vec3 normal) {
-  uint samples = push.soft.samples;
-  if (dot(normal, bundle.to_middle) > 1.001 * bundle.radius + 1e-5 * sum_of(bundle.to_middle)) return (1u << samples) - 1u;
-  uint facing = 0u;
-  for (uint i = 0u; i < samples; ++i)
-    facing |= sample_segment(bundle.origin, normal, push.soft.points[bundle.first + i]).traced ? 1u << i : 0u;
-  return facing;
-}
-
-// The points of `open` that the triangle does not hide.
-uint left_open(Bundle bundle, uint open, BvhTriangle t, uint first_triangle) {
-  SeenTriangle seen = seen_triangle(bundle.origin, t.p0, t.p1, t.p2);
-  uint before = seen_before_light(seen, bundle.to_middle, bundle.radius);
-  uint hidden = before == kHidesLight ? open : 0u;
-  for (uint asked = before == kCutsLight ? open : 0u; asked != 0u; asked &= asked - 1u) {
-    uint i = uint(findLSB(asked));
-    hidden |= meets_seen_triangle(seen, direction_to(bundle, i)) ? 1u << i : 0u;
-  }
-  for (uint asked = t.masked != 0u ? hidden : 0u; asked != 0u; asked &= asked - 1u) {
-    uint i = uint(findLSB(asked));
-    if (!blocks_by_alpha(first_triangle + t.triangle, bundle.origin, direction_to(bundle, i), t.p0, t.p1, t.p2))
-      hidden &= ~(1u << i);
-  }
-  return open & ~hidden;
-}
 
 // One over the least and over the most that directions to points of the light are in each coordinate: at t of its way a
 // segment is between t * least and t * most. No component is infinite.
@@ -72,6 +34,8 @@ bool shaft_meets(Shaft shaft, vec3 lo, vec3 hi) {
 
 uint open_behind_in_one_walk(Hierarchy h, Bundle bundle, uint open) {
   Shaft shaft = shaft_of(bundle);
+  SeenPoints points = points_anywhere();
+  if (kLooksAtPoints) points = points_as_seen(bundle.origin, bundle.to_middle, bundle.radius, bundle.first);
   uint n = 0u;
   while (n < h.node_count && open != 0u) {
     BvhNode node = BvhNodes(h.nodes).at[n];
@@ -80,8 +44,10 @@ uint open_behind_in_one_walk(Hierarchy h, Bundle bundle, uint open) {
     float margin = max(reach.x, max(reach.y, reach.z)) * (1.0 / 4095.0);  // as meets() has it
     bool met = shaft_meets(shaft, lo - margin, hi + margin);
     uint first = node.leaf >> 4, count = met ? node.leaf & 15u : 0u;
-    for (uint i = 0u; i < count && open != 0u; ++i)
-      open = left_open(bundle, open, BvhTriangles(h.triangles).at[first + i], h.first_triangle);
+    for (uint i = 0u; i < count && open != 0u; ++i) {
+      BvhTriangle t = BvhTriangles(h.triangles).at[first + i];
+      open = left_open(bundle, points, open, Occluder(h.first_triangle + t.triangle, t.masked != 0u, t.p0, t.p1, t.p2));
+    }
     n = met ? n + 1u : node.skip;
   }
   return open;
@@ -89,8 +55,8 @@ uint open_behind_in_one_walk(Hierarchy h, Bundle bundle, uint open) {
 
 uint open_behind_by_walks(Hierarchy h, Bundle bundle, uint open) {
   for (uint asked = open; asked != 0u; asked &= asked - 1u) {
-    uint i = uint(findLSB(asked));
-    if (meets(h, bundle.origin, direction_to(bundle, i))) open &= ~(1u << i);
+    uint bit = uint(findLSB(asked));
+    if (meets(h, bundle.origin, direction_to(bundle, point_of(bit)))) open &= ~(1u << bit);
   }
   return open;
 }
@@ -102,6 +68,7 @@ const uint kWorthOneWalk = 16u;
 
 // The points of `open` that the hierarchy's geometry does not hide.
 uint open_behind(Hierarchy h, Bundle bundle, uint open) {
+  if (h.node_count == 0u) return open;
   bool narrow = dot(bundle.to_middle, bundle.to_middle) > kNarrow * kNarrow * bundle.radius * bundle.radius;
   return narrow && push.soft.samples >= kWorthOneWalk ? open_behind_in_one_walk(h, bundle, open)
                                                       : open_behind_by_walks(h, bundle, open);
