@@ -18,7 +18,10 @@ struct Hierarchy {
 #include "trace_light_buffer.glsl"
 
 // A list that is longer is not walked: the hierarchy of the resting geometry answers for its pixels sooner.
-const uint kLongList = LANES >= 32 ? 192u : 384u;
+#ifndef LONG_LIST
+#define LONG_LIST (LANES >= 32 ? 192u : 384u)
+#endif
+const uint kLongList = LONG_LIST;
 
 // From this length of a list and this many points on it pays to look first where the points are: on vector units, whose
 // steps are those of the lane that tests most points. GPUs took 5 to 40% longer for that.
