@@ -133,10 +133,12 @@ class Block {
 
   uint32_t lit_packet(uint32_t light) const {
     alignas(64) int valid[16];
-    alignas(64) RTCRay16 rays;
+    alignas(64) RTCRay16 rays{};
     uint32_t traced = 0;
     for (uint32_t i = 0; i < 16; ++i) {
       valid[i] = 0;
+      // Where vectors are narrower than the packet, Embree divides it and goes by the ray's ends alone.
+      rays.tfar[i] = -1.0f;
       if (!(shown_ >> i & 1)) continue;
       const ShadowSegment s = segment(i, light);
       if (!s.traced) continue;
@@ -144,8 +146,7 @@ class Block {
       traced |= 1u << i;
       rays.org_x[i] = s.origin.x, rays.org_y[i] = s.origin.y, rays.org_z[i] = s.origin.z;
       rays.dir_x[i] = s.direction.x, rays.dir_y[i] = s.direction.y, rays.dir_z[i] = s.direction.z;
-      rays.tnear[i] = 0.0f, rays.tfar[i] = 1.0f, rays.time[i] = 0.0f;
-      rays.mask[i] = ~0u, rays.flags[i] = 0, rays.id[i] = i;
+      rays.tfar[i] = 1.0f, rays.mask[i] = ~0u, rays.id[i] = i;
     }
     if (traced == 0) return 0;
     RTCIntersectContext context;
