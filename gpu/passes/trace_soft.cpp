@@ -139,7 +139,7 @@ Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, cons
     step->tiles_at_once = shader->tiles;
     built = std::move(*step);
   }
-  constexpr uint32_t kMostOfVectorUnits = 16;
+  constexpr uint32_t kMostOfVectorUnits = 16;  // lanes, by which the shaders tell them from GPUs too
   const std::array<uint32_t, 1> looks_at_points{device->features().subgroups.usual <= kMostOfVectorUnits};
   return pass_of<TraceSoftPass>(make_compute_step(device, 1, trace_soft_bvh_comp, 0, 0, looks_at_points),
                                 std::move(built), motion);

@@ -45,7 +45,8 @@ uint left_open(Bundle bundle, SeenPoints points, uint open, Occluder o) {
   }
   for (uint asked = o.masked ? hidden : 0u; asked != 0u; asked &= asked - 1u) {
     uint bit = uint(findLSB(asked));
-    if (!blocks_by_alpha(o.triangle, bundle.origin, direction_to(bundle, point_of(bit)), o.p0, o.p1, o.p2)) hidden &= ~(1u << bit);
+    vec3 direction = direction_to(bundle, point_of(bit));
+    if (!blocks_by_alpha(o.triangle, bundle.origin, direction, o.p0, o.p1, o.p2)) hidden &= ~(1u << bit);
   }
   return open & ~hidden;
 }

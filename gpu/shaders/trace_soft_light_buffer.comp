@@ -134,8 +134,9 @@ void walk_lists(SoftLight light, Asked asked, Pixels pixels, inout Open open) {
     }
     uint candidate = next_candidate(walk);
     if (candidate != kNone) {
-      Occluder occluder = Occluder(candidate, candidate >= push.first_masked, Vec3s(push.corners).at[3u * candidate],
-                                   Vec3s(push.corners).at[3u * candidate + 1u], Vec3s(push.corners).at[3u * candidate + 2u]);
+      Vec3s corners = Vec3s(push.corners);
+      Occluder occluder = Occluder(candidate, candidate >= push.first_masked, corners.at[3u * candidate],
+                                   corners.at[3u * candidate + 1u], corners.at[3u * candidate + 2u]);
       walk.open = left_open(walk.bundle, walk.points, walk.open, occluder);
       walk.next = walk.open == 0u ? walk.end : walk.next;
     }
@@ -176,8 +177,7 @@ void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint askin
       uint pixel = from + lane() / samples, i = lane() % samples;
       if (pixel >= count || (traced_open[pixel] & point_bit(i)) == 0u) continue;
       Bundle bundle = Bundle(traced_origin[pixel], vec3(0.0), 0.0, traced_first[pixel]);
-      if (meets(hierarchy, bundle.origin, direction_to(bundle, i)))
-        atomicAnd(traced_open[pixel], ~point_bit(i));
+      if (meets(hierarchy, bundle.origin, direction_to(bundle, i))) atomicAnd(traced_open[pixel], ~point_bit(i));
     }
     barrier();
     if (asks) open.points[r] = traced_open[own];
