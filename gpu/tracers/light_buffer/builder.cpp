@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "common/clock.h"
+#include "common/parallel.h"
 #include "gpu/tracers/light_buffer/detail_fit.h"
 #include "gpu/tracers/light_buffer/light_build.h"
 
@@ -14,14 +15,30 @@ class Assembly {
  public:
   explicit Assembly(LightBuffer& out) : out_(out) { out_.leaves.resize(1); }
 
-  void add(LightView view, size_t faces, const std::vector<Piece>& pieces) {
+  void add(LightView view, size_t faces, const std::vector<Piece>& pieces, unsigned threads) {
     view.cells = static_cast<uint32_t>(out_.grid.size());
     out_.lights.push_back(view);
-    out_.grid.resize(out_.grid.size() + faces * kCellCount);
-    for (size_t r = 0; r < pieces.size(); ++r) append(pieces[r], cell_of_root(view.cells, r));
+    std::vector<Place> places;
+    Place next{out_.grid.size() + faces * kCellCount, out_.leaves.size() - 1, out_.entries.size()};
+    for (const Piece& piece : pieces) {
+      places.push_back(next);
+      next.block += piece.blocks.size();
+      next.leaf += piece.leaves.size() - 1;  // all pieces share leaf 0
+      next.entry += piece.entries.size();
+    }
+    out_.grid.resize(next.block);
+    out_.leaves.resize(next.leaf + 1);
+    out_.entries.resize(next.entry);
+    parallel_for(pieces.size(), threads,
+                 [&](size_t r) { write(pieces[r], cell_of_root(view.cells, r), places[r]); });
   }
 
  private:
+  // Where a piece's parts begin; its leaf 1 comes after `leaf`.
+  struct Place {
+    size_t block, leaf, entry;
+  };
+
   static size_t cell_of_root(uint32_t cells, size_t r) {
     const size_t side = size_t{1} << kRootLevel;
     const size_t in_face = r % kRootCount;
@@ -29,21 +46,21 @@ class Assembly {
            in_face % side * kRootCells;
   }
 
-  void append(const Piece& piece, size_t first_cell) {
-    const uint32_t block_base = static_cast<uint32_t>(out_.grid.size());
-    const uint32_t leaf_base = static_cast<uint32_t>(out_.leaves.size()) - 1;  // all pieces share leaf 0
-    const uint32_t entry_base = static_cast<uint32_t>(out_.entries.size());
+  void write(const Piece& piece, size_t first_cell, const Place& place) {
     for (size_t y = 0; y < kRootCells; ++y) {
       for (size_t x = 0; x < kRootCells; ++x) {
-        out_.grid[first_cell + (y << kTopLevel) + x] = piece.cells[y * kRootCells + x] + (block_base << kDepthBits);
+        out_.grid[first_cell + (y << kTopLevel) + x] =
+            piece.cells[y * kRootCells + x] + (static_cast<uint32_t>(place.block) << kDepthBits);
       }
     }
-    for (const uint32_t leaf : piece.blocks) out_.grid.push_back(leaf == 0 ? 0 : leaf + leaf_base);
+    std::ranges::transform(piece.blocks, out_.grid.begin() + static_cast<ptrdiff_t>(place.block),
+                           [&](uint32_t leaf) { return leaf == 0 ? 0 : leaf + static_cast<uint32_t>(place.leaf); });
     for (size_t n = 1; n < piece.leaves.size(); ++n) {
-      out_.leaves.push_back(piece.leaves[n]);
-      out_.leaves.back().first += entry_base;
+      Leaf& leaf = out_.leaves[place.leaf + n];
+      leaf = piece.leaves[n];
+      leaf.first += static_cast<uint32_t>(place.entry);
     }
-    out_.entries.insert(out_.entries.end(), piece.entries.begin(), piece.entries.end());
+    std::ranges::copy(piece.entries, out_.entries.begin() + static_cast<ptrdiff_t>(place.entry));
   }
 
   LightBuffer& out_;
@@ -76,20 +93,24 @@ class Building {
 
   LightBuffer run() {
     LightBuffer buffer;
-    buffer.grid.reserve(cell_bytes(0) / sizeof(uint32_t));
+    // Memory that nothing is written to costs nothing: this spares copies, as the arrays grow light by light.
+    buffer.grid.reserve((cell_bytes(0) + budget_ / 4) / sizeof(uint32_t));
+    buffer.leaves.reserve(budget_ / 2 / sizeof(Leaf));
+    buffer.entries.reserve(budget_ / sizeof(ListEntry));
     Assembly assembly(buffer);
     const DetailSurvey survey = surveyed();
-    const Detail detail = survey.fitting();
     for (size_t l = 0; l < lights_.size() && !settings_.stop.stop_requested(); ++l) {
       if (l > 0) progress(l, 0);
       const LightBuild build = light(l);
+      const Detail detail = survey.fitting(l, {difference(budget_, buffer.memory_bytes() + cell_bytes(l)),
+                                               difference(settings_.most_work, buffer.statistics.work)});
       const double before = l == 0 ? kSurveyShare : 0;
       std::vector<Piece> pieces =
           build.pieces(detail, [&](double share) { progress(l, before + (1 - before) * share); });
       build.shrink(pieces, detail, bytes_left(survey, detail, l, buffer.memory_bytes()));
       if (settings_.stop.stop_requested()) break;  // some pieces are missing
       buffer.statistics.work += size_of(pieces).work;
-      assembly.add(build.view(), build.face_count(), pieces);
+      assembly.add(build.view(), build.face_count(), pieces, threads_);
       progress(l, 1);
     }
     return buffer;

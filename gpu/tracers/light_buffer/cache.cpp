@@ -14,7 +14,7 @@ namespace gnomon::gpu::light_buffer {
 namespace {
 
 // To be increased whenever the same scene and settings would give other bytes, or bytes with another meaning.
-constexpr uint32_t kVersion = 7;
+constexpr uint32_t kVersion = 8;
 constexpr const char* kEnding = ".lightbuffer";
 constexpr std::array<char, 8> kMagic = {'G', 'N', 'O', 'M', 'O', 'N', 'L', 'B'};
 

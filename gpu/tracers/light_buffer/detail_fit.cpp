@@ -2,35 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace gnomon::gpu::light_buffer {
 namespace {
 
-constexpr double kCoarsest = 1e-2, kRatio = 8.0;  // thresholds of the survey
-constexpr double kFill = 0.97;                    // of the limit: what is expected is an estimate
-
-bool within(const PiecesSize& size, const PiecesSize& limit) {
-  return size.bytes <= limit.bytes && size.work <= limit.work;
-}
+constexpr double kCoarsest = 1e-2, kRatio = std::numbers::sqrt2;  // thresholds of the survey
+constexpr double kBeyond = 1.4;  // the limit: what is surveyed, as lights that take less leave more to later ones
+constexpr double kFill = 0.97;   // of the limit: what is expected is an estimate
 
 uint64_t between(uint64_t low, uint64_t high, double share) {
   const double a = std::log(static_cast<double>(low) + 1), b = std::log(static_cast<double>(high) + 1);
   return static_cast<uint64_t>(std::exp(a + share * (b - a)));
 }
 
+uint64_t difference(uint64_t whole, uint64_t used) { return whole > used ? whole - used : 0; }
+
 }  // namespace
 
-double DetailSurvey::threshold(size_t step) const {
-  return std::max(kCoarsest * std::pow(kRatio, -static_cast<double>(step)), std::max(finest_.cost_per_byte, 1e-30));
+DetailSurvey::DetailSurvey(const Detail& finest, const PiecesSize& limit) : finest_(finest), limit_(limit) {
+  const double last = std::max(finest.cost_per_byte, 1e-30);
+  for (double threshold = kCoarsest; threshold > last; threshold /= kRatio) thresholds_.push_back(threshold);
+  thresholds_.push_back(last);
 }
 
 void DetailSurvey::add(const LightBuild& build) {
-  std::vector<PiecesSize>& steps = lights_.emplace_back();
-  do {
-    Detail detail = finest_;
-    detail.cost_per_byte = threshold(steps.size());
-    steps.push_back(build.expected_size(detail));
-  } while (within(steps.back(), limit_) && threshold(steps.size() - 1) > finest_.cost_per_byte && !build.stopped());
+  const PiecesSize limit = limit_.times(kBeyond);
+  std::vector<PiecesSize> limits;
+  for (size_t s = 0; s < (lights_.empty() ? thresholds_.size() : lights_.back().size()); ++s) {
+    const PiecesSize earlier = from(0, static_cast<double>(s));
+    limits.push_back({difference(limit.bytes, earlier.bytes), difference(limit.work, earlier.work)});
+  }
+  lights_.push_back(build.expected_sizes(thresholds_, finest_.finest_level, limits));
 }
 
 PiecesSize DetailSurvey::at(size_t l, double step) const {
@@ -41,9 +44,9 @@ PiecesSize DetailSurvey::at(size_t l, double step) const {
   return {between(steps[low].bytes, steps[high].bytes, share), between(steps[low].work, steps[high].work, share)};
 }
 
-PiecesSize DetailSurvey::of_all(double step) const {
+PiecesSize DetailSurvey::from(size_t l, double step) const {
   PiecesSize sum;
-  for (size_t l = 0; l < lights_.size(); ++l) {
+  for (; l < lights_.size(); ++l) {
     const PiecesSize one = at(l, step);
     sum.bytes += one.bytes;
     sum.work += one.work;
@@ -55,17 +58,16 @@ uint64_t DetailSurvey::bytes(size_t l, const Detail& detail) const {
   return at(l, std::max(0.0, std::log(kCoarsest / detail.cost_per_byte) / std::log(kRatio))).bytes;
 }
 
-Detail DetailSurvey::fitting() const {
-  size_t last = lights_.empty() ? 0 : SIZE_MAX;  // the finest step that every light was surveyed at
-  for (const std::vector<PiecesSize>& steps : lights_) last = std::min(last, steps.size() - 1);
-  const PiecesSize filled{static_cast<uint64_t>(kFill * static_cast<double>(limit_.bytes)), limit_.work};
-  double step = static_cast<double>(last);
-  constexpr double kPart = 1.0 / 16;
-  while (step > 0 && !within(of_all(step), filled)) step -= kPart;
+Detail DetailSurvey::fitting(size_t l, const PiecesSize& limit) const {
   Detail detail = finest_;
-  const double whole = std::floor(step);
-  const double coarse = threshold(static_cast<size_t>(whole)), fine = threshold(static_cast<size_t>(whole) + 1);
-  detail.cost_per_byte = coarse * std::pow(fine / coarse, step - whole);
+  if (l >= lights_.size()) return detail;
+  const PiecesSize filled{static_cast<uint64_t>(kFill * static_cast<double>(limit.bytes)), limit.work};
+  double step = static_cast<double>(lights_.back().size() - 1);  // the finest that every light was surveyed at
+  constexpr double kPart = 1.0 / 8;
+  while (step > 0 && !from(l, step).within(filled)) step -= kPart;
+  const auto whole = static_cast<size_t>(step);
+  const double coarse = thresholds_[whole], fine = thresholds_[std::min(whole + 1, thresholds_.size() - 1)];
+  detail.cost_per_byte = coarse * std::pow(fine / coarse, step - static_cast<double>(whole));
   return detail;
 }
 

@@ -2,35 +2,35 @@
 // and time go to those that gain most by it.
 #pragma once
 
-#include <map>
+#include <vector>
 
 #include "gpu/tracers/light_buffer/light_build.h"
 
 namespace gnomon::gpu::light_buffer {
 
-// What light buffers take, detail by detail, as far as it was surveyed. A threshold is Detail::cost_per_byte.
+// What light buffers are expected to take at each of several details, and how finely they may be divided for it. A
+// threshold is Detail::cost_per_byte.
 class DetailSurvey {
  public:
-  // No detail finer than `finest` is looked at.
-  DetailSurvey(const Detail& finest, const PiecesSize& limit) : finest_(finest), limit_(limit) {}
+  // No detail finer than `finest` is looked at. `limit`: of all lights.
+  DetailSurvey(const Detail& finest, const PiecesSize& limit);
 
-  // Adds a light: surveys it, from coarse to fine, until it alone is beyond the limit.
+  // Adds a light: surveys it, as finely as the lights up to this one are expected to be within the limit.
   void add(const LightBuild& build);
 
-  // The finest detail that is expected to be within the limit, or the coarsest of all.
-  Detail fitting() const;
+  // The finest detail at which the lights from the l-th on are expected to be within the limit, or the coarsest of all.
+  Detail fitting(size_t l, const PiecesSize& limit) const;
   // Of the light that was added as the l-th, as it is expected.
   uint64_t bytes(size_t l, const Detail& detail) const;
 
  private:
-  // Thresholds, from the coarsest on; the last one is that of the finest detail.
-  double threshold(size_t step) const;
   // At a place between two steps.
   PiecesSize at(size_t l, double step) const;
-  PiecesSize of_all(double step) const;
+  PiecesSize from(size_t l, double step) const;
 
   const Detail finest_;
   const PiecesSize limit_;
+  std::vector<double> thresholds_;  // of the steps, from the coarsest on; the last is the finest detail's
   std::vector<std::vector<PiecesSize>> lights_;  // step by step
 };
 

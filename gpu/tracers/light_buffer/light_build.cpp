@@ -46,10 +46,10 @@ LightBuild::LightBuild(const scenes::WorldMesh& mesh, double surface, const scen
       faces_(light_faces(light, bounds)),
       threads_(threads),
       stop_(std::move(stop)) {
-  for (size_t f = 0; f < faces_.faces.size(); ++f) {
-    footprints_.push_back(faces_.used[f] ? footprints(faces_.faces[f]) : std::vector<Chunk>());
-    add_roots(f);
-  }
+  add_footprints();
+  for (size_t f = 0; f < faces_.faces.size(); ++f)
+    for (uint32_t r = 0; r < kRootCount; ++r) roots_.push_back({f, r % (1u << kRootLevel), r >> kRootLevel, {}});
+  parallel_for(faces_.faces.size(), threads_, [&](size_t f) { fill_roots(f); });
   for (const Root& root : roots_) met_by_all_ += root.met.size();
   // Roots with many footprints come first, so that no thread starts one of them at the end.
   order_.resize(roots_.size());
@@ -108,22 +108,41 @@ uint64_t LightBuild::rebuild(std::vector<Piece>& pieces, const Detail& detail, u
   return size;
 }
 
-PiecesSize LightBuild::expected_size(const Detail& detail) const {
-  // By size, every root in the middle of kStride stands for them: neighbours in that order are alike.
-  constexpr size_t kStride = 16;
-  std::vector<Piece> sampled((order_.size() + kStride / 2 - 1) / kStride);
-  parallel_for(sampled.size(), threads_, [&](size_t n) {
-    if (!stopped()) sampled[n] = piece(roots_[order_[n * kStride + kStride / 2]], detail);
+std::vector<size_t> LightBuild::by_cost() const {
+  std::vector<double> costs(roots_.size());
+  parallel_for(roots_.size(), threads_, [&](size_t r) {
+    const Root& root = roots_[r];
+    const Face& face = faces_.faces[root.face];
+    costs[r] = Squares(face, surface_).rough_cost(face.square(kRootLevel, root.i, root.j), root.met);
   });
-  size_t met = 0;
-  for (size_t n = 0; n < sampled.size(); ++n) met += roots_[order_[n * kStride + kStride / 2]].met.size();
-  const PiecesSize size = size_of(sampled);
-  const double whole =
-      std::max<double>(kStride, static_cast<double>(met_by_all_) / static_cast<double>(std::max<size_t>(met, 1)));
-  const auto all = [&](uint64_t of_sampled) {
-    return static_cast<uint64_t>(whole * static_cast<double>(of_sampled));
+  std::vector<size_t> order = order_;
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return costs[a] > costs[b]; });
+  return order;
+}
+
+std::vector<PiecesSize> LightBuild::expected_sizes(std::span<const double> thresholds, uint32_t finest_level,
+                                                   std::span<const PiecesSize> limits) const {
+  // By what their queries cost undivided, neighbours are alike, and one of a few stands for them, with a quarter of it.
+  // Those that cost most stand for themselves: most of the memory often goes to a few.
+  constexpr size_t kAlone = 64, kStep = 32, kMost = 8, kFew = 256;  // kFew: roots of a single face
+  const std::vector<size_t> order = by_cost();
+  struct Stratum {
+    size_t first, count;
   };
-  return {all(size.bytes), all(size.work)};
+  std::vector<Stratum> strata;
+  for (size_t first = 0; first < order.size(); first += strata.back().count) {
+    const size_t count = first < kAlone ? 1 : std::min(first / kStep, kMost);
+    strata.push_back({first, std::min(count, order.size() - first)});
+  }
+  SurveySteps steps(thresholds, {limits.begin(), limits.end()});
+  parallel_for(strata.size(), threads_, [&](size_t n) {
+    if (stopped()) return;
+    const Root& root = roots_[order[strata[n].first + strata[n].count / 2]];
+    PieceSample sample{root.i, root.j, static_cast<double>(strata[n].count), std::nullopt};
+    if (order.size() > kFew) sample.quarter = static_cast<uint32_t>(n % 4);
+    survey_piece(faces_.faces[root.face], surface_, finest_level, sample, root.met, steps);
+  });
+  return steps.sums();
 }
 
 // Whether the triangle is within the light's range, so that it may block one of its segments.
@@ -135,10 +154,10 @@ bool LightBuild::reaches(const std::array<glm::dvec3, 3>& corners) const {
   return glm::length(nearest) <= 1.001 * light_.reach + light_.radius;
 }
 
-std::vector<LightBuild::Chunk> LightBuild::footprints(const Face& face) const {
-  const size_t count = mesh_.triangles.size();
-  std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
-  parallel_for(chunks.size(), threads_, [&](size_t c) {
+void LightBuild::add_footprints() {
+  const size_t count = mesh_.triangles.size(), chunks = (count + kChunk - 1) / kChunk;
+  footprints_.assign(faces_.faces.size(), std::vector<Chunk>(chunks));
+  parallel_for(chunks, threads_, [&](size_t c) {
     if (stopped()) return;
     for (size_t t = c * kChunk; t < std::min(count, (c + 1) * kChunk); ++t) {
       std::array<glm::dvec3, 3> corners;
@@ -146,24 +165,25 @@ std::vector<LightBuild::Chunk> LightBuild::footprints(const Face& face) const {
         corners[static_cast<size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[t][k]]) - faces_.reference;
       }
       if (!reaches(corners)) continue;
-      std::optional<Footprint> f = light_.radius > 0.0f
-                                       ? area_footprint(face, faces_.diameter, light_.radius, corners)
-                                       : footprint(face, faces_.diameter, corners);
-      if (!f || !meets(*f, face.square(0, 0, 0))) continue;
-      f->triangle = static_cast<uint32_t>(t);
-      f->can_cover = f->can_cover && t < mesh_.opaque_count;
-      chunks[c].push_back(*f);
+      for (size_t f = 0; f < faces_.faces.size(); ++f)
+        if (faces_.used[f]) add_footprint(faces_.faces[f], corners, t, footprints_[f][c]);
     }
   });
-  return chunks;
 }
 
-void LightBuild::add_roots(size_t f) {
+void LightBuild::add_footprint(const Face& face, const std::array<glm::dvec3, 3>& corners, size_t triangle,
+                               Chunk& chunk) const {
+  std::optional<Footprint> f = light_.radius > 0.0f ? area_footprint(face, faces_.diameter, light_.radius, corners)
+                                                    : footprint(face, faces_.diameter, corners);
+  if (!f || !meets(*f, face.square(0, 0, 0))) return;
+  f->triangle = static_cast<uint32_t>(triangle);
+  f->can_cover = f->can_cover && triangle < mesh_.opaque_count;
+  chunk.push_back(*f);
+}
+
+void LightBuild::fill_roots(size_t f) {
   const Face& face = faces_.faces[f];
-  const size_t first = roots_.size();
-  for (uint32_t r = 0; r < kRootCount; ++r) {
-    roots_.push_back({f, r % (1u << kRootLevel), r >> kRootLevel, {}});
-  }
+  const size_t first = f * kRootCount;
   for (const Chunk& chunk : footprints_[f]) {
     for (const Footprint& footprint : chunk) {
       const auto [i0, i1] = root_span(footprint.box.u0, footprint.box.u1, face.low_u, face.size);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -10,15 +11,10 @@
 #include "gpu/tracers/light_buffer/face.h"
 #include "gpu/tracers/light_buffer/footprint.h"
 #include "gpu/tracers/light_buffer/subdivide.h"
+#include "gpu/tracers/light_buffer/survey.h"
 #include "scenes/world_mesh.h"
 
 namespace gnomon::gpu::light_buffer {
-
-// What pieces take.
-struct PiecesSize {
-  uint64_t bytes = 0;  // without the cells
-  uint64_t work = 0;   // as Piece::work
-};
 
 PiecesSize size_of(const std::vector<Piece>& pieces);
 
@@ -40,8 +36,10 @@ class LightBuild {
   // `bytes`, or until none can be coarser.
   void shrink(std::vector<Piece>& pieces, Detail detail, uint64_t bytes) const;
 
-  // What the pieces would take, estimated from some of them.
-  PiecesSize expected_size(const Detail& detail) const;
+  // What the pieces would take at each threshold of Detail::cost_per_byte, estimated from some of them. `limits`: of each
+  // threshold; the last of those that are returned is the last one within its limit, or the first of all.
+  std::vector<PiecesSize> expected_sizes(std::span<const double> thresholds, uint32_t finest_level,
+                                         std::span<const PiecesSize> limits) const;
 
  private:
   using Chunk =
@@ -57,8 +55,13 @@ class LightBuild {
   bool reaches(const std::array<glm::dvec3, 3>& corners) const;
   // Pieces with many footprints first, until those of `size` bytes have at most `bytes`; what they have then.
   uint64_t rebuild(std::vector<Piece>& pieces, const Detail& detail, uint64_t size, uint64_t bytes) const;
-  std::vector<Chunk> footprints(const Face& face) const;
-  void add_roots(size_t face);
+  void add_footprints();
+  void add_footprint(const Face& face, const std::array<glm::dvec3, 3>& corners, size_t triangle,
+                     Chunk& chunk) const;
+  // Lists the footprints that may meet each of the face's roots.
+  void fill_roots(size_t face);
+  // The numbers of all roots, those first whose queries cost most if nothing is divided.
+  std::vector<size_t> by_cost() const;
   Piece piece(const Root& root, const Detail& detail) const;
 
   const scenes::WorldMesh& mesh_;
