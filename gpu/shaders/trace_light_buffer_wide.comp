@@ -35,7 +35,7 @@ uint take_bit(inout LaneBits bits) {
 
 // Entries that a lane walks alone; what is left of a longer list is walked by the whole subgroup.
 #ifndef ENTRIES_ALONE
-#define ENTRIES_ALONE 24
+#define ENTRIES_ALONE 64
 #endif
 const uint kAlone = ENTRIES_ALONE;
 
