@@ -144,6 +144,8 @@ class Renderer {
   virtual ~Renderer() = default;
 
   virtual DeviceInfo info() const = 0;
+  // How many submits the device runs at the same time; constant.
+  virtual uint32_t overlapping() const { return 1; }
 
   // `freed` is called once for each frame whose last submit was delivered, when its lease was dropped and free_slots()
   // has grown. It is called on the thread that dropped the lease, possibly after the renderer's destruction. Abandoned

@@ -18,6 +18,7 @@ struct BandedFrame {
   SceneId scene;
   TileGrid grid;
   uint32_t next_row = 0;
+  size_t queue = 0;          // of all its bands
   bool band_failed = false;  // one of its bands was never started
 };
 
@@ -38,6 +39,7 @@ class VulkanRenderer : public Renderer {
     return {device.name, device.driver,      std::string(pool_->tracer().name()),
             raster_,     device.pci_address, device.type == VK_PHYSICAL_DEVICE_TYPE_CPU};
   }
+  uint32_t overlapping() const override { return static_cast<uint32_t>(queues_.size()); }
   void on_slot_freed(std::function<void()> freed) override { pool_->on_freed(std::move(freed)); }
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr& scene) override {
@@ -115,8 +117,9 @@ class VulkanRenderer : public Renderer {
       return band.error();
     }
     const bool last = rows == grid.tiles_y();
-    if (!last) partial_frames_[job.id] = {slot, *variant, job.scene, grid, rows};
-    pend({job.id, slot, *variant, *band, true, last, grid, std::move(on_done)});
+    const size_t queue = quietest_queue();
+    if (!last) partial_frames_[job.id] = {slot, *variant, job.scene, grid, rows, queue};
+    pend(queue, {job.id, slot, *variant, *band, true, last, grid, std::move(on_done)});
     return {};
   }
 
@@ -132,7 +135,7 @@ class VulkanRenderer : public Renderer {
     if (!band) return band.error();
     frame.next_row += rows;
     const bool last = frame.next_row == frame.grid.tiles_y();
-    pend({id, frame.slot, frame.variant, *band, false, last, frame.grid, std::move(on_done)});
+    pend(frame.queue, {id, frame.slot, frame.variant, *band, false, last, frame.grid, std::move(on_done)});
     if (last) partial_frames_.erase(found);
     return {};
   }
@@ -141,7 +144,7 @@ class VulkanRenderer : public Renderer {
     const auto found = partial_frames_.find(id);
     if (found == partial_frames_.end()) return;
     start_pending();  // the frame's pending submits refer to its slot
-    queue_of(found->second.slot).give_back_later(found->second.slot);
+    queues_[found->second.queue]->give_back_later(found->second.slot);
     partial_frames_.erase(found);
   }
 
@@ -152,11 +155,18 @@ class VulkanRenderer : public Renderer {
   }
 
  private:
-  QueueState& queue_of(size_t slot) { return *queues_[slot % queues_.size()]; }
+  // The queue with the fewest submits; of several the one after the last that was chosen.
+  size_t quietest_queue() {
+    size_t best = (last_queue_ + 1) % queues_.size();
+    for (size_t i = 2; i <= queues_.size(); ++i) {
+      const size_t other = (last_queue_ + i) % queues_.size();
+      if (queues_[other]->in_flight() < queues_[best]->in_flight()) best = other;
+    }
+    return last_queue_ = best;
+  }
 
-  void pend(InFlight submit) {
-    QueueState& queue = queue_of(submit.slot);
-    queue.pend(std::move(submit));
+  void pend(size_t queue, InFlight submit) {
+    queues_[queue]->pend(std::move(submit));
     if (!batching_) start_pending();
   }
   void start_pending() {
@@ -181,6 +191,7 @@ class VulkanRenderer : public Renderer {
   std::map<JobId, BandedFrame> partial_frames_;
   bool batching_ = false;
   std::vector<std::unique_ptr<QueueState>> queues_;
+  size_t last_queue_ = 0;
 };
 
 }  // namespace

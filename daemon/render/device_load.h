@@ -36,13 +36,16 @@ class DeviceLoad {
   // Whether another job may be submitted. Submitted frames are limited to `frames_in_flight`, which the encoders can
   // take. Work on the device is limited to what keeps it busy: the next job is submitted shortly before the device is
   // predicted to run dry. Submitted earlier, it would only delay the job of a newcomer; and if predictions fail, there
-  // are at most two jobs of full length on the device. `quantum` 0: jobs are never cut, and only frames are counted.
-  // Also sets room_at(), until which the caller then sleeps.
-  bool look_for_room(uint32_t free_slots, uint32_t frames_in_flight, Nanoseconds quantum, TimePoint now) {
+  // are at most two jobs of full length on the device. A device that runs several jobs at the same time, `overlapping`,
+  // is busy only with so many, which it gets as long as the newcomer's job would not be delayed by more than that either.
+  // `quantum` 0: jobs are never cut, and only frames are counted. Also sets room_at(), until which the caller then sleeps.
+  bool look_for_room(uint32_t free_slots, uint32_t frames_in_flight, uint32_t overlapping, Nanoseconds quantum,
+                     TimePoint now) {
     room_at_ = TimePoint::max();
     if (free_slots == 0 || frames_ - partial_ >= frames_in_flight) return false;
     if (jobs_ == 0 || quantum <= Nanoseconds{}) return true;
     if (predicted_ > quantum / 2) return false;
+    if (jobs_ < overlapping) return true;
     const TimePoint soon_dry = runs_dry_ - std::min(kLead, quantum / 4);
     if (soon_dry > now) room_at_ = soon_dry;
     return soon_dry <= now;

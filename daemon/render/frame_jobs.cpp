@@ -32,8 +32,9 @@ FrameMeta meta_of(const RenderSession& session, const ViewRequest& view, uint32_
 }  // namespace
 
 bool FrameJobs::look_for_room(TimePoint now) {
-  const uint32_t free_slots = device_.renderer().free_slots();
-  return load_.look_for_room(free_slots, queue_.sharing().frames_in_flight, queue_.quantum(), now);
+  const gpu::Renderer& renderer = device_.renderer();
+  return load_.look_for_room(renderer.free_slots(), queue_.sharing().frames_in_flight, renderer.overlapping(),
+                             queue_.quantum(), now);
 }
 
 void FrameJobs::submit(RenderSession& session, const scheduler::Ticket& ticket, TimePoint now) {

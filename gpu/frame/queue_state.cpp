@@ -32,6 +32,7 @@ QueueState::~QueueState() {
 }
 
 void QueueState::pend(InFlight submit) {
+  in_flight_.fetch_add(1, std::memory_order_relaxed);
   commands_.push_back(submit.band.commands);
   pending_.push_back(std::move(submit));
 }
@@ -60,7 +61,9 @@ void QueueState::complete() {
   for (started_.take(batch); !batch.empty(); started_.take(batch)) {
     for (Started& started : batch) {
       if (started.submit.on_done) {
-        started.submit.on_done(finish(started));
+        FrameDone done = finish(started);
+        in_flight_.fetch_sub(1, std::memory_order_relaxed);
+        started.submit.on_done(std::move(done));
       } else {
         pool_->give_back(started.submit.slot);
       }

@@ -1,6 +1,7 @@
 // One queue of the device: the submits that are pending on it, and the thread that waits for their completion.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -22,8 +23,8 @@ struct InFlight {
   std::function<void(FrameDone)> on_done;  // null: the frame was abandoned, and only its slot is given back
 };
 
-// All calls: the render loop's thread; `on_done` is called on the completion thread inside. A slot always uses the same
-// queue.
+// All calls: the render loop's thread; `on_done` is called on the completion thread inside. All bands of a frame use the
+// same queue.
 class QueueState {
  public:
   // `number`: index among the device's queues.
@@ -32,6 +33,8 @@ class QueueState {
 
   // Queues the submit for the next start().
   void pend(InFlight submit);
+  // Submits that are pending or started and not yet done.
+  size_t in_flight() const { return in_flight_.load(std::memory_order_relaxed); }
   // Starts all pending submits with one call of the driver. Returns the frames of which a submit could not be started;
   // these submits are delivered as lost or out of memory.
   std::vector<JobId> start();
@@ -52,6 +55,7 @@ class QueueState {
   Queue& queue_;
   std::vector<InFlight> pending_;
   std::vector<VkCommandBuffer> commands_;  // of the pending ones
+  std::atomic<size_t> in_flight_{0};
   Inbox<Started> started_;
   std::vector<uint64_t> slot_gpu_ns_;  // for each slot: sum over the bands of its frame; the completion thread's
   std::thread completion_;

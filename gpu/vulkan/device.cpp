@@ -78,7 +78,7 @@ Result<void> Device::open(const DeviceOptions& options) {
   const auto family = frame_queue_family(info_, options.compute_only);
   if (!family) return family.error();
 
-  const uint32_t wanted = options.queues > 0 ? options.queues : family->compute_only ? 2 : 1;
+  const uint32_t wanted = options.queues > 0 ? options.queues : family->compute_only ? 3 : 1;
   const uint32_t queue_count = std::clamp(wanted, 1u, family->queues);
   const std::vector<float> priorities(queue_count, 1.0f);
   VkDeviceQueueCreateInfo queue{};

@@ -19,7 +19,7 @@ namespace gnomon::gpu {
 struct DeviceOptions {
   std::string device;  // see choose_device
   ValidationOptions validation;
-  // For frames that overlap; at most as the device has. 0: two on queues for compute alone, else one.
+  // For frames that overlap; at most as the device has. 0: three on queues for compute alone, else one.
   uint32_t queues = 1;
   // On queues for compute alone, if the device has some; nothing may be drawn then. Work on several of these shares the
   // compute units, where that on several queues for graphics may take turns.

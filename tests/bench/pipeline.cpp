@@ -26,7 +26,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int kSubmitted = 3;  // frames of the bare kernels on the device: as many as the daemon has at most
 constexpr SceneId kScene{0};
 
 double cpu_seconds(int who) {
@@ -91,8 +90,9 @@ Result<Flight> fly(const client::LoadOptions& options, size_t clients, size_t th
 // Frames of `clients` cameras in turn, each at another place of the path, as the load's clients are.
 class BareKernels {
  public:
-  BareKernels(std::unique_ptr<gpu::Renderer> renderer, scenes::ScenePtr scene)
-      : renderer_(std::move(renderer)), scene_(std::move(scene)) {}
+  // `in_flight`: frames on the device at a time, as many as the daemon has at most.
+  BareKernels(std::unique_ptr<gpu::Renderer> renderer, scenes::ScenePtr scene, uint32_t in_flight)
+      : renderer_(std::move(renderer)), scene_(std::move(scene)), in_flight_(static_cast<int>(in_flight)) {}
 
   // Means since the last call: the time of a frame and of each of its passes on the device.
   void take_times(nlohmann::ordered_json& row) {
@@ -123,7 +123,7 @@ class BareKernels {
 
  private:
   Result<void> submit(const gpu::CameraView& camera, PictureSize size) {
-    wait_until(kSubmitted - 1);
+    wait_until(in_flight_ - 1);
     const gpu::RenderJob job{JobId(++jobs_), kScene, camera, size.width, size.height};
     auto submitted = renderer_->submit(job, [this](gpu::FrameDone done) {
       done.mask.drop();
@@ -147,6 +147,7 @@ class BareKernels {
 
   std::unique_ptr<gpu::Renderer> renderer_;
   scenes::ScenePtr scene_;
+  const int in_flight_;
   uint64_t jobs_ = 0;
   std::map<std::string_view, uint64_t> stage_ns_;  // sums, as below; guarded by mutex_ while frames are out
   uint64_t gpu_ns_ = 0, done_ = 0;
@@ -222,7 +223,7 @@ class PipelineSuite : public Suite {
     say("scene " + name + ": the bare kernels get ready");
     auto renderer = factories.front()();
     if (!renderer) return renderer.error();
-    BareKernels bare(std::move(*renderer), *scene);
+    BareKernels bare(std::move(*renderer), *scene, frames_in_flight_);
     if (auto ready = bare.prepare(); !ready) return ready;
     report_.device = bare.renderer().info().name;
     report_.driver = bare.renderer().info().driver;
