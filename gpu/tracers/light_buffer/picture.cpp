@@ -7,17 +7,25 @@
 namespace gnomon::gpu::light_buffer {
 namespace {
 
-// What remains of the polygon where dot(plane, q) <= reach.
-Polygon clipped(const Polygon& polygon, const glm::dvec3& plane, double reach) {
+// Leaves what remains of the polygon where dot(plane, q) <= reach: mostly all of it.
+void clip(Polygon& polygon, const glm::dvec3& plane, double reach) {
+  std::array<double, 8> out;
+  double farthest = -kInfinity;
+  for (size_t i = 0; i < polygon.count; ++i) {
+    out[i] = glm::dot(plane, polygon.corners[i]) - reach;
+    farthest = std::max(farthest, out[i]);
+  }
+  if (farthest <= 0.0) return;
   Polygon kept;
   for (size_t i = 0; i < polygon.count; ++i) {
+    const size_t next = i + 1 == polygon.count ? 0 : i + 1;
     const glm::dvec3& a = polygon.corners[i];
-    const glm::dvec3& b = polygon.corners[(i + 1) % polygon.count];
-    const double out_a = glm::dot(plane, a) - reach, out_b = glm::dot(plane, b) - reach;
-    if (out_a <= 0.0) kept.corners[kept.count++] = a;
-    if ((out_a <= 0.0) != (out_b <= 0.0)) kept.corners[kept.count++] = a + (b - a) * (out_a / (out_a - out_b));
+    const glm::dvec3& b = polygon.corners[next];
+    if (out[i] <= 0.0) kept.corners[kept.count++] = a;
+    if ((out[i] <= 0.0) != (out[next] <= 0.0))
+      kept.corners[kept.count++] = a + (b - a) * (out[i] / (out[i] - out[next]));
   }
-  return kept;
+  polygon = kept;
 }
 
 template <class Points>
@@ -77,7 +85,7 @@ Polygon shown_part(const Corners& p, double reach) {
   Polygon shown{{p[0], p[1], p[2]}, 3};
   for (const glm::dvec3& side : {glm::dvec3(1, 0, -kShown), glm::dvec3(-1, 0, -kShown), glm::dvec3(0, 1, -kShown),
                                  glm::dvec3(0, -1, -kShown)}) {
-    shown = clipped(shown, side, reach);
+    clip(shown, side, reach);
   }
   return shown;
 }
