@@ -144,6 +144,30 @@ TEST(Build, SameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(a.entries, b.entries);
 }
 
+// The survey of what details take is a sample, and ends where limits are exceeded: both must not depend on threads.
+TEST(Build, FillsABudgetThatSeveralLightsShareWithTheSameBytesWhateverTheThreads) {
+  Random random(14);
+  const Soup soup = make_soup(Shape::even, Lamp::point, 2500, random);
+  std::vector<gpu::exact::TracedLight> lights(3, soup.light);
+  lights[1].position =
+      soup.bounds.min + 0.1f * (soup.bounds.max - soup.bounds.min);  // in a corner: most is on few faces
+  lights[2].position = soup.bounds.max;
+  light_buffer::BuildSettings settings;
+  const light_buffer::LightBuffer whole = light_buffer::build(soup.mesh, soup.bounds, lights, settings);
+  const uint64_t cells = cells_of(whole, 6);
+  settings.budget_bytes = cells + (whole.statistics.bytes - cells) / 3;
+  settings.threads = 1;
+  const light_buffer::LightBuffer a = light_buffer::build(soup.mesh, soup.bounds, lights, settings);
+  settings.threads = 3;
+  const light_buffer::LightBuffer b = light_buffer::build(soup.mesh, soup.bounds, lights, settings);
+  EXPECT_LE(a.statistics.bytes, settings.budget_bytes);
+  EXPECT_GT(a.statistics.bytes - cells, (settings.budget_bytes - cells) * 8 / 10);
+  EXPECT_EQ(a.grid, b.grid);
+  ASSERT_EQ(a.leaves.size(), b.leaves.size());
+  EXPECT_EQ(std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size() * sizeof(a.leaves[0])), 0);
+  EXPECT_EQ(a.entries, b.entries);
+}
+
 TEST(Build, TellsOfEachLightHowMuchOfItIsDone) {
   Random random(8);
   const Soup soup = make_soup(Shape::even, Lamp::point, 400, random);
