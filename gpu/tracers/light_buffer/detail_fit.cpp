@@ -22,7 +22,11 @@ uint64_t difference(uint64_t whole, uint64_t used) { return whole > used ? whole
 
 DetailSurvey::DetailSurvey(const Detail& finest, const PiecesSize& limit) : finest_(finest), limit_(limit) {
   const double last = std::max(finest.cost_per_byte, 1e-30);
-  for (double threshold = kCoarsest; threshold > last; threshold /= kRatio) thresholds_.push_back(threshold);
+  double threshold = kCoarsest;
+  while (threshold > last) {
+    thresholds_.push_back(threshold);
+    threshold /= kRatio;
+  }
   thresholds_.push_back(last);
 }
 
