@@ -8,6 +8,7 @@
 #include "gpu/tracers/light_buffer/query.h"
 #include "scenes/light_samples.h"
 #include "tests/bench/bench_scenes.h"
+#include "tests/bench/steady_times.h"
 #include "tests/bench/suites.h"
 #include "tests/unit/gpu/surface_probe.h"
 
@@ -36,15 +37,15 @@ scenes::ScenePtr with_spheres(const scenes::Scene& scene, float radius) {
 }
 
 // What shadows take; of frames with occlusion, what that takes alone.
-double stage_ms(const gpu::FrameTiming& timing, SampleCounts samples) {
+double trace_ms(const SteadyTimes& times, SampleCounts samples) {
   const bool occlusion = samples.occlusion != Occlusion::none;
-  uint64_t ns = 0;
-  for (const gpu::StageTime& stage : timing.stages) {
-    const bool of_occlusion = stage.pass == "trace_occlusion";
-    const bool of_shadows = !of_occlusion && (stage.pass.starts_with("trace") || stage.pass == "sample_points");
-    if (occlusion ? of_occlusion : of_shadows) ns += stage.gpu_ns;
+  double sum = 0;
+  for (const auto& [pass, ms] : times.stage_ms) {
+    const bool of_occlusion = pass == "trace_occlusion";
+    const bool of_shadows = !of_occlusion && (pass.starts_with("trace") || pass == "sample_points");
+    if (occlusion ? of_occlusion : of_shadows) sum += ms;
   }
-  return static_cast<double>(ns) / 1e6;
+  return sum;
 }
 
 // How queries of area lights end, and how many pairs see a part of their light.
@@ -132,9 +133,9 @@ class SoftSuite : public Suite {
         for (size_t i = 0; i < kSamples.size(); ++i) {
           const auto grid = frame.reserve(size.width, size.height, {}, kSamples[i]);
           if (!grid) return grid.error();
-          const auto timing = frame.render(camera, *grid);
-          if (!timing) return timing.error();
-          if (repeat > 0) ms[i].push_back(stage_ms(*timing, kSamples[i]));  // the first one warms up
+          const auto times = steady_times(frame, camera, *grid);
+          if (!times) return times.error();
+          if (repeat > 0) ms[i].push_back(trace_ms(*times, kSamples[i]));  // the first one warms up
         }
       }
       for (size_t i = 0; i < kSamples.size(); ++i) of_cameras[i].push_back(median(ms[i]));
