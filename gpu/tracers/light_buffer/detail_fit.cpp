@@ -16,8 +16,6 @@ uint64_t between(uint64_t low, uint64_t high, double share) {
   return static_cast<uint64_t>(std::exp(a + share * (b - a)));
 }
 
-uint64_t difference(uint64_t whole, uint64_t used) { return whole > used ? whole - used : 0; }
-
 }  // namespace
 
 DetailSurvey::DetailSurvey(const Detail& finest, const PiecesSize& limit) : finest_(finest), limit_(limit) {
@@ -33,10 +31,8 @@ DetailSurvey::DetailSurvey(const Detail& finest, const PiecesSize& limit) : fine
 void DetailSurvey::add(const LightBuild& build) {
   const PiecesSize limit = limit_.times(kBeyond);
   std::vector<PiecesSize> limits;
-  for (size_t s = 0; s < (lights_.empty() ? thresholds_.size() : lights_.back().size()); ++s) {
-    const PiecesSize earlier = from(0, static_cast<double>(s));
-    limits.push_back({difference(limit.bytes, earlier.bytes), difference(limit.work, earlier.work)});
-  }
+  for (size_t s = 0; s < (lights_.empty() ? thresholds_.size() : lights_.back().size()); ++s)
+    limits.push_back(limit.less(from(0, static_cast<double>(s))));
   lights_.push_back(build.expected_sizes(thresholds_, finest_.finest_level, limits));
 }
 

@@ -2,6 +2,7 @@
 // detail is divided at every finer one, so that the finest detail visits all squares of the others.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -19,6 +20,10 @@ struct PiecesSize {
   uint64_t work = 0;   // as Piece::work
 
   bool within(const PiecesSize& limit) const { return bytes <= limit.bytes && work <= limit.work; }
+  // What `used` leaves of this: nothing where it takes more.
+  PiecesSize less(const PiecesSize& used) const {
+    return {bytes - std::min(bytes, used.bytes), work - std::min(work, used.work)};
+  }
   PiecesSize times(double factor) const {
     return {static_cast<uint64_t>(factor * static_cast<double>(bytes)),
             static_cast<uint64_t>(factor * static_cast<double>(work))};
