@@ -37,7 +37,7 @@ class DeviceLoad {
   // take. Work on the device is limited to what keeps it busy: the next job is submitted shortly before the device is
   // predicted to run dry. Submitted earlier, it would only delay the job of a newcomer; and if predictions fail, there
   // are at most two jobs of full length on the device. A device that runs several jobs at the same time, `overlapping`,
-  // is busy only with so many, which it gets as long as the newcomer's job would not be delayed by more than that either.
+  // is busy only with so many: it gets them at once, while what it has already takes no more than half a quantum.
   // `quantum` 0: jobs are never cut, and only frames are counted. Also sets room_at(), until which the caller then sleeps.
   bool look_for_room(uint32_t free_slots, uint32_t frames_in_flight, uint32_t overlapping, Nanoseconds quantum,
                      TimePoint now) {

@@ -55,7 +55,7 @@ class QueueState {
   Queue& queue_;
   std::vector<InFlight> pending_;
   std::vector<VkCommandBuffer> commands_;  // of the pending ones
-  std::atomic<size_t> in_flight_{0};
+  std::atomic<size_t> in_flight_{0};       // counted down by the completion thread
   Inbox<Started> started_;
   std::vector<uint64_t> slot_gpu_ns_;  // for each slot: sum over the bands of its frame; the completion thread's
   std::thread completion_;

@@ -10,12 +10,12 @@ namespace {
 // Leaves what remains of the polygon where dot(plane, q) <= reach: mostly all of it.
 void clip(Polygon& polygon, const glm::dvec3& plane, double reach) {
   std::array<double, 8> out;
-  double farthest = -kInfinity;
+  bool whole = true;
   for (size_t i = 0; i < polygon.count; ++i) {
     out[i] = glm::dot(plane, polygon.corners[i]) - reach;
-    farthest = std::max(farthest, out[i]);
+    whole = whole && out[i] <= 0.0;
   }
-  if (farthest <= 0.0) return;
+  if (whole) return;
   Polygon kept;
   for (size_t i = 0; i < polygon.count; ++i) {
     const size_t next = i + 1 == polygon.count ? 0 : i + 1;
