@@ -56,7 +56,8 @@ struct Light {
 };
 
 // The lines beyond which the triangle hides no point of the light. `depth`: the least of what the face shows of it.
-void set_outer_edges(Footprint& f, const Corners& p, double volume, const Light& light, double by, double depth) {
+void set_outer_edges(AreaFootprint& f, const Corners& p, double volume, const Light& light, double by,
+                     double depth) {
   const double reach = light.reach + by;
   for (size_t i = 0; i < 3; ++i) {
     const glm::dvec3 &a = p[i], &b = p[(i + 1) % 3];
@@ -70,7 +71,7 @@ void set_outer_edges(Footprint& f, const Corners& p, double volume, const Light&
 
 // The lines within which it hides every point; false if there are none. `kept`: from each edge, as a share of the height
 // over it.
-bool set_inner_edges(Footprint& f, const Corners& p, double volume, const Light& light,
+bool set_inner_edges(AreaFootprint& f, const Corners& p, double volume, const Light& light,
                      const std::array<double, 3>& kept) {
   const double all = kept[0] + kept[1] + kept[2];
   if (!(all < 0.5)) return false;
@@ -89,11 +90,11 @@ bool set_inner_edges(Footprint& f, const Corners& p, double volume, const Light&
 
 }  // namespace
 
-std::optional<Footprint> area_footprint(const Face& face, double diameter, double radius, const Corners& corners) {
+std::optional<AreaFootprint> area_footprint(const Face& face, double diameter, double radius,
+                                            const Corners& corners) {
   const Corners p = {face.to_face(corners[0]), face.to_face(corners[1]), face.to_face(corners[2])};
   const double unit = kUnit * diameter, by = 8.0 * unit, margin = diameter / 4000.0;
   const Light light{radius + 4.0 * unit, face.farthest};
-  if (beside(p, margin + light.reach)) return std::nullopt;
   const Measure m = measure(p);
   const double size = glm::length(m.normal), volume = glm::dot(m.normal, p[0]);
   // As in footprint(), over all points of the light.
@@ -102,8 +103,7 @@ std::optional<Footprint> area_footprint(const Face& face, double diameter, doubl
   const double height_seen = across / m.longest, perimeter = m.length[0] + m.length[1] + m.length[2];
   const bool off_light = least_volume > 24.0 * unit * size;
 
-  Footprint f;
-  f.area = 0.5 * size;
+  AreaFootprint f;
   f.faces_light = volume < 0.0;
   f.regular = off_light && height_seen >= 40.0 * unit + 100.0 * kUnit * m.longest;
   f.can_cover = f.regular;
@@ -115,12 +115,13 @@ std::optional<Footprint> area_footprint(const Face& face, double diameter, doubl
     f.box = shown->box;
     const double distance = std::abs(volume) / size - light.reach - by;
     const double depth = std::max(shown->depth - light.reach - by, distance / 1.84);
-    f.least = Linear(0, 0, 1.001 / depth);
+    f.least = 1.001 / depth;
     set_planes(f, face, m, p, volume, s, height_seen, unit);
     set_outer_edges(f, reached, volume, light, by, depth);
     std::array<double, 3> kept;
     for (size_t i = 0; i < 3; ++i) kept[i] = unit * (8.5 * m.length[i] + 2.0 * (1.0 + s) * m.longest) / across;
     f.can_cover = f.can_cover && set_inner_edges(f, p, volume, light, kept);
+    expect(f, 0.5 * size);
     return f;
   }
   f.slack.fill(kInfinity);
@@ -133,6 +134,7 @@ std::optional<Footprint> area_footprint(const Face& face, double diameter, doubl
     f.box = common(f.box, shown->box);
     if (f.box.u0 > f.box.u1 || f.box.v0 > f.box.v1) return std::nullopt;
   }
+  expect(f, 0.5 * size);
   return f;
 }
 

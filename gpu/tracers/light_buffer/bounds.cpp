@@ -9,7 +9,6 @@ namespace gnomon::gpu::light_buffer {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr size_t kCandidates = 3;
 
 double middle(const Linear& f, const Rect& rect) {
   return at(f, 0.5 * (rect.u0 + rect.u1), 0.5 * (rect.v0 + rect.v1));
@@ -17,12 +16,15 @@ double middle(const Linear& f, const Rect& rect) {
 
 // `plane` moved towards the light until it is in front of every footprint; nullopt if it is then no farther away than
 // `best`, in the rectangle's middle.
-std::optional<Linear> raised(const Linear& plane, std::span<const Footprint* const> met, const Rect& rect,
-                             double best) {
+std::optional<Linear> raised(const Linear& plane, std::span<const Footprint* const> met,
+                             std::span<const double> nearness, const Rect& rect, double best) {
+  const double least =
+      plane.z + std::min(plane.x * rect.u0, plane.x * rect.u1) + std::min(plane.y * rect.v0, plane.y * rect.v1);
   Linear moved = plane;
   double most = -kInfinity;
-  for (const Footprint* f : met) {
-    const double more = excess(*f, rect, plane);
+  for (size_t k = 0; k < met.size(); ++k) {
+    if (nearness[k] - least <= most) break;  // no footprint from here on is in front of the plane by more
+    const double more = excess(*met[k], rect, plane);
     if (!(more > most)) continue;
     most = more;
     moved.z = plane.z + most;
@@ -52,25 +54,12 @@ double nearest_in(const Footprint& f, const Rect& rect) {
 
 bool fit_near_plane(std::span<const Footprint* const> met, std::span<const double> nearness, const Rect& rect,
                     Linear& plane) {
+  if (nearness.front() == kInfinity) return false;
   // The candidates are the planes of the footprints that reach nearest to the light, and a plane of constant nearness.
-  std::array<const Footprint*, kCandidates> nearest{};
-  std::array<double, kCandidates> most;
-  most.fill(-kInfinity);
-  for (size_t i = 0; i < met.size(); ++i) {
-    const Footprint* f = met[i];
-    if (!f->bounded) return false;
-    double n = nearness[i];
-    for (size_t k = 0; k < kCandidates && f != nullptr; ++k) {
-      if (n > most[k]) {
-        std::swap(n, most[k]);
-        std::swap(f, nearest[k]);
-      }
-    }
-  }
-  plane = Linear(0, 0, most[0]);
-  for (const Footprint* candidate : nearest) {
-    if (candidate == nullptr) break;
-    if (const auto moved = raised(candidate->nearest, met, rect, middle(plane, rect))) plane = *moved;
+  constexpr size_t kCandidates = 3;
+  plane = Linear(0, 0, nearness.front());
+  for (const Footprint* candidate : met.first(std::min(met.size(), kCandidates))) {
+    if (const auto moved = raised(candidate->nearest, met, nearness, rect, middle(plane, rect))) plane = *moved;
   }
   return true;
 }

@@ -18,8 +18,8 @@ bool hidden(const Footprint& f, const Footprint& cover, const Rect& rect);
 // The nearness of the nearest part of `f` that the rectangle shows; infinite if `f` is unbounded.
 double nearest_in(const Footprint& f, const Rect& rect);
 
-// Sets `plane` to a plane in front of all footprints, fitted tightly but not optimally. `nearness`: of each, by nearest_in.
-// Returns false if one of the footprints is unbounded.
+// Sets `plane` to a plane in front of all footprints, fitted tightly but not optimally. `nearness`: of each, by nearest_in;
+// those nearest to the light come first. Returns false if one of the footprints is unbounded.
 bool fit_near_plane(std::span<const Footprint* const> met, std::span<const double> nearness, const Rect& rect,
                     Linear& plane);
 

@@ -1,6 +1,7 @@
 #include "gpu/tracers/light_buffer/builder.h"
 
 #include <algorithm>
+#include <memory>
 #include <thread>
 
 #include "common/clock.h"
@@ -78,7 +79,8 @@ double surface_of(const scenes::WorldMesh& mesh) {
 // Zero if more is used than there is.
 uint64_t difference(uint64_t whole, uint64_t used) { return whole > used ? whole - used : 0; }
 
-// A build of all lights, one after the other, as their footprints are large: first to survey, then to build.
+// A build of all lights, one after the other, as their footprints are large: first to survey, then to build. Those of the
+// first lights are kept in between, as far as the memory goes that their parts of the buffer will take.
 class Building {
  public:
   Building(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds, std::span<const exact::TracedLight> lights,
@@ -89,7 +91,8 @@ class Building {
         settings_(settings),
         surface_(surface_of(mesh)),
         threads_(settings.threads != 0 ? settings.threads : std::max(1u, std::thread::hardware_concurrency())),
-        budget_(settings.budget_bytes != 0 ? settings.budget_bytes : default_budget(lights.size())) {}
+        budget_(settings.budget_bytes != 0 ? settings.budget_bytes : default_budget(lights.size())),
+        kept_(lights.size()) {}
 
   LightBuffer run() {
     LightBuffer buffer;
@@ -101,16 +104,16 @@ class Building {
     const DetailSurvey survey = surveyed();
     for (size_t l = 0; l < lights_.size() && !settings_.stop.stop_requested(); ++l) {
       if (l > 0) progress(l, 0);
-      const LightBuild build = light(l);
+      const std::unique_ptr<LightBuild> build = kept_[l] ? std::move(kept_[l]) : light(l);
       const Detail detail = survey.fitting(l, {difference(budget_, buffer.memory_bytes() + cell_bytes(l)),
                                                difference(settings_.most_work, buffer.statistics.work)});
       const double before = l == 0 ? kSurveyShare : 0;
       std::vector<Piece> pieces =
-          build.pieces(detail, [&](double share) { progress(l, before + (1 - before) * share); });
-      build.shrink(pieces, detail, bytes_left(survey, detail, l, buffer.memory_bytes()));
+          build->pieces(detail, [&](double share) { progress(l, before + (1 - before) * share); });
+      build->shrink(pieces, detail, bytes_left(survey, detail, l, buffer.memory_bytes()));
       if (settings_.stop.stop_requested()) break;  // some pieces are missing
       buffer.statistics.work += size_of(pieces).work;
-      assembly.add(build.view(), build.face_count(), pieces, threads_);
+      assembly.add(build->view(), build->face_count(), pieces, threads_);
       progress(l, 1);
     }
     return buffer;
@@ -123,7 +126,9 @@ class Building {
     if (settings_.progress) settings_.progress(l, share);
   }
 
-  LightBuild light(size_t l) const { return {mesh_, surface_, bounds_, lights_[l], threads_, settings_.stop}; }
+  std::unique_ptr<LightBuild> light(size_t l) const {
+    return std::make_unique<LightBuild>(mesh_, surface_, bounds_, lights_[l], threads_, settings_.stop);
+  }
 
   // Of the lights from the l-th on.
   uint64_t cell_bytes(size_t l) const {
@@ -132,11 +137,16 @@ class Building {
     return cells * kCellCount * sizeof(uint32_t);
   }
 
-  DetailSurvey surveyed() const {
+  DetailSurvey surveyed() {
+    uint64_t room = budget_;
     DetailSurvey survey(settings_.detail, {difference(budget_, cell_bytes(0)), settings_.most_work});
     for (size_t l = 0; l < lights_.size() && !settings_.stop.stop_requested(); ++l) {
       progress(0, kSurveyShare * static_cast<double>(l) / static_cast<double>(lights_.size()));
-      survey.add(light(l));
+      std::unique_ptr<LightBuild> build = light(l);
+      survey.add(*build);
+      if (build->memory_bytes() > room) continue;
+      room -= build->memory_bytes();
+      kept_[l] = std::move(build);
     }
     return survey;
   }
@@ -157,6 +167,7 @@ class Building {
   const double surface_;
   const unsigned threads_;
   const uint64_t budget_;
+  std::vector<std::unique_ptr<LightBuild>> kept_;  // of lights that are surveyed and not yet built
 };
 
 void count(LightBuffer& buffer) {

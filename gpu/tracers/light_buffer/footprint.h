@@ -66,31 +66,64 @@ namespace gnomon::gpu::light_buffer {
 // As it is made it has no edges: what stays so is bounded by `box` alone, where `slack` is infinite.
 struct Footprint {
   std::array<Linear, 3> edges{};  // inside: all >= 0
-  std::array<double, 3> slack{};  // can be hit if all >= -slack; is certainly hit if all cover_edges >= cover_slack
-  // As the edges, for what is hidden from every point of the light; the same unless the light has an extent.
-  std::array<Linear, 3> cover_edges{};
-  std::array<double, 3> cover_slack{};
-  Linear nearest{0.0};          // no point in front of this nearness is hidden by the triangle
-  std::optional<Linear> least;  // nor one in front of this one, which is constant
-  // Of each edge, for a light with an extent: nor one in front of edge * widening + rounding. 0: there is no such bound.
-  std::array<double, 3> widening{};
-  Linear cover{0.0};  // every point behind this nearness is hidden, where covers() holds
-  Rect box{};         // the triangle cannot be hit outside
-  double area = 0;    // of the triangle, in the world
+  std::array<double, 3> slack{};  // can be hit if all >= -slack; of a point light, is certainly hit if all >= slack
+  Linear nearest{0.0};            // no point in front of this nearness is hidden by the triangle
+  Linear cover{0.0};              // every point behind this nearness is hidden, where covers() holds
+  Rect box{};                     // the triangle cannot be hit outside
+  double asking = 0;              // area of surface that asks, for each area of the box: see expect()
   uint32_t triangle = 0;
   bool faces_light = true;  // the light is on the side from which the corners run counter-clockwise
   bool regular = true;
   bool bounded = true;  // false: the triangle touches the light, and `nearest` is not defined
   bool can_cover = true;
+  bool has_extent = false;  // the light has, and this is an AreaFootprint
 };
+
+// Of a light with an extent.
+struct AreaFootprint : Footprint {
+  AreaFootprint() { has_extent = true; }
+
+  // As the edges, for what is hidden from every point of the light: that is certainly hit if all >= cover_slack.
+  std::array<Linear, 3> cover_edges{};
+  std::array<double, 3> cover_slack{};
+  std::optional<double> least;  // nor is a point in front of this nearness hidden
+  // Of each edge: nor one in front of edge * widening + rounding. 0: there is no such bound.
+  std::array<double, 3> widening{};
+};
+
+// Which of the six faces of a point light may show something of the triangle, by its box alone, and where segments lead
+// to points of `radius` around the light: a bit for each face. `corners` are relative to the light's reference. The box is
+// that which an irregular triangle can be hit in, and that of a regular one, stretched to no more than three times its size.
+uint32_t faces_met(double diameter, double radius, const std::array<glm::dvec3, 3>& corners);
+
+// Sets what surface lies in a footprint's box: a triangle of this area, in the world. Of one that turns its back on the
+// light only what belongs to open meshes asks.
+void expect(Footprint& f, double area);
 
 // `corners` are relative to the light's reference. Returns nullopt if no segment on this face can hit the triangle.
 std::optional<Footprint> footprint(const Face& face, double diameter, const std::array<glm::dvec3, 3>& corners);
 
 // As footprint, for a light with an extent, of which no point is farther than `radius` from the reference: of the
 // segments from points on this face to any of them. Only for perspective faces.
-std::optional<Footprint> area_footprint(const Face& face, double diameter, double radius,
-                                        const std::array<glm::dvec3, 3>& corners);
+std::optional<AreaFootprint> area_footprint(const Face& face, double diameter, double radius,
+                                            const std::array<glm::dvec3, 3>& corners);
+
+// A square's four quarters, by the first and the last; the number of one has a bit for each axis.
+struct Quarters {
+  Quarters(const Rect& first, const Rect& last);
+
+  bool holds(const Rect& box, uint32_t quarter) const {
+    const Rect &across = sides[quarter & 1], &along = sides[quarter >> 1];
+    return box.u0 >= across.u0 && box.u1 <= across.u1 && box.v0 >= along.v0 && box.v1 <= along.v1;
+  }
+
+  std::array<Rect, 2> sides;
+  std::array<double, 2> u, v;  // their middles
+  double half_u, half_v;
+};
+
+// As meets, of each quarter: a bit for each.
+uint32_t quarters_met(const Footprint& f, const Quarters& quarters);
 
 // As meets and covers, where the boxes allow it.
 bool edges_meet(const Footprint& f, const Rect& rect);

@@ -58,6 +58,14 @@ LightBuild::LightBuild(const scenes::WorldMesh& mesh, double surface, const scen
                    [&](size_t a, size_t b) { return roots_[a].met.size() > roots_[b].met.size(); });
 }
 
+uint64_t LightBuild::memory_bytes() const {
+  uint64_t bytes = met_by_all_ * sizeof(const Footprint*);
+  for (const std::vector<Chunk>& chunks : footprints_)
+    for (const Chunk& chunk : chunks)
+      bytes += chunk.points.size() * sizeof(Footprint) + chunk.areas.size() * sizeof(AreaFootprint);
+  return bytes;
+}
+
 Piece LightBuild::piece(const Root& root, const Detail& detail) const {
   return build_piece(faces_.faces[root.face], detail, surface_, root.i, root.j, root.met);
 }
@@ -156,42 +164,56 @@ bool LightBuild::reaches(const std::array<glm::dvec3, 3>& corners) const {
 
 void LightBuild::add_footprints() {
   const size_t count = mesh_.triangles.size(), chunks = (count + kChunk - 1) / kChunk;
+  const bool directional = light_.kind == 2;
   footprints_.assign(faces_.faces.size(), std::vector<Chunk>(chunks));
   parallel_for(chunks, threads_, [&](size_t c) {
     if (stopped()) return;
+    thread_local std::vector<Chunk> made;  // what lasts takes no more memory than it needs
+    made.resize(faces_.faces.size());
     for (size_t t = c * kChunk; t < std::min(count, (c + 1) * kChunk); ++t) {
       std::array<glm::dvec3, 3> corners;
       for (int k = 0; k < 3; ++k) {
         corners[static_cast<size_t>(k)] = glm::dvec3(mesh_.positions[mesh_.triangles[t][k]]) - faces_.reference;
       }
       if (!reaches(corners)) continue;
+      const uint32_t met = directional ? 1 : faces_met(faces_.diameter, light_.radius, corners);
       for (size_t f = 0; f < faces_.faces.size(); ++f)
-        if (faces_.used[f]) add_footprint(faces_.faces[f], corners, t, footprints_[f][c]);
+        if (faces_.used[f] && (met >> f & 1) != 0) add_footprint(faces_.faces[f], corners, t, made[f]);
+    }
+    for (size_t f = 0; f < faces_.faces.size(); ++f) {
+      footprints_[f][c] = made[f];
+      made[f].points.clear();
+      made[f].areas.clear();
     }
   });
 }
 
 void LightBuild::add_footprint(const Face& face, const std::array<glm::dvec3, 3>& corners, size_t triangle,
                                Chunk& chunk) const {
-  std::optional<Footprint> f = light_.radius > 0.0f ? area_footprint(face, faces_.diameter, light_.radius, corners)
-                                                    : footprint(face, faces_.diameter, corners);
-  if (!f || !meets(*f, face.square(0, 0, 0))) return;
-  f->triangle = static_cast<uint32_t>(triangle);
-  f->can_cover = f->can_cover && triangle < mesh_.opaque_count;
-  chunk.push_back(*f);
+  const auto add = [&](auto made, auto& footprints) {
+    if (!made || !meets(*made, face.square(0, 0, 0))) return;
+    made->triangle = static_cast<uint32_t>(triangle);
+    made->can_cover = made->can_cover && triangle < mesh_.opaque_count;
+    footprints.push_back(*made);
+  };
+  if (light_.radius > 0.0f)
+    add(area_footprint(face, faces_.diameter, light_.radius, corners), chunk.areas);
+  else
+    add(footprint(face, faces_.diameter, corners), chunk.points);
 }
 
 void LightBuild::fill_roots(size_t f) {
   const Face& face = faces_.faces[f];
   const size_t first = f * kRootCount;
+  const auto list = [&](const Footprint& footprint) {
+    const auto [i0, i1] = root_span(footprint.box.u0, footprint.box.u1, face.low_u, face.size);
+    const auto [j0, j1] = root_span(footprint.box.v0, footprint.box.v1, face.low_v, face.size);
+    for (uint32_t j = j0; j <= j1; ++j)
+      for (uint32_t i = i0; i <= i1; ++i) roots_[first + (j << kRootLevel) + i].met.push_back(&footprint);
+  };
   for (const Chunk& chunk : footprints_[f]) {
-    for (const Footprint& footprint : chunk) {
-      const auto [i0, i1] = root_span(footprint.box.u0, footprint.box.u1, face.low_u, face.size);
-      const auto [j0, j1] = root_span(footprint.box.v0, footprint.box.v1, face.low_v, face.size);
-      for (uint32_t j = j0; j <= j1; ++j) {
-        for (uint32_t i = i0; i <= i1; ++i) roots_[first + (j << kRootLevel) + i].met.push_back(&footprint);
-      }
-    }
+    std::ranges::for_each(chunk.points, list);
+    std::ranges::for_each(chunk.areas, list);
   }
 }
 

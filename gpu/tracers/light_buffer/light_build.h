@@ -26,6 +26,7 @@ class LightBuild {
 
   size_t face_count() const { return faces_.faces.size(); }
   const LightView& view() const { return faces_.view; }
+  uint64_t memory_bytes() const;
   bool stopped() const { return stop_.stop_requested(); }
 
   // In the order of the faces. `progress`, if any, is called on the calling thread with the share of the footprints that
@@ -42,8 +43,11 @@ class LightBuild {
                                          std::span<const PiecesSize> limits) const;
 
  private:
-  using Chunk =
-      std::vector<Footprint>;  // of neighbouring triangles, so that threads make and memory holds it apart
+  // Footprints of neighbouring triangles, all of one kind, so that threads make and memory holds them apart.
+  struct Chunk {
+    std::vector<Footprint> points;
+    std::vector<AreaFootprint> areas;
+  };
 
   // One root square and the footprints that may meet it.
   struct Root {

@@ -95,12 +95,6 @@ Corners stretched(const Corners& p, double factor) {
   return {center + factor * (p[0] - center), center + factor * (p[1] - center), center + factor * (p[2] - center)};
 }
 
-bool beside(const Corners& p, double margin) {
-  const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
-  const glm::dvec3 lo = low - (high - low) - margin, hi = high + (high - low) + margin;
-  return least_depth(lo, hi) > hi.z || hi.z < 0.0;
-}
-
 void set_planes(Footprint& f, const Face& face, const Measure& m, const Corners& p, double volume, double s,
                 double height_seen, double unit) {
   const double height = glm::length(m.normal) / m.longest;

@@ -44,10 +44,6 @@ Corners stretched(const Corners& p, double factor);
 // The box of a triangle that is stretched by `factor` and moved by at most `by`; nullopt if the face shows nothing of it.
 std::optional<Rect> stretched_box(const Face& face, const Corners& p, double factor, double by);
 
-// Whether a perspective face certainly shows nothing of the triangle, by its box alone: the box that an irregular
-// triangle can be hit in, and that of a regular one, stretched to no more than three times its size.
-bool beside(const Corners& p, double margin);
-
 // The planes of a regular triangle. `volume`, `s`, `height_seen`, `unit`: see footprint().
 void set_planes(Footprint& f, const Face& face, const Measure& m, const Corners& p, double volume, double s,
                 double height_seen, double unit);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "gpu/tracers/light_buffer/bounds.h"
@@ -30,13 +31,14 @@ class Squares {
   // A square with a long list is mostly divided, and then needs no near plane, which looks at every footprint.
   static bool is_long(const Met& met) { return met.size() > 256; }
 
-  // Sets the leaf's near plane, and leaves the nearness of each footprint in `nearness()`.
-  Linear set_near_plane(Leaf& leaf, const Rect& rect, const Met& met);
+  // Sets the leaf's near plane, and sorts the footprints: those nearest to the light first. Leaves the nearness of each in
+  // `nearness()`.
+  Linear set_near_plane(Leaf& leaf, const Rect& rect, Met& met);
   std::span<const double> nearness() const { return nearness_; }
 
   // What a query costs that asks this square, times the share of the scene's surface that asks it. Steps of a list are
   // the unit. `near`: what set_near_plane returned for these footprints; without meaning if the list is long.
-  double cost(const Rect& rect, const Met& met, const Linear& near);
+  double cost(const Rect& rect, const Met& met, const Linear& near) const;
 
   // As cost, of a list so long that more takes longer than it is worth.
   double rough_cost(const Rect& rect, const Met& met) const;
@@ -52,18 +54,14 @@ class Squares {
   std::array<Met, 4>* parts(uint32_t level, uint32_t i, uint32_t j, const Met& met);
 
  private:
-  // A footprint as cost() sees it.
-  struct Asking {
-    double nearness, price, weight;
-  };
-
-  double close_cost(const Rect& rect, const Met& met, const Linear& near);
+  double close_cost(const Rect& rect, const Met& met, const Linear& near) const;
+  void sort_by_nearness(const Rect& rect, Met& met);
   double elsewhere(const Rect& rect, double price) const;
 
   const Face& face_;
   const double surface_;
-  std::vector<Asking> asking_;
   std::vector<double> nearness_;
+  std::vector<std::pair<double, const Footprint*>> by_nearness_;
   std::array<std::array<Met, 4>, kFinestLevel> parts_;  // level by level
 };
 

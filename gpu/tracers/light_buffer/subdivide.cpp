@@ -56,15 +56,14 @@ class Builder {
     return static_cast<uint32_t>(out_.leaves.size()) - 1;
   }
 
-  // Writes the leaf to all cells that it contains, or into the open cell's patch if it is finer than a cell.
+  // Writes the leaf to all cells that it contains, or notes it as one of the open cell's if it is no larger.
   void place(uint32_t level, uint32_t i, uint32_t j, uint32_t leaf) {
     if (level < kTopLevel) {
       const uint32_t word = add_block(0, &leaf);
       const uint32_t side = 1u << (kTopLevel - level);
       fill(out_.cells.data(), kRootCells, (i * side) % kRootCells, (j * side) % kRootCells, side, word);
     } else {
-      const uint32_t side = 1u << (kFinestLevel - level);
-      fill(patch_.data(), kPatchSide, (i * side) % kPatchSide, (j * side) % kPatchSide, side, leaf);
+      open_.push_back({level, i, j, leaf});
     }
   }
 
@@ -72,16 +71,16 @@ class Builder {
     for (uint32_t y = j; y < j + side; ++y) std::fill_n(grid + y * grid_side + i, side, value);
   }
 
-  // Writes the patch as the cell's block, at the coarsest level that holds its leaves.
+  // Writes the cell's block, at the coarsest level that holds its leaves.
   void close_cell(uint32_t i, uint32_t j) {
-    const uint32_t bits = deepest_ - kTopLevel;
-    const uint32_t step = kPatchSide >> bits;
-    std::array<uint32_t, kPatchSide * kPatchSide> block;
-    size_t n = 0;
-    for (uint32_t y = 0; y < kPatchSide; y += step) {
-      for (uint32_t x = 0; x < kPatchSide; x += step) block[n++] = patch_[y * kPatchSide + x];
+    const uint32_t bits = deepest_ - kTopLevel, block_side = 1u << bits;
+    block_.resize(size_t{block_side} * block_side);
+    for (const PlacedLeaf& p : open_) {
+      const uint32_t side = 1u << (deepest_ - p.level);
+      fill(block_.data(), block_side, (p.i * side) % block_side, (p.j * side) % block_side, side, p.leaf);
     }
-    out_.cells[(j % kRootCells) * kRootCells + i % kRootCells] = add_block(bits, block.data());
+    open_.clear();
+    out_.cells[(j % kRootCells) * kRootCells + i % kRootCells] = add_block(bits, block_.data());
   }
 
   uint32_t add_block(uint32_t bits, const uint32_t* leaves) {
@@ -90,13 +89,16 @@ class Builder {
     return start << kDepthBits | bits;
   }
 
-  static constexpr uint32_t kPatchSide = 1u << kBlockBits;
+  struct PlacedLeaf {
+    uint32_t level, i, j, leaf;
+  };
 
   Squares squares_;
   const Detail& detail_;
   Piece& out_;
-  uint32_t deepest_ = kTopLevel;                           // finest level of the open cell's leaves
-  std::array<uint32_t, kPatchSide * kPatchSide> patch_{};  // its leaves, at the finest level
+  uint32_t deepest_ = kTopLevel;  // finest level of the open cell's leaves
+  std::vector<PlacedLeaf> open_;  // these leaves
+  std::vector<uint32_t> block_;
 };
 
 }  // namespace

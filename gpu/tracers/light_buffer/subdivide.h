@@ -16,7 +16,7 @@ inline constexpr uint32_t kRootCells = 1u << (kTopLevel - kRootLevel);  // along
 
 // A leaf is divided while what its queries are expected to cost exceeds what dividing it costs in memory.
 struct Detail {
-  double cost_per_byte = 4e-9;  // mean cost of a query over the scene's surface, see subdivide.cpp
+  double cost_per_byte = 4e-8;  // mean cost of a query over the scene's surface, see subdivide.cpp
   uint32_t finest_level = kFinestLevel;
 };
 

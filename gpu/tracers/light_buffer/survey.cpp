@@ -53,7 +53,7 @@ class PieceSurvey {
 
  private:
   // The first step, from `first` on, at which the square is divided, if it can be.
-  size_t first_divided(uint32_t level, const Rect& rect, Leaf& leaf, const Met& met, size_t first) {
+  size_t first_divided(uint32_t level, const Rect& rect, Leaf& leaf, Met& met, size_t first) {
     if (met.size() <= 1 || level >= finest_level_) return sizes_.size();
     const Linear near = Squares::is_long(met) ? Linear(0.0) : squares_.set_near_plane(leaf, rect, met);
     const double cost = squares_.cost(rect, met, near);
