@@ -6,6 +6,7 @@
 #include "gpu/passes/passes.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_moving_comp.h"
+#include "spirv/trace_moving_pairs_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -78,7 +79,8 @@ Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device) {
     return Error{"tracing what moves needs subgroups of " + std::to_string(kFewestLanes) +
                  " lanes; the device has them of " + std::to_string(sharing.lanes)};
   const std::array constants{sharing.lanes * sharing.subgroups, sharing.lanes, sharing.per_tile};
-  auto step = make_compute_step(device, 1, trace_moving_comp, 0, sharing.lanes, constants);
+  auto step = make_compute_step(device, 1, device->features().choose(trace_moving_pairs_comp, trace_moving_comp), 0,
+                                sharing.lanes, constants);
   if (step) step->tiles_at_once = sharing.subgroups / sharing.per_tile;
   return pass_of<TraceMovingPass>(std::move(step));
 }

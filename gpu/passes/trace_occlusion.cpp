@@ -7,6 +7,7 @@
 #include "gpu/passes/passes.h"
 #include "scenes/light_samples.h"
 #include "spirv/trace_occlusion_comp.h"
+#include "spirv/trace_occlusion_pairs_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -66,7 +67,9 @@ void write_occlusion(std::span<std::byte> into, const scenes::Scene& scene) {
 }
 
 Result<std::unique_ptr<Pass>> make_trace_occlusion_pass(const DevicePtr& device, bool motion) {
-  return pass_of<TraceOcclusionPass>(make_compute_step(device, 1, trace_occlusion_comp), motion);
+  return pass_of<TraceOcclusionPass>(
+      make_compute_step(device, 1, device->features().choose(trace_occlusion_pairs_comp, trace_occlusion_comp)),
+      motion);
 }
 
 }  // namespace gnomon::gpu

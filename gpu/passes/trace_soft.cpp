@@ -8,6 +8,7 @@
 #include "gpu/passes/passes.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_soft_bvh_comp.h"
+#include "spirv/trace_soft_bvh_pairs_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -139,10 +140,11 @@ Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, cons
     step->tiles_at_once = shader->tiles;
     built = std::move(*step);
   }
-  constexpr uint32_t kMostOfVectorUnits = 16;  // lanes, by which the shaders tell them from GPUs too
-  const std::array<uint32_t, 1> looks_at_points{device->features().subgroups.usual <= kMostOfVectorUnits};
-  return pass_of<TraceSoftPass>(make_compute_step(device, 1, trace_soft_bvh_comp, 0, 0, looks_at_points),
-                                std::move(built), motion);
+  const std::array<uint32_t, 1> looks_at_points{device->features().has_vector_units()};
+  return pass_of<TraceSoftPass>(
+      make_compute_step(device, 1, device->features().choose(trace_soft_bvh_pairs_comp, trace_soft_bvh_comp), 0, 0,
+                        looks_at_points),
+      std::move(built), motion);
 }
 
 }  // namespace gnomon::gpu

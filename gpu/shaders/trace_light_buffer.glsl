@@ -24,7 +24,7 @@ layout(push_constant, scalar) uniform Push {
   uvec2 grid;
   uvec2 leaves;
   uvec2 entries;
-  uvec2 corners;  // of every triangle, three positions
+  uvec2 corners;  // of every triangle
   uvec2 views;
   uint first_masked;
   uint reserved;
@@ -112,8 +112,9 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) asked.leaf[r] = leaf_at(asked.leaf[r], place[r]);
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     vec3 rel = pixels.origin[r] - asked.view.reference;
-    bool before = dot(Leaves(push.leaves).at[asked.leaf[r]].near_plane, rel) < 1.0;
-    bool behind = dot(Leaves(push.leaves).at[asked.leaf[r]].cover_plane, rel) > 1.0;
+    Leaf leaf = whole_leaf(asked.leaf[r]);
+    bool before = dot(leaf.near_plane, rel) < 1.0;
+    bool behind = dot(leaf.cover_plane, rel) > 1.0;
     asked.lit |= before ? 1u << r : 0u;
     asked.undecided |= !before && !behind ? 1u << r : 0u;
   }
@@ -149,11 +150,11 @@ void store_words(uint light, uint lit, uint care) {
 }
 
 bool meets(uint triangle, vec3 origin, vec3 direction) {
-  return segment_meets_triangle(origin, direction, Vec3s(push.corners).at[3u * triangle],
-                                Vec3s(push.corners).at[3u * triangle + 1u], Vec3s(push.corners).at[3u * triangle + 2u]);
+  TriangleCorners corners = corners_of(triangle);
+  return segment_meets_triangle(origin, direction, corners.p0, corners.p1, corners.p2);
 }
 
 bool passes_alpha(uint triangle, vec3 origin, vec3 direction) {
-  return blocks_by_alpha(triangle, origin, direction, Vec3s(push.corners).at[3u * triangle],
-                         Vec3s(push.corners).at[3u * triangle + 1u], Vec3s(push.corners).at[3u * triangle + 2u]);
+  TriangleCorners corners = corners_of(triangle);
+  return blocks_by_alpha(triangle, origin, direction, corners.p0, corners.p1, corners.p2);
 }

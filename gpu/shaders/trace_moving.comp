@@ -162,7 +162,7 @@ bool meets_parts(uint parts, Way way) {
     Part part = push.parts.at[findLSB(parts)];
     uint n = part.first;
     while (n < part.end) {
-      BvhNode node = BvhNodes(push.moving.nodes).at[n];
+      BvhNode node = node_at(push.moving.nodes, n);
       bool enter = enters(way, node);
       met = enter && node.leaf != 0u && leaf_blocks(push.moving, node.leaf, way.origin, way.direction);
       n = met ? part.end : enter ? n + 1u : node.skip;

@@ -134,9 +134,9 @@ void walk_lists(SoftLight light, Asked asked, Pixels pixels, inout Open open) {
     }
     uint candidate = next_candidate(walk);
     if (candidate != kNone) {
-      Vec3s corners = Vec3s(push.corners);
-      Occluder occluder = Occluder(candidate, candidate >= push.first_masked, corners.at[3u * candidate],
-                                   corners.at[3u * candidate + 1u], corners.at[3u * candidate + 2u]);
+      TriangleCorners corners = corners_of(candidate);
+      Occluder occluder =
+          Occluder(candidate, candidate >= push.first_masked, corners.p0, corners.p1, corners.p2);
       walk.open = left_open(walk.bundle, walk.points, walk.open, occluder);
       walk.next = walk.open == 0u ? walk.end : walk.next;
     }

@@ -2,6 +2,7 @@
 #include "common/clock.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_bvh_comp.h"
+#include "spirv/trace_bvh_pairs_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -33,7 +34,7 @@ class BvhTracer : public Tracer {
   BvhTracer(DevicePtr device, StructureBuildsPtr builds) : device_(std::move(device)), builds_(std::move(builds)) {}
 
   std::string_view name() const override { return "bvh"; }
-  TraceShader shader() const override { return {trace_bvh_comp}; }
+  TraceShader shader() const override { return {device_->features().choose(trace_bvh_pairs_comp, trace_bvh_comp)}; }
   bool is_hierarchy() const override { return true; }
   Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const override {
     return build(input);

@@ -34,7 +34,7 @@ class LightBufferScene : public TracedScene {
                                                      const light_buffer::LightBuffer& buffer,
                                                      const scenes::WorldMesh& mesh) {
     auto scene = std::make_unique<LightBufferScene>();
-    const std::vector<glm::vec3> corners = corners_of(mesh);
+    const std::vector<TriangleCorners> corners = corners_of(mesh);
     const std::array<std::pair<std::span<const std::byte>, VkDeviceAddress*>, 5> parts = {{
         {std::as_bytes(std::span(buffer.grid)), &scene->push_.grid},
         {std::as_bytes(std::span(buffer.leaves)), &scene->push_.leaves},
@@ -60,13 +60,18 @@ class LightBufferScene : public TracedScene {
   std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
 
  private:
+  // As shaders/tracers/light_buffer.glsl has them: an even number of words.
+  struct TriangleCorners {
+    glm::vec3 p0, p1, p2;
+    uint32_t reserved = 0;
+  };
+
   // The corners of every triangle, side by side, so that a walk reads one place in memory instead of four.
-  static std::vector<glm::vec3> corners_of(const scenes::WorldMesh& mesh) {
-    std::vector<glm::vec3> corners;
-    corners.reserve(3 * mesh.triangles.size());
-    for (const glm::uvec3& t : mesh.triangles) {
-      for (int k = 0; k < 3; ++k) corners.push_back(mesh.positions[t[k]]);
-    }
+  static std::vector<TriangleCorners> corners_of(const scenes::WorldMesh& mesh) {
+    std::vector<TriangleCorners> corners;
+    corners.reserve(mesh.triangles.size());
+    for (const glm::uvec3& t : mesh.triangles)
+      corners.push_back({mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]});
     return corners;
   }
 
@@ -207,7 +212,7 @@ class LightBufferTracer : public Tracer {
 
 Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device, const TracerOptions& options) {
   std::optional<TraceShader> shader = options.light_buffer_shader;
-  if (!shader) shader = light_buffer_shader(device->features().subgroups);
+  if (!shader) shader = light_buffer_shader(device->features());
   if (!shader) {
     return Error{"tracer 'light_buffer' needs subgroups of 4 to 128 lanes with ballots and votes; the device has " +
                  std::to_string(device->features().subgroups.usual) + " lanes"};
@@ -216,8 +221,9 @@ Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device
     const auto trimmed = light_buffer::trim(options.cache_folder, cache_limit(options));
     if (trimmed.files > 0) log::info("cache trimmed", {{"files", trimmed.files}, {"bytes", trimmed.bytes}});
   }
-  const auto soft =
-      options.light_buffer_soft_shader ? options.light_buffer_soft_shader : light_buffer_soft_shader(shader->lanes);
+  const auto soft = options.light_buffer_soft_shader
+                        ? options.light_buffer_soft_shader
+                        : light_buffer_soft_shader(shader->lanes, device->features().loads_pairs());
   return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, *shader, soft, options));
 }
 

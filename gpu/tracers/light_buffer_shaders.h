@@ -8,15 +8,16 @@
 
 namespace gnomon::gpu {
 
-// nullopt: there is none for subgroups of that many lanes.
-std::optional<TraceShader> light_buffer_shader(uint32_t lanes);
+// nullopt: there is none for subgroups of that many lanes. `by_pairs`: the one that loads words by pairs, which makes a
+// difference on narrow subgroups alone.
+std::optional<TraceShader> light_buffer_shader(uint32_t lanes, bool by_pairs = false);
 
 // The one for a device's subgroups. Of several sizes it takes 16 lanes or the next wider: a subgroup ends with its
 // longest list, so that the narrower waits less, while below 16 lanes each would hold more than four pixels in its
 // registers. nullopt: there is none for these subgroups.
-std::optional<TraceShader> light_buffer_shader(const SubgroupFeatures& subgroups);
+std::optional<TraceShader> light_buffer_shader(const DeviceFeatures& features);
 
 // As light_buffer_shader, for area lights.
-std::optional<TraceShader> light_buffer_soft_shader(uint32_t lanes);
+std::optional<TraceShader> light_buffer_soft_shader(uint32_t lanes, bool by_pairs = false);
 
 }  // namespace gnomon::gpu

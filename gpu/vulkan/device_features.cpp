@@ -34,14 +34,15 @@ bool offers_ray_query(VkPhysicalDevice device) {
   return ray_query.rayQuery && acceleration.accelerationStructure;
 }
 
-bool offers_atomic_int64(VkPhysicalDevice device) {
+void query_int64(VkPhysicalDevice device, DeviceFeatures& offered) {
   VkPhysicalDeviceVulkan12Features v12{};
   v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   VkPhysicalDeviceFeatures2 features{};
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &v12;
   vkGetPhysicalDeviceFeatures2(device, &features);
-  return features.features.shaderInt64 && v12.shaderBufferInt64Atomics;
+  offered.int64 = features.features.shaderInt64;
+  offered.atomic_int64 = offered.int64 && v12.shaderBufferInt64Atomics;
 }
 
 bool offers_subgroup_size_control(VkPhysicalDevice device) {
@@ -137,7 +138,7 @@ DeviceFeatures query_features(VkPhysicalDevice device) {
   vkGetPhysicalDeviceProperties(device, &properties);
   DeviceFeatures offered;
   offered.ray_query = offers_ray_query(device);
-  offered.atomic_int64 = offers_atomic_int64(device);
+  query_int64(device, offered);
   const VkPhysicalDeviceType type = properties.deviceType;
   offered.unified_memory = type == VK_PHYSICAL_DEVICE_TYPE_CPU || type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
   offered.subgroups = subgroups_of(device);
@@ -152,7 +153,7 @@ FeatureChain::FeatureChain(const DeviceFeatures& offered) {
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &v12;
   features.features.multiDrawIndirect = VK_TRUE;
-  features.features.shaderInt64 = offered.atomic_int64;
+  features.features.shaderInt64 = offered.int64;
   v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   v12.pNext = &v13;
   v12.bufferDeviceAddress = VK_TRUE;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "gpu/vulkan/vulkan.h"
@@ -18,11 +19,21 @@ struct SubgroupFeatures {
 
 struct DeviceFeatures {
   bool ray_query = false;
-  bool atomic_int64 = false;    // 64-bit atomic operations on buffers
+  bool int64 = false;           // 64-bit integers in shaders
+  bool atomic_int64 = false;    // and atomic operations on those in buffers
   bool unified_memory = false;  // device memory is host memory, so that nothing needs staging
   SubgroupFeatures subgroups;
   uint32_t max_image_side = 0;  // pixels
   double timestamp_period_ns = 0;
+
+  // Whether shaders run on vector units of a processor, whose lanes load one after the other: by how few there are.
+  bool has_vector_units() const { return subgroups.usual <= 16; }
+  // Whether shaders with BY_PAIRS (shaders/pairs.glsl) are the faster ones.
+  bool loads_pairs() const { return int64 && has_vector_units(); }
+  // Of a shader's words that were compiled with it and without the faster ones.
+  std::span<const uint32_t> choose(std::span<const uint32_t> by_pairs, std::span<const uint32_t> other) const {
+    return loads_pairs() ? by_pairs : other;
+  }
 };
 
 // A readable list of the required features that the device lacks; empty if it is usable.

@@ -1,6 +1,7 @@
 // Walks a bounding volume hierarchy without a stack: nodes are in depth-first order, and a miss follows `skip`
 // (gpu/builds/bvh.h). The result is bit-identical to testing every triangle, because a box is met whenever one
 // of its triangles is. The includer defines struct Hierarchy; first_triangle is added to the numbers of its triangles.
+#include "pairs.glsl"
 #include "tracers/alpha.glsl"
 
 struct BvhNode {
@@ -17,8 +18,39 @@ struct BvhTriangle {
   vec3 p2;
   uint reserved;
 };
+#ifdef BY_PAIRS
+
+struct NodePairs {
+  uint64_t a, b, c, d;
+};
+struct TrianglePairs {
+  uint64_t a, b, c, d, e, f;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhNodes { NodePairs at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhTriangles { TrianglePairs at[]; };
+
+BvhNode node_at(uvec2 nodes, uint n) {
+  NodePairs node = BvhNodes(nodes).at[n];
+  vec2 a = floats_of(node.a), b = floats_of(node.b), c = floats_of(node.c), d = floats_of(node.d);
+  return BvhNode(vec3(a, b.x), floatBitsToUint(b.y), vec3(c, d.x), floatBitsToUint(d.y));
+}
+
+BvhTriangle bvh_triangle_at(uvec2 triangles, uint n) {
+  TrianglePairs t = BvhTriangles(triangles).at[n];
+  vec2 a = floats_of(t.a), b = floats_of(t.b), c = floats_of(t.c), d = floats_of(t.d), e = floats_of(t.e);
+  return BvhTriangle(vec3(a, b.x), floatBitsToUint(b.y), vec3(c, d.x), floatBitsToUint(d.y),
+                     vec3(e, floats_of(t.f).x), 0u);
+}
+
+#else
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhNodes { BvhNode at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhTriangles { BvhTriangle at[]; };
+
+BvhNode node_at(uvec2 nodes, uint n) { return BvhNodes(nodes).at[n]; }
+BvhTriangle bvh_triangle_at(uvec2 triangles, uint n) { return BvhTriangles(triangles).at[n]; }
+
+#endif
 
 bool triangle_blocks(BvhTriangle t, uint first_triangle, vec3 origin, vec3 direction) {
   if (!segment_meets_triangle(origin, direction, t.p0, t.p1, t.p2)) return false;
@@ -28,7 +60,7 @@ bool triangle_blocks(BvhTriangle t, uint first_triangle, vec3 origin, vec3 direc
 bool leaf_blocks(Hierarchy h, uint leaf, vec3 origin, vec3 direction) {
   uint first = leaf >> 4, count = leaf & 15u;
   for (uint i = 0u; i < count; ++i)
-    if (triangle_blocks(BvhTriangles(h.triangles).at[first + i], h.first_triangle, origin, direction)) return true;
+    if (triangle_blocks(bvh_triangle_at(h.triangles, first + i), h.first_triangle, origin, direction)) return true;
   return false;
 }
 
@@ -62,7 +94,7 @@ bool meets_part(Hierarchy h, uint first, uint end, vec3 origin, vec3 direction) 
   Way way = way_of(origin, direction);
   uint n = first;
   while (n < end) {
-    BvhNode node = BvhNodes(h.nodes).at[n];
+    BvhNode node = node_at(h.nodes, n);
     bool met = enters(way, node);
     if (met && node.leaf != 0u && leaf_blocks(h, node.leaf, origin, direction)) return true;
     n = met ? n + 1u : node.skip;

@@ -38,14 +38,14 @@ uint open_behind_in_one_walk(Hierarchy h, Bundle bundle, uint open) {
   if (kLooksAtPoints) points = points_as_seen(bundle.origin, bundle.to_middle, bundle.radius, bundle.first);
   uint n = 0u;
   while (n < h.node_count && open != 0u) {
-    BvhNode node = BvhNodes(h.nodes).at[n];
+    BvhNode node = node_at(h.nodes, n);
     vec3 lo = node.lo - bundle.origin, hi = node.hi - bundle.origin;
     vec3 reach = max(abs(lo), abs(hi));
     float margin = max(reach.x, max(reach.y, reach.z)) * (1.0 / 4095.0);  // as meets() has it
     bool met = shaft_meets(shaft, lo - margin, hi + margin);
     uint first = node.leaf >> 4, count = met ? node.leaf & 15u : 0u;
     for (uint i = 0u; i < count && open != 0u; ++i) {
-      BvhTriangle t = BvhTriangles(h.triangles).at[first + i];
+      BvhTriangle t = bvh_triangle_at(h.triangles, first + i);
       open = left_open(bundle, points, open, Occluder(h.first_triangle + t.triangle, t.masked != 0u, t.p0, t.p1, t.p2));
     }
     n = met ? n + 1u : node.skip;

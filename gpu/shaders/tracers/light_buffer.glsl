@@ -1,5 +1,6 @@
 // Light buffers as the shader reads them. gpu/tracers/light_buffer/light_buffer.h defines them and explains why the
 // answers are exact; query.cpp is the same query in C++.
+#include "pairs.glsl"
 #include "tracers/alpha.glsl"
 
 const uint kTopLevel = 8u;
@@ -33,6 +34,44 @@ struct ListEntry {
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightViews { LightView at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
+
+// The corners of a triangle, as a walk reads them: in one place.
+struct TriangleCorners {
+  vec3 p0, p1, p2;
+  uint reserved;
+};
+
+#ifdef BY_PAIRS
+
+struct LeafPairs {
+  uint64_t a, b, c, d;
+};
+struct CornerPairs {
+  uint64_t a, b, c, d, e;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LeavesByPairs { LeafPairs at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { CornerPairs at[]; };
+
+Leaf whole_leaf(uint n) {
+  LeafPairs leaf = LeavesByPairs(push.leaves).at[n];
+  vec2 a = floats_of(leaf.a), b = floats_of(leaf.b), c = floats_of(leaf.c), d = floats_of(leaf.d);
+  return Leaf(vec3(a, b.x), floatBitsToUint(b.y), vec3(c, d.x), floatBitsToUint(d.y));
+}
+
+TriangleCorners corners_of(uint triangle) {
+  CornerPairs corners = Corners(push.corners).at[triangle];
+  vec2 a = floats_of(corners.a), b = floats_of(corners.b), c = floats_of(corners.c), d = floats_of(corners.d);
+  return TriangleCorners(vec3(a, b.x), vec3(b.y, c), vec3(d, floats_of(corners.e).x), 0u);
+}
+
+#else
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { TriangleCorners at[]; };
+
+Leaf whole_leaf(uint n) { return Leaves(push.leaves).at[n]; }
+TriangleCorners corners_of(uint triangle) { return Corners(push.corners).at[triangle]; }
+
+#endif
 
 // Converts to int first, because not all vector units can convert to uint.
 uvec2 to_fixed(vec2 p) { return uvec2(ivec2(clamp(p, vec2(0.0), vec2(65535.0)))); }

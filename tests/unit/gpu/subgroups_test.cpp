@@ -85,6 +85,17 @@ TEST(Subgroups, LightBuffersAreTracedByThoseOfTheRun) {
   }
 }
 
+TEST(Subgroups, ARunWithoutLargeIntegersLoadsNoPairs) {
+  if (device_options().int64) GTEST_SKIP() << "the run is with what the device has";
+  for (const std::string& tracer : tracers()) {
+    SCOPED_TRACE(tracer);
+    auto probe = SurfaceProbe::create(device_options(tracer), triangle_soup(1, 100, 2));
+    ASSERT_TRUE(probe) << probe.error().message;
+    EXPECT_FALSE(probe->device().features().int64);
+    EXPECT_FALSE(probe->device().features().loads_pairs());
+  }
+}
+
 TEST(Subgroups, EachSizeHasItsShader) {
   for (const uint32_t lanes : {4u, 8u, 16u, 32u, 64u, 128u}) {
     SCOPED_TRACE(lanes);
@@ -97,9 +108,28 @@ TEST(Subgroups, EachSizeHasItsShader) {
   for (const uint32_t lanes : {0u, 1u, 2u, 256u}) EXPECT_FALSE(light_buffer_shader(lanes)) << lanes;
 }
 
+DeviceFeatures with(const SubgroupFeatures& subgroups) {
+  DeviceFeatures features;
+  features.subgroups = subgroups;
+  return features;
+}
+
+TEST(Subgroups, VectorUnitsWithLargeIntegersLoadPairs) {
+  for (const uint32_t lanes : {4u, 8u, 16u, 32u, 64u, 128u}) {
+    SCOPED_TRACE(lanes);
+    DeviceFeatures features = with({lanes, lanes, lanes, true, true});
+    const auto without = light_buffer_shader(features);
+    features.int64 = true;
+    const auto chosen = light_buffer_shader(features);
+    ASSERT_TRUE(without && chosen);
+    EXPECT_EQ(without->spirv.data() != chosen->spirv.data(), lanes <= 16);
+    EXPECT_EQ(invocations(chosen->spirv), lanes);
+  }
+}
+
 TEST(Subgroups, OfSeveralSizesTheNarrowestFrom16LanesIsRequested) {
   const auto chosen = [](uint32_t usual, uint32_t least, uint32_t most) {
-    const auto shader = light_buffer_shader(SubgroupFeatures{usual, least, most, true, true});
+    const auto shader = light_buffer_shader(with({usual, least, most, true, true}));
     return shader ? shader->lanes : 0;
   };
   EXPECT_EQ(chosen(32, 8, 32), 16u) << "as Intel's";
@@ -110,7 +140,7 @@ TEST(Subgroups, OfSeveralSizesTheNarrowestFrom16LanesIsRequested) {
   EXPECT_EQ(chosen(128, 128, 128), 128u) << "as Adreno's without requests";
   EXPECT_EQ(chosen(32, 32, 32), 32u) << "as NVIDIA's";
   EXPECT_EQ(chosen(4, 4, 4), 4u);
-  EXPECT_FALSE(light_buffer_shader(SubgroupFeatures{32, 32, 32, true, false})) << "no ballots";
+  EXPECT_FALSE(light_buffer_shader(with({32, 32, 32, true, false}))) << "no ballots";
 }
 
 struct Size {
