@@ -1,7 +1,7 @@
 #include "gpu/tracers/light_buffer/bounds.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -49,7 +49,8 @@ bool hidden(const Footprint& f, const Footprint& cover, const Rect& rect) {
 }
 
 double nearest_in(const Footprint& f, const Rect& rect) {
-  return f.bounded ? excess(f, rect, Linear(0.0)) : kInfinity;
+  const double nearness = f.bounded ? excess(f, rect, Linear(0.0)) : kInfinity;
+  return std::isnan(nearness) ? kInfinity : nearness;
 }
 
 bool fit_near_plane(std::span<const Footprint* const> met, std::span<const double> nearness, const Rect& rect,

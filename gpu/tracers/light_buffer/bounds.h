@@ -15,7 +15,7 @@ const Footprint* find_cover(std::span<const Footprint* const> met, const Rect& r
 // Whether everything that the rectangle shows of `f` is behind `cover`, so that `cover` darkens whatever `f` does.
 bool hidden(const Footprint& f, const Footprint& cover, const Rect& rect);
 
-// The nearness of the nearest part of `f` that the rectangle shows; infinite if `f` is unbounded.
+// The nearness of the nearest part of `f` that the rectangle shows; infinite if `f` is unbounded. Never NaN.
 double nearest_in(const Footprint& f, const Rect& rect);
 
 // Sets `plane` to a plane in front of all footprints, fitted tightly but not optimally. `nearness`: of each, by nearest_in;

@@ -13,8 +13,10 @@
 namespace gnomon::gpu::light_buffer {
 
 struct BuildSettings {
-  Detail detail;              // the finest detail
-  uint64_t budget_bytes = 0;  // for the complete scene; coarser detail is used to keep it. 0: default_budget
+  Detail detail;  // the finest detail
+  // For the complete scene; coarser detail is used to keep it. 0: default_budget. While it runs, a build takes as much again
+  // for what it builds from, and more where a single light needs that.
+  uint64_t budget_bytes = 0;
   // For the complete scene, as Piece::work counts it: some ten seconds of two cores. Coarser detail is used to keep it,
   // as far as work can be estimated beforehand.
   uint64_t most_work = 400'000'000;

@@ -100,7 +100,8 @@ uint32_t faces_met(double diameter, double radius, const std::array<glm::dvec3, 
 // light only what belongs to open meshes asks.
 void expect(Footprint& f, double area);
 
-// `corners` are relative to the light's reference. Returns nullopt if no segment on this face can hit the triangle.
+// `corners` are relative to the light's reference. Returns nullopt if no segment on this face can hit the triangle. Of a
+// triangle that faces_met rules out, the footprint may be everywhere.
 std::optional<Footprint> footprint(const Face& face, double diameter, const std::array<glm::dvec3, 3>& corners);
 
 // As footprint, for a light with an extent, of which no point is farther than `radius` from the reference: of the
