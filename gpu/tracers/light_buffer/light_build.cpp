@@ -59,10 +59,15 @@ LightBuild::LightBuild(const scenes::WorldMesh& mesh, double surface, const scen
 }
 
 uint64_t LightBuild::memory_bytes() const {
-  uint64_t bytes = met_by_all_ * sizeof(const Footprint*);
-  for (const std::vector<Chunk>& chunks : footprints_)
-    for (const Chunk& chunk : chunks)
-      bytes += chunk.points.size() * sizeof(Footprint) + chunk.areas.size() * sizeof(AreaFootprint);
+  uint64_t bytes = 0;
+  const auto add = [&](const auto& list) { bytes += std::as_bytes(std::span(list)).size(); };
+  for (const Root& root : roots_) add(root.met);
+  for (const std::vector<Chunk>& chunks : footprints_) {
+    for (const Chunk& chunk : chunks) {
+      add(chunk.points);
+      add(chunk.areas);
+    }
+  }
   return bytes;
 }
 
