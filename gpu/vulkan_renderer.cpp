@@ -226,12 +226,15 @@ std::vector<Error> check_options(const RendererOptions& options) {
 
 Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) {
   if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};
-  auto device = Device::create({options.device, options.validation, options.queues, false, options.int64});
+  DeviceOptions opened{options.device, options.validation, options.queues};
+  opened.int64 = options.int64;
+  auto device = Device::create(opened);
   if (!device) return device.error();
   const auto raster = choose_raster(*device, options.raster);
   if (!raster) return raster.error();
   if (!draws(with_raster(options.passes, *raster))) {
-    device = Device::create({options.device, options.validation, options.queues, true, options.int64}, *device);
+    opened.compute_only = true;
+    device = Device::create(opened, *device);
     if (!device) return device.error();
   }
   auto tracer = make_tracer(options.tracer, *device, options.tracer_options);

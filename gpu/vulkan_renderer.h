@@ -19,7 +19,7 @@ struct RendererOptions {
   TracerOptions tracer_options;
   std::vector<std::string> passes{"gbuffer", "trace", "pack", "readback"};
   uint32_t frames_in_flight = 3;
-  // That frames are spread over, so that they overlap; at most as the device has. 0: two if nothing is drawn by the
+  // That frames are spread over, so that they overlap; at most as the device has. 0: three if nothing is drawn by the
   // graphics pipeline and the device has queues for compute alone, else one.
   uint32_t queues = 0;
   bool wait_for_builds = true;  // a scene is resident after all builds; false: rebuild_lights does the long ones

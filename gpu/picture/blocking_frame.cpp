@@ -10,7 +10,9 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
                                                              const std::vector<std::string>& passes,
                                                              const scenes::ScenePtr& scene) {
   std::unique_ptr<BlockingFrame> self(new BlockingFrame);
-  auto device = Device::create({options.device, options.validation, 1, false, options.int64});
+  DeviceOptions opened{options.device, options.validation};
+  opened.int64 = options.int64;
+  auto device = Device::create(opened);
   if (!device) return device.error();
   self->device_ = *device;
   if (std::find(passes.begin(), passes.end(), "trace") != passes.end()) {
