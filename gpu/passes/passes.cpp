@@ -12,55 +12,60 @@ struct Recipe {
   std::vector<Make> steps;
 };
 
+// They refer to the device, and to nothing else of the caller's.
 std::vector<Recipe> recipes(const DevicePtr& device, const Tracer* tracer, PlanKind kind) {
-  const auto trace = [&]() -> Result<std::unique_ptr<Pass>> {
+  const auto trace = [&device, tracer, kind]() -> Result<std::unique_ptr<Pass>> {
     if (!tracer) return Error{"pass 'trace' needs a tracer"};
     return make_trace_pass(device, *tracer, kind.motion);
   };
   std::vector<Make> trace_steps{trace};
-  if (kind.motion) trace_steps.push_back([&] { return make_trace_moving_pass(device); });
+  if (kind.motion) trace_steps.push_back([&device] { return make_trace_moving_pass(device); });
   if (kind.soft) {
     trace_steps.push_back([] { return make_sample_points_pass(); });
-    trace_steps.push_back([&, kind] { return make_trace_soft_pass(device, *tracer, kind.motion); });
+    trace_steps.push_back([&device, tracer, kind] { return make_trace_soft_pass(device, *tracer, kind.motion); });
   }
-  if (kind.occlusion) trace_steps.push_back([&, kind] { return make_trace_occlusion_pass(device, kind.motion); });
+  if (kind.occlusion)
+    trace_steps.push_back([&device, kind] { return make_trace_occlusion_pass(device, kind.motion); });
   const auto read = [](std::string_view name, std::string_view source, std::string_view target) {
     return [=] { return make_readback_pass(name, source, target); };
   };
   using namespace resource;
   return {
       {"gbuffer",
-       {[&] { return make_cull_pass(device); }, [&] { return make_occluders_pass(device); },
-        [&] { return make_depth_tiles_pass(device); }, [&] { return make_cull_hidden_pass(device); },
-        [&] { return make_gbuffer_pass(device); }}},
+       {[&device] { return make_cull_pass(device); }, [&device] { return make_occluders_pass(device); },
+        [&device] { return make_depth_tiles_pass(device); }, [&device] { return make_cull_hidden_pass(device); },
+        [&device] { return make_gbuffer_pass(device); }}},
       {"gbuffer_compute",
-       {[&] { return make_clear_visibility_pass(device); }, [&] { return make_cull_runs_pass(device); },
-        [&] { return make_occluder_runs_pass(device); }, [&] { return make_large_occluders_pass(device); },
-        [&] { return make_occluder_blocks_pass(device); }, [&] { return make_visibility_tiles_pass(device); },
-        [&] { return make_cull_hidden_runs_pass(device); }, [&] { return make_triangle_runs_pass(device); },
-        [&] { return make_large_triangles_pass(device); }, [&] { return make_blocks_pass(device); },
-        [&] { return make_resolve_pass(device); }}},
-      {"gbuffer_all", {[&] { return make_gbuffer_all_pass(device); }}},
+       {[&device] { return make_clear_visibility_pass(device); }, [&device] { return make_cull_runs_pass(device); },
+        [&device] { return make_occluder_runs_pass(device); },
+        [&device] { return make_large_occluders_pass(device); },
+        [&device] { return make_occluder_blocks_pass(device); },
+        [&device] { return make_visibility_tiles_pass(device); },
+        [&device] { return make_cull_hidden_runs_pass(device); },
+        [&device] { return make_triangle_runs_pass(device); },
+        [&device] { return make_large_triangles_pass(device); }, [&device] { return make_blocks_pass(device); },
+        [&device] { return make_resolve_pass(device); }}},
+      {"gbuffer_all", {[&device] { return make_gbuffer_all_pass(device); }}},
       {"pose", {[] { return make_pose_pass(); }}},
       {"trace", trace_steps},
-      {"pack", {[&] { return make_pack_pass(device); }}},
-      {"readback", {[&] { return make_readback_packed_pass(device); }}},
+      {"pack", {[&device] { return make_pack_pass(device); }}},
+      {"readback", {[&device] { return make_readback_packed_pass(device); }}},
       {"readback_masks", {read("readback_masks", kMasks, kHostMasks)}},
       {"readback_valid_bits", {read("readback_valid_bits", kValidBits, kHostValidBits)}},
-      {"surface", {[&] { return make_surface_pass(device); }}},
+      {"surface", {[&device] { return make_surface_pass(device); }}},
       {"readback_surface", {read("readback_surface", kSurface, kHostSurface)}},
       {"upload_masks", {[] { return make_upload_masks_pass(false); }}},
       {"keep_masks", {[] { return make_upload_masks_pass(true); }}},
-      {"shade", {[&] { return make_shade_pass(device); }}},
+      {"shade", {[&device] { return make_shade_pass(device); }}},
       {"readback_color", {read("readback_color", kColor, kHostColor)}},
-      {"ids", {[&] { return make_ids_pass(device, false); }}},
-      {"keep_ids", {[&] { return make_ids_pass(device, true); }}},
+      {"ids", {[&device] { return make_ids_pass(device, false); }}},
+      {"keep_ids", {[&device] { return make_ids_pass(device, true); }}},
       {"readback_ids", {read("readback_ids", kIds, kHostIds)}},
-      {"predict", {[&] { return make_predict_pass(device); }}},
-      {"accumulate", {[&] { return make_accumulate_pass(device); }}},
+      {"predict", {[&device] { return make_predict_pass(device); }}},
+      {"accumulate", {[&device] { return make_accumulate_pass(device); }}},
       {"readback_sources", {read("readback_sources", kSources, kHostSources)}},
-      {"shade_predicted", {[&] { return make_shade_predicted_pass(device); }}},
-      {"average", {[&] { return make_average_pass(device); }}},
+      {"shade_predicted", {[&device] { return make_shade_predicted_pass(device); }}},
+      {"average", {[&device] { return make_average_pass(device); }}},
       {"readback_averaged", {read("readback_averaged", kAveraged, kHostAveraged)}},
       {"readback_draws",
        {read("readback_draws", kOccluderDraws, kHostOccluderDraws), read("readback_draws", kDraws, kHostDraws)}},
