@@ -227,7 +227,7 @@ std::vector<Error> check_options(const RendererOptions& options) {
 Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) {
   if (options.frames_in_flight < 1) return Error{"frames_in_flight: at least 1"};
   DeviceOptions opened{options.device, options.validation, options.queues};
-  opened.int64 = options.int64;
+  opened.texel_loads = options.texel_loads;
   auto device = Device::create(opened);
   if (!device) return device.error();
   const auto raster = choose_raster(*device, options.raster);

@@ -24,7 +24,7 @@ struct RendererOptions {
   uint32_t queues = 0;
   bool wait_for_builds = true;  // a scene is resident after all builds; false: rebuild_lights does the long ones
   ValidationOptions validation;
-  bool int64 = true;  // see DeviceOptions
+  bool texel_loads = true;  // see DeviceOptions
 };
 
 // What of the options is wrong as far as it can be told without opening a device: errors that begin with "device: ",

@@ -32,6 +32,7 @@ LastUse touch(Use use) {
       return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, false};
     case Use::storage_read:
+    case Use::texel_read:
       return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT, VK_IMAGE_LAYOUT_GENERAL,
               false};
     case Use::storage_write:
@@ -124,6 +125,7 @@ Result<void> FramePlan::wire() {
       const size_t resource = static_cast<size_t>(found - resources_.begin());
       found->image_usage |= image_usage(port.use);
       found->buffer_usage |= buffer_usage(port.use);
+      found->as_texels |= port.use == Use::texel_read;
       hands_on_ |= found->spec.given && writes(port.use);
       wiring_[pass].push_back(resource);
       add_barrier(pass, resource, port.use, last[resource]);
@@ -178,6 +180,11 @@ Result<FrameResources> FramePlan::allocate(const Capacity& capacity) const {
           Buffer::create(device_, resource.spec.bytes(capacity), resource.buffer_usage, resource.spec.memory);
       if (!buffer) return buffer.error();
       entry.buffer = std::move(*buffer);
+      if (resource.as_texels && device_->features().loads_texels()) {
+        auto texels = TexelSet::create(device_, {{{entry.buffer, VK_FORMAT_R32G32B32A32_UINT}}});
+        if (!texels) return texels.error();
+        entry.texels = std::move(*texels);
+      }
     }
     out.entries.push_back(std::move(entry));
   }
@@ -196,7 +203,7 @@ Result<void> FramePlan::bind(FrameResources& out) const {
     for (const size_t resource : wiring_[pass]) {
       const FrameResources::Entry& entry = out.entries[resource];
       const bool image = is_image(resources_[resource].spec);
-      bound.push_back({image ? &entry.image : nullptr, image ? nullptr : &entry.buffer});
+      bound.push_back({image ? &entry.image : nullptr, image ? nullptr : &entry.buffer, entry.texels.handle()});
     }
     out.ports.push_back(std::move(bound));
     const auto set = make_descriptor_set(pass, out);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gpu/passes/pass.h"
+#include "gpu/vulkan/texels.h"
 
 namespace gnomon::gpu {
 
@@ -21,6 +22,7 @@ struct FrameResources {
   struct Entry {
     Image image;
     Buffer buffer;
+    TexelSet texels;
     const Buffer* given = nullptr;
 
     const Buffer& any_buffer() const { return given ? *given : buffer; }
@@ -67,6 +69,7 @@ class FramePlan {
     ResourceSpec spec;
     VkImageUsageFlags image_usage = 0;
     VkBufferUsageFlags buffer_usage = 0;
+    bool as_texels = false;
   };
   struct Barrier {
     size_t resource;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "gpu/passes/pass.h"
 
@@ -29,6 +30,27 @@ inline Hierarchy moving_hierarchy(const FrameContext& frame, const Buffer& movin
   const uint64_t most_nodes = 2 * uint64_t{frame.scene.moving_size().triangles};
   return {moving_bvh.address(), moving_bvh.address() + most_nodes * sizeof(BvhNode),
           static_cast<uint32_t>(frame.posed.bvh.nodes.size()), frame.scene.moving_place(frame.slot).first_triangle};
+}
+
+// How many buffers each set of texels has that such a pass binds (shaders/texels.glsl): none where the device loads no
+// texels. `built`: of what a tracer built for lights, which the shader reads as well.
+inline std::vector<uint32_t> texel_sets(const Device& device, uint32_t built = 0) {
+  std::vector<uint32_t> sets;
+  if (!device.features().loads_texels()) return sets;
+  sets = {1, 1, 1};
+  if (built > 0) sets.push_back(built);
+  return sets;
+}
+
+// A frame's sets, likewise. `moving`: the port of moving_bvh; nullptr where nothing moves, and its hierarchy is empty.
+inline std::vector<VkDescriptorSet> texels_of(const FrameContext& frame, const BoundPort* moving,
+                                              const TracedScene* built = nullptr) {
+  std::vector<VkDescriptorSet> sets;
+  if (frame.scene.texels() == VK_NULL_HANDLE) return sets;
+  const VkDescriptorSet resting = frame.posed.static_bvh->texels();
+  sets = {frame.scene.texels(), resting, moving ? moving->texels : resting};
+  if (built) sets.push_back(built->texels());
+  return sets;
 }
 
 inline VkDeviceAddress moving_parts(const FrameContext& frame, const Buffer& moving_bvh) {

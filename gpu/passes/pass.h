@@ -31,6 +31,7 @@ enum class Use {
   depth_target,
   sampled,
   storage_read,
+  texel_read,  // of a buffer: by its address, and as texels
   storage_write,
   storage_update,  // read and written
   indirect,
@@ -103,6 +104,7 @@ struct Port {
 struct BoundPort {
   const Image* image = nullptr;
   const Buffer* buffer = nullptr;
+  VkDescriptorSet texels = VK_NULL_HANDLE;  // of a texel_read, where the device loads texels
 };
 
 // A frame may be traced in bands of tile rows, each a submit of its own. The bands in which a pass runs.

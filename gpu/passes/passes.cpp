@@ -92,8 +92,9 @@ Result<Passes> make_passes(std::string_view name, const DevicePtr& device, const
 
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader, uint32_t storage_images,
-                                      uint32_t subgroup_size, std::span<const uint32_t> constants) {
-  auto layout = make_pass_layout(device, sampled_images, storage_images);
+                                      uint32_t subgroup_size, std::span<const uint32_t> constants,
+                                      std::span<const uint32_t> texel_sets) {
+  auto layout = make_pass_layout(device, sampled_images, storage_images, texel_sets);
   if (!layout) return layout.error();
   auto pipeline = make_compute_pipeline(device, *layout, shader, subgroup_size, constants);
   if (!pipeline) return pipeline.error();
@@ -103,16 +104,21 @@ Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_
   return ComputeStep{std::move(*layout), std::move(*pipeline), cpu ? 8u : UINT32_MAX};
 }
 
-void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
+void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push,
+          std::span<const VkDescriptorSet> texels) {
   const VkPipelineLayout layout = step.layout.pipeline.get();
   vkCmdBindPipeline(frame.commands, VK_PIPELINE_BIND_POINT_COMPUTE, step.pipeline.get());
   vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &frame.descriptors, 0,
                           nullptr);
+  if (!texels.empty())
+    vkCmdBindDescriptorSets(frame.commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 1,
+                            static_cast<uint32_t>(texels.size()), texels.data(), 0, nullptr);
   push_constants(frame.commands, layout, push);
 }
 
-void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push) {
-  bind(frame, step, push);
+void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push,
+                    std::span<const VkDescriptorSet> texels) {
+  bind(frame, step, push, texels);
   const uint32_t columns = (frame.grid.tiles_x() + step.tiles_at_once - 1) / step.tiles_at_once;
   for (uint32_t row = 0; row < frame.rows.count;) {
     const uint32_t count = std::min(step.rows_at_once, frame.rows.count - row);

@@ -188,10 +188,11 @@ struct ComputeStep {
   uint32_t rows_at_once = 0;   // tile rows of one dispatch
   uint32_t tiles_at_once = 1;  // tiles of one workgroup, side by side
 };
-// `subgroup_size`, `constants`: as of make_compute_pipeline.
+// `subgroup_size`, `constants`: as of make_compute_pipeline. `texel_sets`: as of make_pass_layout.
 Result<ComputeStep> make_compute_step(const DevicePtr& device, uint32_t sampled_images,
                                       std::span<const uint32_t> shader, uint32_t storage_images = 0,
-                                      uint32_t subgroup_size = 0, std::span<const uint32_t> constants = {});
+                                      uint32_t subgroup_size = 0, std::span<const uint32_t> constants = {},
+                                      std::span<const uint32_t> texel_sets = {});
 
 // Makes the pass `Made`, whose constructor takes the step first. Error: that of the step.
 template <class Made, class... More>
@@ -200,11 +201,13 @@ Result<std::unique_ptr<Pass>> pass_of(Result<ComputeStep> step, More&&... more) 
   return std::unique_ptr<Pass>(std::make_unique<Made>(std::move(*step), std::forward<More>(more)...));
 }
 
-// Binds the step, the frame's descriptors and push constants.
-void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
+// Binds the step, the frame's descriptors and push constants, and the sets of texels that the step was made for.
+void bind(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push,
+          std::span<const VkDescriptorSet> texels = {});
 // As bind, then dispatches one workgroup for each 8x8 tile, or for each step.tiles_at_once of a row, of frame.rows: the
 // band's rows if the pass runs in every band, else all rows.
-void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push);
+void dispatch_tiles(const FrameContext& frame, const ComputeStep& step, std::span<const std::byte> push,
+                    std::span<const VkDescriptorSet> texels = {});
 void push_constants(VkCommandBuffer commands, VkPipelineLayout layout, std::span<const std::byte> push);
 
 }  // namespace gnomon::gpu

@@ -12,7 +12,8 @@ namespace {
 
 class TracePass : public Pass {
  public:
-  TracePass(ComputeStep step, bool motion) : step_(std::move(step)), motion_(motion) {}
+  TracePass(ComputeStep step, bool motion, bool by_texels)
+      : step_(std::move(step)), motion_(motion), by_texels_(by_texels) {}
 
   std::string_view name() const override { return "trace"; }
   const PassLayout* layout() const override { return &step_.layout; }
@@ -33,21 +34,25 @@ class TracePass : public Pass {
     const std::span<const std::byte> tracer = frame.posed.traced->push_constants();
     std::memcpy(push.data(), words.data(), sizeof(words));
     std::copy(tracer.begin(), tracer.end(), push.begin() + sizeof(words));
-    dispatch_tiles(frame, step_, push);
+    const std::array texels{frame.scene.texels(), frame.posed.traced->texels()};
+    dispatch_tiles(frame, step_, push, by_texels_ ? std::span(texels) : std::span<const VkDescriptorSet>());
   }
 
  private:
   ComputeStep step_;
-  bool motion_;
+  bool motion_, by_texels_;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Pass>> make_trace_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
   const TraceShader shader = tracer.shader();
-  auto step = make_compute_step(device, 1, shader.spirv, 0, shader.lanes);
+  const bool by_texels = shader.texel_buffers > 0;
+  const std::array sets{1u, shader.texel_buffers};  // of the scene, and of what the tracer built
+  auto step = make_compute_step(device, 1, shader.spirv, 0, shader.lanes, {},
+                                by_texels ? std::span<const uint32_t>(sets) : std::span<const uint32_t>());
   if (step) step->tiles_at_once = shader.tiles;
-  return pass_of<TracePass>(std::move(step), motion);
+  return pass_of<TracePass>(std::move(step), motion, by_texels);
 }
 
 }  // namespace gnomon::gpu

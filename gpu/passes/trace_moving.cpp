@@ -6,7 +6,7 @@
 #include "gpu/passes/passes.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_moving_comp.h"
-#include "spirv/trace_moving_pairs_comp.h"
+#include "spirv/trace_moving_texels_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -54,7 +54,7 @@ class TraceMovingPass : public Pass {
     return {{resource::kTriangleId, Use::sampled},
             {resource::kMasks, Use::storage_update},
             {resource::kValidBits, Use::storage_update},
-            {resource::kMovingBvh, Use::storage_read}};
+            {resource::kMovingBvh, Use::texel_read}};
   }
 
   void record(const FrameContext& frame) const override {
@@ -64,7 +64,7 @@ class TraceMovingPass : public Pass {
                     resting_hierarchy(frame.posed),   moving_hierarchy(frame, moving_bvh),
                     moving_parts(frame, moving_bvh),  static_cast<uint32_t>(frame.posed.parts.size()),
                     frame.posed.moving_lights};
-    dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)));
+    dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)), texels_of(frame, &frame.ports[3]));
   }
 
  private:
@@ -79,8 +79,8 @@ Result<std::unique_ptr<Pass>> make_trace_moving_pass(const DevicePtr& device) {
     return Error{"tracing what moves needs subgroups of " + std::to_string(kFewestLanes) +
                  " lanes; the device has them of " + std::to_string(sharing.lanes)};
   const std::array constants{sharing.lanes * sharing.subgroups, sharing.lanes, sharing.per_tile};
-  auto step = make_compute_step(device, 1, device->features().choose(trace_moving_pairs_comp, trace_moving_comp), 0,
-                                sharing.lanes, constants);
+  auto step = make_compute_step(device, 1, device->features().choose(trace_moving_texels_comp, trace_moving_comp),
+                                0, sharing.lanes, constants, texel_sets(*device));
   if (step) step->tiles_at_once = sharing.subgroups / sharing.per_tile;
   return pass_of<TraceMovingPass>(std::move(step));
 }

@@ -7,7 +7,7 @@
 #include "gpu/passes/passes.h"
 #include "scenes/light_samples.h"
 #include "spirv/trace_occlusion_comp.h"
-#include "spirv/trace_occlusion_pairs_comp.h"
+#include "spirv/trace_occlusion_texels_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -37,7 +37,7 @@ class TraceOcclusionPass : public Pass {
                             {resource::kMasks, Use::storage_update},
                             {resource::kValidBits, Use::storage_update},
                             {resource::kOcclusionPoints, Use::storage_read, {{}, points_bytes, MemoryUse::upload}}};
-    if (motion_) ports.push_back({resource::kMovingBvh, Use::storage_read});
+    if (motion_) ports.push_back({resource::kMovingBvh, Use::texel_read});
     return ports;
   }
 
@@ -49,7 +49,8 @@ class TraceOcclusionPass : public Pass {
                              frame.samples.occlusion == Occlusion::half,
                              resting_hierarchy(frame.posed),
                              motion_ ? moving_hierarchy(frame, *frame.ports[4].buffer) : Hierarchy{}};
-    dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)));
+    dispatch_tiles(frame, step_, std::as_bytes(std::span(&push, 1)),
+                   texels_of(frame, motion_ ? &frame.ports[4] : nullptr));
   }
 
  private:
@@ -68,7 +69,8 @@ void write_occlusion(std::span<std::byte> into, const scenes::Scene& scene) {
 
 Result<std::unique_ptr<Pass>> make_trace_occlusion_pass(const DevicePtr& device, bool motion) {
   return pass_of<TraceOcclusionPass>(
-      make_compute_step(device, 1, device->features().choose(trace_occlusion_pairs_comp, trace_occlusion_comp)),
+      make_compute_step(device, 1, device->features().choose(trace_occlusion_texels_comp, trace_occlusion_comp), 0,
+                        0, {}, texel_sets(*device)),
       motion);
 }
 

@@ -8,7 +8,7 @@
 #include "gpu/passes/passes.h"
 #include "gpu/tracers/tracer.h"
 #include "spirv/trace_soft_bvh_comp.h"
-#include "spirv/trace_soft_bvh_pairs_comp.h"
+#include "spirv/trace_soft_bvh_texels_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -54,9 +54,10 @@ struct Push {
 
 class TraceSoftPass : public Pass {
  public:
-  // `built`: traces what the tracer built for extents; without such a step hierarchies trace all area lights.
-  TraceSoftPass(ComputeStep step, std::optional<ComputeStep> built, bool motion)
-      : step_(std::move(step)), built_(std::move(built)), motion_(motion) {}
+  // `built`: traces what the tracer built for extents, as texels or not; without such a step hierarchies trace all area
+  // lights.
+  TraceSoftPass(ComputeStep step, std::optional<ComputeStep> built, bool built_texels, bool motion)
+      : step_(std::move(step)), built_(std::move(built)), built_texels_(built_texels), motion_(motion) {}
 
   std::string_view name() const override { return "trace_soft"; }
   const PassLayout* layout() const override { return &step_.layout; }
@@ -66,7 +67,7 @@ class TraceSoftPass : public Pass {
                             {resource::kMasks, Use::storage_update},
                             {resource::kValidBits, Use::storage_update},
                             {resource::kSoftLights, Use::storage_read}};
-    if (motion_) ports.push_back({resource::kMovingBvh, Use::storage_read});
+    if (motion_) ports.push_back({resource::kMovingBvh, Use::texel_read});
     return ports;
   }
 
@@ -84,12 +85,16 @@ class TraceSoftPass : public Pass {
     const Push own{frame.ports[3].buffer->address(), resting_hierarchy(frame.posed),
                    motion_ ? moving_hierarchy(frame, *frame.ports[4].buffer) : Hierarchy{}};
     add(std::as_bytes(std::span(&own, 1)));
-    dispatch_tiles(frame, by_built ? *built_ : step_, push);
+    if (by_built && !built_texels_) return dispatch_tiles(frame, *built_, push);
+    dispatch_tiles(
+        frame, by_built ? *built_ : step_, push,
+        texels_of(frame, motion_ ? &frame.ports[4] : nullptr, by_built ? frame.posed.area_traced.get() : nullptr));
   }
 
  private:
   ComputeStep step_;
   std::optional<ComputeStep> built_;
+  bool built_texels_;
   bool motion_;
 };
 
@@ -134,17 +139,20 @@ Result<std::unique_ptr<Pass>> make_sample_points_pass() {
 
 Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, const Tracer& tracer, bool motion) {
   std::optional<ComputeStep> built;
-  if (const auto shader = tracer.soft_shader()) {
-    auto step = make_compute_step(device, 1, shader->spirv, 0, shader->lanes);
+  const auto shader = tracer.soft_shader();
+  const bool built_texels = shader && shader->texel_buffers > 0;
+  if (shader) {
+    const auto sets = built_texels ? texel_sets(*device, shader->texel_buffers) : std::vector<uint32_t>();
+    auto step = make_compute_step(device, 1, shader->spirv, 0, shader->lanes, {}, sets);
     if (!step) return step.error();
     step->tiles_at_once = shader->tiles;
     built = std::move(*step);
   }
   const std::array<uint32_t, 1> looks_at_points{device->features().has_vector_units()};
   return pass_of<TraceSoftPass>(
-      make_compute_step(device, 1, device->features().choose(trace_soft_bvh_pairs_comp, trace_soft_bvh_comp), 0, 0,
-                        looks_at_points),
-      std::move(built), motion);
+      make_compute_step(device, 1, device->features().choose(trace_soft_bvh_texels_comp, trace_soft_bvh_comp), 0, 0,
+                        looks_at_points, texel_sets(*device)),
+      std::move(built), built_texels, motion);
 }
 
 }  // namespace gnomon::gpu

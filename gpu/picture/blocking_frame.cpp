@@ -11,7 +11,7 @@ Result<std::unique_ptr<BlockingFrame>> BlockingFrame::create(const RendererOptio
                                                              const scenes::ScenePtr& scene) {
   std::unique_ptr<BlockingFrame> self(new BlockingFrame);
   DeviceOptions opened{options.device, options.validation};
-  opened.int64 = options.int64;
+  opened.texel_loads = options.texel_loads;
   auto device = Device::create(opened);
   if (!device) return device.error();
   self->device_ = *device;

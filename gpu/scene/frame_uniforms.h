@@ -51,6 +51,7 @@ struct FrameUniforms {
   exact::TracedLight lights[kMaxLights];
   // Of each light's masks, the first (common/light_planes.h); kLeftOut: a later pass traces the light.
   uint32_t planes[kMaxLights];
+  uint32_t resting_triangles = 0;  // the numbers of what moves follow
 };
 static_assert(sizeof(exact::TracedLight) == 40);
 static_assert(offsetof(FrameUniforms, scene) == 144);

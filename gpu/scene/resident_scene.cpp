@@ -110,6 +110,8 @@ Result<std::unique_ptr<ResidentScene>> ResidentScene::create(const DevicePtr& de
   if (auto done = resident->upload_clusters(device); !done) return done.error();
   if (auto done = resident->upload_materials(device, tracer == nullptr); !done) return done.error();
   if (!tracer) return resident;
+  if (device->features().loads_texels())
+    if (auto done = resident->upload_corners(device, mesh); !done) return done.error();
   if (auto done = resident->build_traced(*tracer, mesh, built); !done) return done.error();
   return resident;
 }
@@ -224,6 +226,20 @@ Result<void> ResidentScene::upload_mesh(const DevicePtr& device, const scenes::W
   return put(buffers_.triangle_materials, mesh.materials, triangles, 0);
 }
 
+Result<void> ResidentScene::upload_corners(const DevicePtr& device, const scenes::WorldMesh& mesh) {
+  std::vector<glm::vec4> corners;
+  corners.reserve(3 * mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles)
+    for (const uint32_t corner : {t.x, t.y, t.z}) corners.emplace_back(mesh.positions[corner], 0.0f);
+  auto uploaded = upload(device, std::as_bytes(std::span(corners)));
+  if (!uploaded) return uploaded.error();
+  buffers_.corners = std::move(*uploaded);
+  auto texels = TexelSet::create(device, {{{buffers_.corners, VK_FORMAT_R32G32B32A32_UINT}}});
+  if (!texels) return texels.error();
+  texels_ = std::move(*texels);
+  return {};
+}
+
 Result<void> ResidentScene::upload_clusters(const DevicePtr& device) {
   auto uploaded = upload(device, std::as_bytes(std::span(clusters().clusters)));
   if (!uploaded) return uploaded.error();
@@ -291,6 +307,7 @@ void ResidentScene::describe(FrameUniforms& frame, const PosedScene& posed) cons
                  buffers_.triangle_materials.address(),
                  buffers_.materials.address()};
   frame.light_count = light_count();
+  frame.resting_triangles = triangle_count_;
   std::copy(posed.lights.begin(), posed.lights.end(), frame.lights);
 }
 

@@ -12,6 +12,7 @@
 #include "gpu/scene/posed_scene.h"
 #include "gpu/scene/traced_lights.h"
 #include "gpu/tracers/tracer.h"
+#include "gpu/vulkan/texels.h"
 #include "scenes/geometry/geometry.h"
 
 namespace gnomon::gpu {
@@ -30,6 +31,7 @@ struct SceneBuffers {
   Buffer positions, normals, uvs;  // of each vertex
   Buffer triangles, triangle_materials, materials;
   Buffer clusters, cluster_chunks;  // Cluster and ClusterChunk, of the resting geometry
+  Buffer corners;                   // three vec4 for each resting triangle; only where they are loaded as texels
   std::vector<Buffer> textures;
 };
 
@@ -52,6 +54,8 @@ class ResidentScene {
   uint32_t light_count() const { return static_cast<uint32_t>(scene_->lights.size()); }
   const AreaLights& area_lights() const { return area_lights_; }
   const SceneBuffers& buffers() const { return buffers_; }
+  // The corners, for passes that trace; VK_NULL_HANDLE where the device loads no texels.
+  VkDescriptorSet texels() const { return texels_.handle(); }
   const scenes::Clusters& clusters() const { return geometry_->clusters; }
   const TracedScene& traced() const { return *traced_.traced; }  // precondition: made with a tracer
   uint64_t memory_bytes() const;                                 // on the device, the tracer's included
@@ -84,6 +88,7 @@ class ResidentScene {
 
  private:
   Result<void> upload_mesh(const DevicePtr& device, const scenes::WorldMesh& mesh, uint32_t slots);
+  Result<void> upload_corners(const DevicePtr& device, const scenes::WorldMesh& mesh);
   Result<void> build_traced(const Tracer& tracer, const scenes::WorldMesh& mesh, Built built);
   Result<void> upload_clusters(const DevicePtr& device);
   // `drawn`: textures get the levels that shading filters through.
@@ -98,6 +103,7 @@ class ResidentScene {
   bool built_for_lights_ = false;
   bool unbuilt_ = false;
   SceneBuffers buffers_;
+  TexelSet texels_;
   TracedLights traced_;
   // Of the resting geometry: for lights that are not where the tracer built for them, the points of area lights, and the
   // occlusion of ambient light. May be traced_.traced itself.

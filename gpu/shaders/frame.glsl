@@ -49,6 +49,7 @@ layout(set = 0, binding = 0, scalar) uniform Frame {
   Materials materials;
   TracedLight lights[kMaxLights];
   uint planes[kMaxLights];  // of each light's masks, the first; kLeftOut: a later pass traces the light
+  uint resting_triangles;   // the others' numbers follow
 } frame;
 
 float near_plane() { return frame.camera_to_clip[3][2]; }

@@ -1,5 +1,6 @@
 // Computes a pixel's surface point from its triangle id, and maps invocations to pixels of a tile.
 #extension GL_EXT_samplerless_texture_functions : require
+#include "texels.glsl"
 
 #ifndef TILE_INVOCATIONS
 #define TILE_INVOCATIONS 64
@@ -32,8 +33,15 @@ bool on_one_surface(SurfacePoint here, SurfacePoint other) {
   return abs(dot(other.position - here.position, here.normal)) <= room && dot(other.normal, here.normal) > 0.99;
 }
 
-SurfacePoint surface_of(uint triangle, uvec2 pixel) {
+TriangleCorners triangle_corners(uint triangle) {
+#ifdef BY_TEXELS
+  if (triangle < frame.resting_triangles) return corners_at_rest(triangle);
+#endif
   uvec3 corners = frame.triangles.at[triangle];
-  return surface_point(frame.camera, frame.forward, pixel_ray(pixel), frame.positions.at[corners.x],
-                       frame.positions.at[corners.y], frame.positions.at[corners.z]);
+  return TriangleCorners(frame.positions.at[corners.x], frame.positions.at[corners.y], frame.positions.at[corners.z]);
+}
+
+SurfacePoint surface_of(uint triangle, uvec2 pixel) {
+  TriangleCorners corners = triangle_corners(triangle);
+  return surface_point(frame.camera, frame.forward, pixel_ray(pixel), corners.p0, corners.p1, corners.p2);
 }

@@ -83,6 +83,7 @@ void load_pixels(out Pixels pixels) {
 struct Asked {
   LightView view;
   uint leaf[kRounds];
+  uint first[kRounds], count[kRounds];  // of the leaf's list, as Leaf has them
   uint place[kRounds];  // on the face, x in the low half
   float depth[kRounds];
   uint lit, undecided;
@@ -112,7 +113,9 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) asked.leaf[r] = leaf_at(asked.leaf[r], place[r]);
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     vec3 rel = pixels.origin[r] - asked.view.reference;
-    Leaf leaf = whole_leaf(asked.leaf[r]);
+    Leaf leaf = leaf_of(asked.leaf[r]);
+    asked.first[r] = leaf.first;
+    asked.count[r] = leaf.count;
     bool before = dot(leaf.near_plane, rel) < 1.0;
     bool behind = dot(leaf.cover_plane, rel) > 1.0;
     asked.lit |= before ? 1u << r : 0u;
@@ -123,8 +126,7 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   // Tests the first entry of every list here, where the loads overlap; the walks then find it in the cache.
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     bool walks = (asked.undecided & (1u << r)) != 0u;
-    uint first = walks ? Leaves(push.leaves).at[asked.leaf[r]].first : 0u;
-    bool before = walks && in_front(Entries(push.entries).at[first], asked.depth[r]);
+    bool before = walks && in_front(bounds_at(walks ? asked.first[r] : 0u), asked.depth[r]);
     asked.lit |= before ? 1u << r : 0u;
   }
   asked.undecided &= ~asked.lit;

@@ -3,6 +3,7 @@
 // branches of its own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define LIGHT_BUFFER_SET 2
 #include "trace_light_buffer.glsl"
 
 // The state of one pixel's walk through its leaf's list.
@@ -17,36 +18,36 @@ struct Walk {
 
 Walk start_walk(Asked asked, Pixels pixels, uint round) {
   Walk walk;
-  uint leaf = asked.leaf[0];
+  uint first = asked.first[0], count = asked.count[0];
   uint at = asked.place[0];
   walk.depth = asked.depth[0];
   walk.origin = pixels.origin[0];
   // Selects the element, because an array that is indexed by a variable would be kept in memory.
   [[unroll]] for (uint r = 1u; r < kRounds; ++r) {
-    leaf = round == r ? asked.leaf[r] : leaf;
+    first = round == r ? asked.first[r] : first;
+    count = round == r ? asked.count[r] : count;
     at = round == r ? asked.place[r] : at;
     walk.depth = round == r ? asked.depth[r] : walk.depth;
     walk.origin = round == r ? pixels.origin[r] : walk.origin;
   }
   walk.round = round;
   walk.direction = direction_of(asked.view, walk.origin);
-  uint count = Leaves(push.leaves).at[leaf].count;
   walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
-  walk.next = Leaves(push.leaves).at[leaf].first;
+  walk.next = first;
   walk.end = walk.next + (count & ((1u << kCountBits) - 1u));
   return walk;
 }
 
 // The next triangle of the list that may block; kNone if there is none.
 uint next_candidate(inout Walk walk) {
-  uint candidate = kNone;
-  while (candidate == kNone && walk.next < walk.end) {
-    ListEntry entry = Entries(push.entries).at[walk.next];
-    bool behind = !in_front(entry, walk.depth);
-    candidate = behind && holds(entry, walk.place) ? entry.triangle : kNone;
+  uint found = kNone;  // the number of its entry
+  while (found == kNone && walk.next < walk.end) {
+    EntryBounds bounds = bounds_at(walk.next);
+    bool behind = !in_front(bounds, walk.depth);
+    found = behind && holds(bounds, walk.place) ? walk.next : kNone;
     walk.next = behind ? walk.next + 1u : walk.end;
   }
-  return candidate;
+  return found == kNone ? kNone : triangle_of(found);
 }
 
 // Returns those of the pixels `asking`, with a bit for each round, that an opaque triangle blocks. `masked`: those of

@@ -50,13 +50,13 @@ struct Walk {
 Walk start_walk(uint light, vec3 origin) {
   LightView view = LightViews(push.views).at[light];
   Place place = place_of(view, origin - view.reference);
-  Leaf leaf = Leaves(push.leaves).at[leaf_at(cell_at(view, place), place)];
+  Leaf leaf = leaf_of(leaf_at(cell_at(view, place), place));
   return Walk(origin, direction_of(view, origin), place.depth, place_in_leaf(place.at, leaf.count), leaf.first,
               leaf.first + (leaf.count & ((1u << kCountBits) - 1u)));
 }
 
 bool blocks(ListEntry entry, Walk walk) {
-  return holds(entry, walk.place) && meets(entry.triangle, walk.origin, walk.direction) &&
+  return holds(entry.bounds, walk.place) && meets(entry.triangle, walk.origin, walk.direction) &&
          (entry.triangle < push.first_masked || passes_alpha(entry.triangle, walk.origin, walk.direction));
 }
 
@@ -66,11 +66,11 @@ const uint kLit = 0u, kBlocked = 1u, kUnknown = 2u;
 uint walk_alone(Walk walk) {
   uint end = min(walk.end, walk.next + kAlone);
   // A walk mostly waits for its entries: the next one is on its way while this one is looked at.
-  ListEntry coming = Entries(push.entries).at[walk.next];
+  ListEntry coming = entry_at(walk.next);
   for (uint e = walk.next; e < end; ++e) {
     ListEntry entry = coming;
-    coming = Entries(push.entries).at[min(e + 1u, end - 1u)];
-    if (in_front(entry, walk.depth)) return kLit;
+    coming = entry_at(min(e + 1u, end - 1u));
+    if (in_front(entry.bounds, walk.depth)) return kLit;
     if (blocks(entry, walk)) return kBlocked;
   }
   return end < walk.end ? kUnknown : kLit;
@@ -82,8 +82,8 @@ bool blocked_together(Walk walk) {
     uint e = first + lane();
     bool front = false, hit = false;
     if (e < walk.end) {
-      ListEntry entry = Entries(push.entries).at[e];
-      front = in_front(entry, walk.depth);
+      ListEntry entry = entry_at(e);
+      front = in_front(entry.bounds, walk.depth);
       hit = !front && blocks(entry, walk);
     }
     if (any_lane(hit)) return true;

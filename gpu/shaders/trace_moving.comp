@@ -15,12 +15,7 @@
 #define LANES_OF_PIPELINE
 #include "surface.glsl"
 
-struct Hierarchy {
-  uvec2 nodes;
-  uvec2 triangles;
-  uint node_count;
-  uint first_triangle;  // of the scene's numbers
-};
+#include "hierarchy.glsl"
 #include "tracers/bvh.glsl"
 #include "tracers/tile_shaft.glsl"
 
@@ -157,14 +152,15 @@ uint near_parts(TracedLight light, Origins origins, Part mine[kMostPartRounds]) 
 }
 
 bool meets_parts(uint parts, Way way) {
+  Tree moving = Tree(push.moving, true);
   bool met = false;
   for (; parts != 0u && !met; parts &= parts - 1u) {
     Part part = push.parts.at[findLSB(parts)];
     uint n = part.first;
     while (n < part.end) {
-      BvhNode node = node_at(push.moving.nodes, n);
+      BvhNode node = node_at(moving, n);
       bool enter = enters(way, node);
-      met = enter && node.leaf != 0u && leaf_blocks(push.moving, node.leaf, way.origin, way.direction);
+      met = enter && node.leaf != 0u && leaf_blocks(moving, node.leaf, way.origin, way.direction);
       n = met ? part.end : enter ? n + 1u : node.skip;
     }
   }
@@ -177,7 +173,7 @@ uint lit_rounds(TracedLight light, bool moves, uint parts, Origins origins, uint
   for (; asked != 0u; asked &= asked - 1u) {
     uint round = uint(findLSB(asked));
     vec3 origin = origin_of(origins, round), direction = direction_to(light, origin);
-    bool hidden = meets_parts(parts, way_of(origin, direction)) || (moves && meets(push.still, origin, direction));
+    bool hidden = meets_parts(parts, way_of(origin, direction)) || (moves && meets(Tree(push.still, false), origin, direction));
     lit &= ~(hidden ? 1u << round : 0u);
   }
   return lit;

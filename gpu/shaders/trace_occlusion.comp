@@ -12,12 +12,7 @@
 #include "sample_pattern.glsl"
 #include "surface.glsl"
 
-struct Hierarchy {
-  uvec2 nodes;
-  uvec2 triangles;
-  uint node_count;
-  uint first_triangle;  // of the scene's numbers
-};
+#include "hierarchy.glsl"
 #include "tracers/bvh.glsl"
 
 // gpu/passes/trace_occlusion.cpp writes it.
@@ -42,8 +37,8 @@ shared uint open_segments[64];  // of each pixel of the tile
 
 bool is_open(vec3 origin, vec3 normal, uint point) {
   ShadowSegment segment = occlusion_segment(origin, normal, push.points.on_sphere[point], push.points.radius);
-  return !segment.traced || (!meets(push.moving, origin, segment.direction) &&
-                             !meets(push.still, origin, segment.direction));
+  return !segment.traced || (!meets(Tree(push.moving, true), origin, segment.direction) &&
+                             !meets(Tree(push.still, false), origin, segment.direction));
 }
 
 // Of the pixel's segments `first` to `end` - 1.

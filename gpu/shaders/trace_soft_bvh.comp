@@ -3,12 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 
 // Traces the sample points of area lights in the hierarchies of the moving and of the resting geometry.
-struct Hierarchy {
-  uvec2 nodes;
-  uvec2 triangles;
-  uint node_count;
-  uint first_triangle;  // of the scene's numbers
-};
+#include "hierarchy.glsl"
 // Whether to look where the points are before they are tested: on vector units, where a test takes as many steps as a
 // lane needs, and not on GPUs.
 layout(constant_id = 0) const bool kLooksAtPoints = true;
@@ -19,6 +14,6 @@ layout(constant_id = 0) const bool kLooksAtPoints = true;
 uint seen_samples(SoftLight light, SurfacePoint surface, vec3 origin, uint first_point) {
   Bundle bundle = Bundle(origin, frame.lights[light.light].position - origin, light.radius, first_point);
   uint open = facing_points(bundle, surface.normal);
-  open = open_behind(push.moving, bundle, open);
-  return uint(bitCount(open_behind(push.still, bundle, open)));
+  open = open_behind(Tree(push.moving, true), bundle, open);
+  return uint(bitCount(open_behind(Tree(push.still, false), bundle, open)));
 }

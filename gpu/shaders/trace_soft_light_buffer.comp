@@ -7,14 +7,10 @@
 // undecided walks its list once with a set of the points that nothing has hidden so far. Lights that are not where the
 // buffers were built for them are traced by the hierarchy of the resting geometry, and for every light the points left
 // by that of the moving geometry.
-struct Hierarchy {
-  uvec2 nodes;
-  uvec2 triangles;
-  uint node_count;
-  uint first_triangle;  // of the scene's numbers
-};
+#include "hierarchy.glsl"
 #include "soft_lights.glsl"
 #define TRACER_PUSH_MORE SoftFrame soft; Hierarchy still; Hierarchy moving;
+#define LIGHT_BUFFER_SET 4
 #include "trace_light_buffer.glsl"
 
 // A list that is longer is not walked: the hierarchy of the resting geometry answers for its pixels sooner.
@@ -97,10 +93,10 @@ Walk start_walk(SoftLight light, Asked asked, Pixels pixels, Open open, uint rou
   walk.round = round;
   walk.depth = asked.depth[0];
   [[unroll]] for (uint r = 1u; r < kRounds; ++r) walk.depth = round == r ? asked.depth[r] : walk.depth;
-  uint at = chosen(asked.place, round), leaf = chosen(asked.leaf, round);
-  uint count = Leaves(push.leaves).at[leaf].count, length = count & ((1u << kCountBits) - 1u);
+  uint at = chosen(asked.place, round), count = chosen(asked.count, round);
+  uint length = count & ((1u << kCountBits) - 1u);
   walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
-  walk.next = Leaves(push.leaves).at[leaf].first;
+  walk.next = chosen(asked.first, round);
   walk.end = walk.next + length;
   walk.open = chosen(open.points, round);
   walk.bundle = bundle_of(light, pixels, open, round);
@@ -112,14 +108,14 @@ Walk start_walk(SoftLight light, Asked asked, Pixels pixels, Open open, uint rou
 
 // The next triangle of the list that may block; kNone if there is none.
 uint next_candidate(inout Walk walk) {
-  uint candidate = kNone;
-  while (candidate == kNone && walk.next < walk.end) {
-    ListEntry entry = Entries(push.entries).at[walk.next];
-    bool behind = !in_front(entry, walk.depth);
-    candidate = behind && holds(entry, walk.place) ? entry.triangle : kNone;
+  uint found = kNone;  // the number of its entry
+  while (found == kNone && walk.next < walk.end) {
+    EntryBounds bounds = bounds_at(walk.next);
+    bool behind = !in_front(bounds, walk.depth);
+    found = behind && holds(bounds, walk.place) ? walk.next : kNone;
     walk.next = behind ? walk.next + 1u : walk.end;
   }
-  return candidate;
+  return found == kNone ? kNone : triangle_of(found);
 }
 
 // A lane that has finished a pixel continues with its next.
@@ -149,7 +145,7 @@ uint with_long_lists(Asked asked) {
   uint with = 0u;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     uint bit = asked.undecided & (1u << r);
-    if (bit != 0u && (Leaves(push.leaves).at[asked.leaf[r]].count & ((1u << kCountBits) - 1u)) > kLongList) with |= bit;
+    if (bit != 0u && (asked.count[r] & ((1u << kCountBits) - 1u)) > kLongList) with |= bit;
   }
   return with;
 }
@@ -161,7 +157,7 @@ shared uint traced_first[LANES], traced_open[LANES];
 
 // Takes away the points of the pixels `asking` that a hierarchy's geometry hides. The segments of one pixel are side by
 // side in the lanes: they pass the same nodes, and no lane idles because its pixel does not ask.
-void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint asking, inout Open open) {
+void hide_behind(SoftLight light, Tree tree, Pixels pixels, uint asking, inout Open open) {
   uint samples = push.soft.samples;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     bool asks = (asking & (1u << r)) != 0u && open.points[r] != 0u;
@@ -177,7 +173,7 @@ void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint askin
       uint pixel = from + lane() / samples, i = lane() % samples;
       if (pixel >= count || (traced_open[pixel] & point_bit(i)) == 0u) continue;
       Bundle bundle = Bundle(traced_origin[pixel], vec3(0.0), 0.0, traced_first[pixel]);
-      if (meets(hierarchy, bundle.origin, direction_to(bundle, i))) atomicAnd(traced_open[pixel], ~point_bit(i));
+      if (meets(tree, bundle.origin, direction_to(bundle, i))) atomicAnd(traced_open[pixel], ~point_bit(i));
     }
     barrier();
     if (asks) open.points[r] = traced_open[own];
@@ -186,10 +182,10 @@ void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint askin
 }
 #else
 // Takes away the points of the pixels `asking` that a hierarchy's geometry hides.
-void hide_behind(SoftLight light, Hierarchy hierarchy, Pixels pixels, uint asking, inout Open open) {
+void hide_behind(SoftLight light, Tree tree, Pixels pixels, uint asking, inout Open open) {
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     bool asks = (asking & (1u << r)) != 0u;
-    uint left = open_behind(hierarchy, bundle_of(light, pixels, open, r), asks ? open.points[r] : 0u);
+    uint left = open_behind(tree, bundle_of(light, pixels, open, r), asks ? open.points[r] : 0u);
     open.points[r] = asks ? left : open.points[r];
   }
 }
@@ -248,12 +244,12 @@ void main() {
         uint by_hierarchy = with_long_lists(asked);
         asked.undecided &= ~by_hierarchy;
         if (any_lane(asked.undecided != 0u)) walk_lists(light, asked, pixels, open);
-        if (any_lane(by_hierarchy != 0u)) hide_behind(light, push.still, pixels, by_hierarchy, open);
+        if (any_lane(by_hierarchy != 0u)) hide_behind(light, Tree(push.still, false), pixels, by_hierarchy, open);
       } else {
         open = facing_points(light, pixels, care);
-        hide_behind(light, push.still, pixels, care, open);
+        hide_behind(light, Tree(push.still, false), pixels, care, open);
       }
-      if (push.moving.node_count != 0u) hide_behind(light, push.moving, pixels, care, open);
+      if (push.moving.node_count != 0u) hide_behind(light, Tree(push.moving, true), pixels, care, open);
     }
     store_planes(light, open, care);
   }

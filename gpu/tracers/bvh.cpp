@@ -1,8 +1,9 @@
 // Tracer "bvh": a bounding volume hierarchy in plain compute. Runs on every device.
 #include "common/clock.h"
 #include "gpu/tracers/tracer.h"
+#include "gpu/vulkan/texels.h"
 #include "spirv/trace_bvh_comp.h"
-#include "spirv/trace_bvh_pairs_comp.h"
+#include "spirv/trace_bvh_texels_comp.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -17,15 +18,33 @@ struct Push {
 
 class BvhScene : public TracedScene {
  public:
-  BvhScene(Buffer nodes, Buffer triangles, uint32_t node_count)
-      : nodes_(std::move(nodes)), triangles_(std::move(triangles)) {
-    push_ = {nodes_.address(), triangles_.address(), node_count};
+  // Error: out of memory.
+  static Result<std::unique_ptr<TracedScene>> create(const DevicePtr& device, const Bvh& bvh) {
+    // The triangles lie behind the nodes, so that one set of texels has both.
+    const auto nodes = std::as_bytes(std::span(bvh.nodes)), triangles = std::as_bytes(std::span(bvh.triangles));
+    std::vector<std::byte> both(nodes.begin(), nodes.end());
+    both.insert(both.end(), triangles.begin(), triangles.end());
+    auto buffer = upload(device, both);
+    if (!buffer) return buffer.error();
+    auto scene = std::make_unique<BvhScene>();
+    scene->buffer_ = std::move(*buffer);
+    const VkDeviceAddress address = scene->buffer_.address();
+    scene->push_ = {address, address + nodes.size(), static_cast<uint32_t>(bvh.nodes.size())};
+    if (device->features().loads_texels()) {
+      auto texels = TexelSet::create(device, {{{scene->buffer_, VK_FORMAT_R32G32B32A32_UINT}}});
+      if (!texels) return texels.error();
+      scene->texels_ = std::move(*texels);
+    }
+    return std::unique_ptr<TracedScene>(std::move(scene));
   }
-  uint64_t memory_bytes() const override { return nodes_.bytes() + triangles_.bytes(); }
+
+  uint64_t memory_bytes() const override { return buffer_.bytes(); }
   std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
+  VkDescriptorSet texels() const override { return texels_.handle(); }
 
  private:
-  Buffer nodes_, triangles_;
+  Buffer buffer_;
+  TexelSet texels_;
   Push push_;
 };
 
@@ -34,7 +53,10 @@ class BvhTracer : public Tracer {
   BvhTracer(DevicePtr device, StructureBuildsPtr builds) : device_(std::move(device)), builds_(std::move(builds)) {}
 
   std::string_view name() const override { return "bvh"; }
-  TraceShader shader() const override { return {device_->features().choose(trace_bvh_pairs_comp, trace_bvh_comp)}; }
+  TraceShader shader() const override {
+    if (device_->features().loads_texels()) return {trace_bvh_texels_comp, 0, 1, 1};
+    return {trace_bvh_comp};
+  }
   bool is_hierarchy() const override { return true; }
   Result<std::unique_ptr<TracedScene>> build_hierarchy(const TracerInput& input) const override {
     return build(input);
@@ -44,12 +66,9 @@ class BvhTracer : public Tracer {
     const TimePoint start = Clock::now();
     const auto bvh = builds_->bvh(input.mesh);
     if (!bvh) return bvh.error();
-    auto nodes = upload(device_, std::as_bytes(std::span(bvh->nodes)));
-    if (!nodes) return nodes.error();
-    auto triangles = upload(device_, std::as_bytes(std::span(bvh->triangles)));
-    if (!triangles) return triangles.error();
-    std::unique_ptr<TracedScene> scene = std::make_unique<BvhScene>(std::move(*nodes), std::move(*triangles),
-                                                                    static_cast<uint32_t>(bvh->nodes.size()));
+    auto created = BvhScene::create(device_, *bvh);
+    if (!created) return created.error();
+    std::unique_ptr<TracedScene> scene = std::move(*created);
     scene->build_seconds = to_seconds(Clock::now() - start);
     return scene;
   }

@@ -11,6 +11,7 @@
 #include "gpu/tracers/light_buffer/cache.h"
 #include "gpu/tracers/light_buffer_shaders.h"
 #include "gpu/tracers/tracer.h"
+#include "gpu/vulkan/texels.h"
 #include "scenes/light_samples.h"
 
 namespace gnomon::gpu {
@@ -29,26 +30,16 @@ struct Push {
 
 class LightBufferScene : public TracedScene {
  public:
-  // Error: out of memory.
+  // `by_texels`: for shaders that read it so. Error: out of memory.
   static Result<std::unique_ptr<TracedScene>> create(const DevicePtr& device,
                                                      const light_buffer::LightBuffer& buffer,
-                                                     const scenes::WorldMesh& mesh) {
+                                                     const scenes::WorldMesh& mesh, bool by_texels) {
     auto scene = std::make_unique<LightBufferScene>();
-    const std::vector<TriangleCorners> corners = corners_of(mesh);
-    const std::array<std::pair<std::span<const std::byte>, VkDeviceAddress*>, 5> parts = {{
-        {std::as_bytes(std::span(buffer.grid)), &scene->push_.grid},
-        {std::as_bytes(std::span(buffer.leaves)), &scene->push_.leaves},
-        {std::as_bytes(std::span(buffer.entries)), &scene->push_.entries},
-        {std::as_bytes(std::span(corners)), &scene->push_.corners},
-        {std::as_bytes(std::span(buffer.lights)), &scene->push_.views},
-    }};
-    for (const auto& [bytes, address] : parts) {
-      auto uploaded = upload(device, bytes);
-      if (!uploaded) return uploaded.error();
-      *address = uploaded->address();
-      scene->buffers_.push_back(std::move(*uploaded));
-    }
     scene->push_.first_masked = mesh.opaque_count;
+    auto uploaded = scene->upload_addressed(device, std::as_bytes(std::span(buffer.lights)), scene->push_.views);
+    if (uploaded)
+      uploaded = by_texels ? scene->upload_texels(device, buffer) : scene->upload_rest(device, buffer, mesh);
+    if (!uploaded) return uploaded.error();
     return std::unique_ptr<TracedScene>(std::move(scene));
   }
 
@@ -58,12 +49,62 @@ class LightBufferScene : public TracedScene {
     return bytes;
   }
   std::span<const std::byte> push_constants() const override { return std::as_bytes(std::span(&push_, 1)); }
+  VkDescriptorSet texels() const override { return texels_.handle(); }
 
  private:
-  // As shaders/tracers/light_buffer.glsl has them: an even number of words.
+  Result<void> upload_addressed(const DevicePtr& device, std::span<const std::byte> bytes,
+                                VkDeviceAddress& address) {
+    auto uploaded = upload(device, bytes);
+    if (!uploaded) return uploaded.error();
+    address = uploaded->address();
+    buffers_.push_back(std::move(*uploaded));
+    return {};
+  }
+
+  Result<void> upload_rest(const DevicePtr& device, const light_buffer::LightBuffer& buffer,
+                           const scenes::WorldMesh& mesh) {
+    const std::vector<TriangleCorners> corners = corners_of(mesh);
+    auto done = upload_addressed(device, std::as_bytes(std::span(buffer.grid)), push_.grid);
+    if (done) done = upload_addressed(device, std::as_bytes(std::span(buffer.leaves)), push_.leaves);
+    if (done) done = upload_addressed(device, std::as_bytes(std::span(buffer.entries)), push_.entries);
+    if (done) done = upload_addressed(device, std::as_bytes(std::span(corners)), push_.corners);
+    return done;
+  }
+
+  // The corners are the resident scene's. What a walk looks at of every entry lies apart from what it needs of a few.
+  Result<void> upload_texels(const DevicePtr& device, const light_buffer::LightBuffer& buffer) {
+    std::vector<glm::uvec2> bounds;
+    std::vector<uint32_t> triangles;
+    bounds.reserve(buffer.entries.size() + 1);
+    triangles.reserve(buffer.entries.size());
+    for (const light_buffer::ListEntry& entry : buffer.entries) {
+      bounds.emplace_back(entry.depth_and_low, entry.high_and_strip);
+      triangles.push_back(entry.triangle);
+    }
+    bounds.resize((bounds.size() + 1) / 2 * 2);  // two to a texel
+    const std::array<std::pair<std::span<const std::byte>, VkFormat>, 4> parts = {{
+        {std::as_bytes(std::span(buffer.grid)), VK_FORMAT_R32_UINT},
+        {std::as_bytes(std::span(buffer.leaves)), VK_FORMAT_R32G32B32A32_UINT},
+        {std::as_bytes(std::span(bounds)), VK_FORMAT_R32G32B32A32_UINT},
+        {std::as_bytes(std::span(triangles)), VK_FORMAT_R32_UINT},
+    }};
+    std::vector<TexelView> views;
+    const size_t first = buffers_.size();
+    for (const auto& [bytes, format] : parts) {
+      auto uploaded = upload(device, bytes);
+      if (!uploaded) return uploaded.error();
+      buffers_.push_back(std::move(*uploaded));
+    }
+    for (size_t i = 0; i < parts.size(); ++i) views.push_back({buffers_[first + i], parts[i].second});
+    auto texels = TexelSet::create(device, views);
+    if (!texels) return texels.error();
+    texels_ = std::move(*texels);
+    return {};
+  }
+
+  // As shaders/tracers/light_buffer.glsl has them.
   struct TriangleCorners {
     glm::vec3 p0, p1, p2;
-    uint32_t reserved = 0;
   };
 
   // The corners of every triangle, side by side, so that a walk reads one place in memory instead of four.
@@ -76,6 +117,7 @@ class LightBufferScene : public TracedScene {
   }
 
   std::vector<Buffer> buffers_;
+  TexelSet texels_;
   Push push_;
 };
 
@@ -124,9 +166,14 @@ class LightBufferTracer : public Tracer {
   // Triangles x lights up to which a build takes some milliseconds only.
   static constexpr size_t kShortBuild = 20'000;
 
+  // The hard and the soft shader are made alike.
+  bool by_texels() const { return shader_.texel_buffers > 0; }
+
   light_buffer::BuildSettings settings_for(const TracerInput& input) const {
     light_buffer::BuildSettings settings;
     settings.budget_bytes = options_.light_buffer_bytes / (scenes::has_area_lights(input.scene) ? 2 : 1);
+    if (by_texels())  // a view has to show all entries
+      settings.budget_bytes = std::min(settings.budget_bytes, uint64_t{device_->features().max_texels} * 4);
     // Lists for areas do not become shorter than what lies within the light's reach, so that work on them pays off less.
     const bool for_areas = std::any_of(input.lights.begin(), input.lights.end(),
                                        [](const exact::TracedLight& light) { return light.radius > 0.0f; });
@@ -178,7 +225,7 @@ class LightBufferTracer : public Tracer {
   Result<std::unique_ptr<TracedScene>> upload_built(const TracerInput& input,
                                                     const light_buffer::LightBuffer& buffer, TimePoint start,
                                                     bool from_cache) const {
-    auto created = LightBufferScene::create(device_, buffer, input.mesh);
+    auto created = LightBufferScene::create(device_, buffer, input.mesh, by_texels());
     if (!created) return created.error();
     std::unique_ptr<TracedScene> scene = std::move(*created);
     scene->build_seconds = to_seconds(Clock::now() - start);
@@ -223,7 +270,7 @@ Result<std::unique_ptr<Tracer>> make_light_buffer_tracer(const DevicePtr& device
   }
   const auto soft = options.light_buffer_soft_shader
                         ? options.light_buffer_soft_shader
-                        : light_buffer_soft_shader(shader->lanes, device->features().loads_pairs());
+                        : light_buffer_soft_shader(shader->lanes, shader->texel_buffers > 0);
   return std::unique_ptr<Tracer>(std::make_unique<LightBufferTracer>(device, *shader, soft, options));
 }
 

@@ -36,6 +36,8 @@ class TracedScene {
   virtual uint64_t memory_bytes() const = 0;
   // The push constants after the addresses of the masks and the valid_bits; at most kPushConstantBytes - 16 bytes.
   virtual std::span<const std::byte> push_constants() const = 0;
+  // What the shader reads as texels; VK_NULL_HANDLE where it reads nothing so.
+  virtual VkDescriptorSet texels() const { return VK_NULL_HANDLE; }
 
   double build_seconds = 0;
   ListStatistics list_statistics;

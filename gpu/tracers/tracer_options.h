@@ -17,6 +17,7 @@ struct TraceShader {
   std::span<const uint32_t> spirv;  // words that live as long as the program
   uint32_t lanes = 0;               // of its subgroups; 0: any number
   uint32_t tiles = 1;               // that a workgroup traces, side by side
+  uint32_t texel_buffers = 0;  // that it reads as texels, of what its tracer built; 0: it was not made for texels
 };
 
 struct TracerOptions {

@@ -75,7 +75,7 @@ Result<void> Device::open(const DeviceOptions& options) {
   if (!chosen) return chosen.error();
   info_ = *chosen;
   features_ = query_features(info_.handle);
-  if (!options.int64) features_.int64 = features_.atomic_int64 = false;
+  if (!options.texel_loads) features_.max_texels = 0;
   const auto family = frame_queue_family(info_, options.compute_only);
   if (!family) return family.error();
 

@@ -24,7 +24,7 @@ struct DeviceOptions {
   // On queues for compute alone, if the device has some; nothing may be drawn then. Work on several of these shares the
   // compute units, where that on several queues for graphics may take turns.
   bool compute_only = false;
-  bool int64 = true;  // false: as if the device had no 64-bit integers, for tests
+  bool texel_loads = true;  // false: as if the device had no views of buffers that are large enough, for tests
 };
 
 class Device;

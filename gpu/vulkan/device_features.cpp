@@ -145,6 +145,8 @@ DeviceFeatures query_features(VkPhysicalDevice device) {
   const VkPhysicalDeviceLimits& limits = properties.limits;
   offered.max_image_side =
       std::min({limits.maxImageDimension2D, limits.maxFramebufferWidth, limits.maxFramebufferHeight});
+  offered.max_texels = limits.maxTexelBufferElements;
+  offered.max_sets = limits.maxBoundDescriptorSets;
   offered.timestamp_period_ns = limits.timestampPeriod;
   return offered;
 }

@@ -24,16 +24,23 @@ struct DeviceFeatures {
   bool unified_memory = false;  // device memory is host memory, so that nothing needs staging
   SubgroupFeatures subgroups;
   uint32_t max_image_side = 0;  // pixels
+  uint32_t max_texels = 0;      // of a buffer's view
+  uint32_t max_sets = 0;        // of descriptors, that a pipeline may bind
   double timestamp_period_ns = 0;
 
   // Whether shaders run on vector units of a processor, whose lanes load one after the other: by how few there are.
   bool has_vector_units() const { return subgroups.usual <= 16; }
-  // Whether shaders with BY_PAIRS (shaders/pairs.glsl) are the faster ones.
-  bool loads_pairs() const { return int64 && has_vector_units(); }
-  // Of a shader's words that were compiled with it and without the faster ones.
-  std::span<const uint32_t> choose(std::span<const uint32_t> by_pairs, std::span<const uint32_t> other) const {
-    return loads_pairs() ? by_pairs : other;
+  // Whether shaders with BY_TEXELS (shaders/texels.glsl) are the faster ones, and possible: a view shows 512 MiB by words
+  // then, and 2 GiB by texels of four.
+  bool loads_texels() const {
+    return has_vector_units() && max_texels >= kEnoughTexels && max_sets >= kSetsOfATrace;
   }
+  // Of a shader's words that were compiled with it and without the ones to run.
+  std::span<const uint32_t> choose(std::span<const uint32_t> by_texels, std::span<const uint32_t> other) const {
+    return loads_texels() ? by_texels : other;
+  }
+  static constexpr uint32_t kEnoughTexels = uint32_t{1} << 27;
+  static constexpr uint32_t kSetsOfATrace = 5;
 };
 
 // A readable list of the required features that the device lacks; empty if it is usable.

@@ -30,6 +30,21 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits which, const ShaderM
   return info;
 }
 
+// One binding of each of these types, in their order.
+Result<DescriptorSetLayout> make_set_layout(const DevicePtr& device, const std::vector<VkDescriptorType>& types) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (const VkDescriptorType type : types)
+    bindings.push_back({static_cast<uint32_t>(bindings.size()), type, 1, kStages, nullptr});
+  VkDescriptorSetLayoutCreateInfo create{};
+  create.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+  create.bindingCount = static_cast<uint32_t>(bindings.size());
+  create.pBindings = bindings.data();
+  VkDescriptorSetLayout handle = VK_NULL_HANDLE;
+  if (const VkResult r = vkCreateDescriptorSetLayout(device->handle(), &create, nullptr, &handle); r != VK_SUCCESS)
+    return vulkan_error(r, "creating a descriptor set layout");
+  return DescriptorSetLayout(device, handle);
+}
+
 // The state that all raster pipelines share.
 struct RasterState {
   VkPipelineInputAssemblyStateCreateInfo assembly{};
@@ -67,30 +82,29 @@ struct RasterState {
 
 }  // namespace
 
-Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images, uint32_t storage_images) {
-  std::vector<VkDescriptorSetLayoutBinding> bindings;
-  bindings.push_back({0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, kStages, nullptr});
-  const auto add = [&](VkDescriptorType type, uint32_t count) {
-    for (uint32_t i = 0; i < count; ++i)
-      bindings.push_back({static_cast<uint32_t>(bindings.size()), type, 1, kStages, nullptr});
-  };
-  add(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled_images);
-  add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, storage_images);
-  VkDescriptorSetLayoutCreateInfo set{};
-  set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-  set.bindingCount = static_cast<uint32_t>(bindings.size());
-  set.pBindings = bindings.data();
-  VkDescriptorSetLayout set_handle = VK_NULL_HANDLE;
-  if (const VkResult r = vkCreateDescriptorSetLayout(device->handle(), &set, nullptr, &set_handle); r != VK_SUCCESS)
-    return vulkan_error(r, "creating a descriptor set layout");
+Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_images, uint32_t storage_images,
+                                    std::span<const uint32_t> texel_sets) {
+  std::vector<VkDescriptorType> types{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
+  types.insert(types.end(), sampled_images, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE);
+  types.insert(types.end(), storage_images, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE);
+  auto set = make_set_layout(device, types);
+  if (!set) return set.error();
   PassLayout layout;
-  layout.set = DescriptorSetLayout(device, set_handle);
+  layout.set = std::move(*set);
+  std::vector<DescriptorSetLayout> behind;
+  std::vector<VkDescriptorSetLayout> sets{layout.set.get()};
+  for (const uint32_t buffers : texel_sets) {
+    auto texels = make_texel_set_layout(device, buffers);
+    if (!texels) return texels.error();
+    sets.push_back(texels->get());
+    behind.push_back(std::move(*texels));
+  }
 
   const VkPushConstantRange push{kStages, 0, kPushConstantBytes};
   VkPipelineLayoutCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-  create.setLayoutCount = 1;
-  create.pSetLayouts = &set_handle;
+  create.setLayoutCount = static_cast<uint32_t>(sets.size());
+  create.pSetLayouts = sets.data();
   create.pushConstantRangeCount = 1;
   create.pPushConstantRanges = &push;
   VkPipelineLayout handle = VK_NULL_HANDLE;
@@ -98,6 +112,10 @@ Result<PassLayout> make_pass_layout(const DevicePtr& device, uint32_t sampled_im
     return vulkan_error(r, "creating a pipeline layout");
   layout.pipeline = PipelineLayout(device, handle);
   return layout;
+}
+
+Result<DescriptorSetLayout> make_texel_set_layout(const DevicePtr& device, uint32_t buffers) {
+  return make_set_layout(device, std::vector(buffers, VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER));
 }
 
 Result<Pipeline> make_compute_pipeline(const DevicePtr& device, const PassLayout& layout,

@@ -18,6 +18,7 @@ Result<Buffer> Buffer::create(const DevicePtr& device, uint64_t bytes, VkBufferU
   create.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   create.size = buffer.bytes_;
   create.usage = usage | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  if (device->features().loads_texels()) create.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
   if (const VkResult r = vkCreateBuffer(device->handle(), &create, nullptr, &buffer.buffer_); r != VK_SUCCESS)
     return vulkan_error(r, "creating a buffer");
   VkMemoryRequirements need{};

@@ -10,7 +10,8 @@ namespace gnomon::gpu {
 
 class Buffer {
  public:
-  // Every buffer has a device address; `usage` has the usages beside that. Error: out of memory.
+  // Every buffer has a device address, and may be seen as texels where shaders load these; `usage` has the usages beside
+  // that. Error: out of memory.
   static Result<Buffer> create(const DevicePtr& device, uint64_t bytes, VkBufferUsageFlags usage, MemoryUse use);
 
   Buffer() = default;

@@ -1,7 +1,8 @@
 // Walks a bounding volume hierarchy without a stack: nodes are in depth-first order, and a miss follows `skip`
 // (gpu/builds/bvh.h). The result is bit-identical to testing every triangle, because a box is met whenever one
-// of its triangles is. The includer defines struct Hierarchy; first_triangle is added to the numbers of its triangles.
-#include "pairs.glsl"
+// of its triangles is.
+#include "hierarchy.glsl"
+#include "texels.glsl"
 #include "tracers/alpha.glsl"
 
 struct BvhNode {
@@ -18,28 +19,34 @@ struct BvhTriangle {
   vec3 p2;
   uint reserved;
 };
-#ifdef BY_PAIRS
-
-struct NodePairs {
-  uint64_t a, b, c, d;
+// One of the frame's hierarchies.
+struct Tree {
+  Hierarchy at;
+  bool moves;  // a constant: of the moving geometry, and not of the resting one
 };
-struct TrianglePairs {
-  uint64_t a, b, c, d, e, f;
-};
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhNodes { NodePairs at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhTriangles { TrianglePairs at[]; };
 
-BvhNode node_at(uvec2 nodes, uint n) {
-  NodePairs node = BvhNodes(nodes).at[n];
-  vec2 a = floats_of(node.a), b = floats_of(node.b), c = floats_of(node.c), d = floats_of(node.d);
-  return BvhNode(vec3(a, b.x), floatBitsToUint(b.y), vec3(c, d.x), floatBitsToUint(d.y));
+#ifdef BY_TEXELS
+
+layout(set = 2, binding = 0, rgba32ui) uniform readonly uimageBuffer resting_tree;
+#ifdef RESTING_ALONE
+uvec4 texel_of(Tree tree, uint n) { return imageLoad(resting_tree, int(n)); }
+#else
+layout(set = 3, binding = 0, rgba32ui) uniform readonly uimageBuffer moving_tree;
+uvec4 texel_of(Tree tree, uint n) {
+  if (tree.moves) return imageLoad(moving_tree, int(n));
+  return imageLoad(resting_tree, int(n));
+}
+#endif
+
+BvhNode node_at(Tree tree, uint n) {
+  uvec4 a = texel_of(tree, 2u * n), b = texel_of(tree, 2u * n + 1u);
+  return BvhNode(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w);
 }
 
-BvhTriangle bvh_triangle_at(uvec2 triangles, uint n) {
-  TrianglePairs t = BvhTriangles(triangles).at[n];
-  vec2 a = floats_of(t.a), b = floats_of(t.b), c = floats_of(t.c), d = floats_of(t.d), e = floats_of(t.e);
-  return BvhTriangle(vec3(a, b.x), floatBitsToUint(b.y), vec3(c, d.x), floatBitsToUint(d.y),
-                     vec3(e, floats_of(t.f).x), 0u);
+BvhTriangle bvh_triangle_at(Tree tree, uint n) {
+  uint at = (tree.at.triangles.x - tree.at.nodes.x) / 16u + 3u * n;
+  uvec4 a = texel_of(tree, at), b = texel_of(tree, at + 1u), c = texel_of(tree, at + 2u);
+  return BvhTriangle(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w, uintBitsToFloat(c.xyz), 0u);
 }
 
 #else
@@ -47,8 +54,8 @@ BvhTriangle bvh_triangle_at(uvec2 triangles, uint n) {
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhNodes { BvhNode at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BvhTriangles { BvhTriangle at[]; };
 
-BvhNode node_at(uvec2 nodes, uint n) { return BvhNodes(nodes).at[n]; }
-BvhTriangle bvh_triangle_at(uvec2 triangles, uint n) { return BvhTriangles(triangles).at[n]; }
+BvhNode node_at(Tree tree, uint n) { return BvhNodes(tree.at.nodes).at[n]; }
+BvhTriangle bvh_triangle_at(Tree tree, uint n) { return BvhTriangles(tree.at.triangles).at[n]; }
 
 #endif
 
@@ -57,10 +64,10 @@ bool triangle_blocks(BvhTriangle t, uint first_triangle, vec3 origin, vec3 direc
   return t.masked == 0u || blocks_by_alpha(first_triangle + t.triangle, origin, direction, t.p0, t.p1, t.p2);
 }
 
-bool leaf_blocks(Hierarchy h, uint leaf, vec3 origin, vec3 direction) {
+bool leaf_blocks(Tree tree, uint leaf, vec3 origin, vec3 direction) {
   uint first = leaf >> 4, count = leaf & 15u;
   for (uint i = 0u; i < count; ++i)
-    if (triangle_blocks(bvh_triangle_at(h.triangles, first + i), h.first_triangle, origin, direction)) return true;
+    if (triangle_blocks(bvh_triangle_at(tree, first + i), tree.at.first_triangle, origin, direction)) return true;
   return false;
 }
 
@@ -90,16 +97,18 @@ bool enters(Way way, BvhNode node) {
 }
 
 // Of the nodes from `first` to `end` - 1, a subtree.
-bool meets_part(Hierarchy h, uint first, uint end, vec3 origin, vec3 direction) {
+bool meets_part(Tree tree, uint first, uint end, vec3 origin, vec3 direction) {
   Way way = way_of(origin, direction);
   uint n = first;
   while (n < end) {
-    BvhNode node = node_at(h.nodes, n);
+    BvhNode node = node_at(tree, n);
     bool met = enters(way, node);
-    if (met && node.leaf != 0u && leaf_blocks(h, node.leaf, origin, direction)) return true;
+    if (met && node.leaf != 0u && leaf_blocks(tree, node.leaf, origin, direction)) return true;
     n = met ? n + 1u : node.skip;
   }
   return false;
 }
 
-bool meets(Hierarchy h, vec3 origin, vec3 direction) { return meets_part(h, 0u, h.node_count, origin, direction); }
+bool meets(Tree tree, vec3 origin, vec3 direction) {
+  return meets_part(tree, 0u, tree.at.node_count, origin, direction);
+}

@@ -32,31 +32,31 @@ bool shaft_meets(Shaft shaft, vec3 lo, vec3 hi) {
   return max(enter.x, max(enter.y, max(enter.z, 0.0))) <= min(leave.x, min(leave.y, min(leave.z, 1.0))) * 1.000001;
 }
 
-uint open_behind_in_one_walk(Hierarchy h, Bundle bundle, uint open) {
+uint open_behind_in_one_walk(Tree tree, Bundle bundle, uint open) {
   Shaft shaft = shaft_of(bundle);
   SeenPoints points = points_anywhere();
   if (kLooksAtPoints) points = points_as_seen(bundle.origin, bundle.to_middle, bundle.radius, bundle.first);
   uint n = 0u;
-  while (n < h.node_count && open != 0u) {
-    BvhNode node = node_at(h.nodes, n);
+  while (n < tree.at.node_count && open != 0u) {
+    BvhNode node = node_at(tree, n);
     vec3 lo = node.lo - bundle.origin, hi = node.hi - bundle.origin;
     vec3 reach = max(abs(lo), abs(hi));
     float margin = max(reach.x, max(reach.y, reach.z)) * (1.0 / 4095.0);  // as meets() has it
     bool met = shaft_meets(shaft, lo - margin, hi + margin);
     uint first = node.leaf >> 4, count = met ? node.leaf & 15u : 0u;
     for (uint i = 0u; i < count && open != 0u; ++i) {
-      BvhTriangle t = bvh_triangle_at(h.triangles, first + i);
-      open = left_open(bundle, points, open, Occluder(h.first_triangle + t.triangle, t.masked != 0u, t.p0, t.p1, t.p2));
+      BvhTriangle t = bvh_triangle_at(tree, first + i);
+      open = left_open(bundle, points, open, Occluder(tree.at.first_triangle + t.triangle, t.masked != 0u, t.p0, t.p1, t.p2));
     }
     n = met ? n + 1u : node.skip;
   }
   return open;
 }
 
-uint open_behind_by_walks(Hierarchy h, Bundle bundle, uint open) {
+uint open_behind_by_walks(Tree tree, Bundle bundle, uint open) {
   for (uint asked = open; asked != 0u; asked &= asked - 1u) {
     uint bit = uint(findLSB(asked));
-    if (meets(h, bundle.origin, direction_to(bundle, point_of(bit)))) open &= ~(1u << bit);
+    if (meets(tree, bundle.origin, direction_to(bundle, point_of(bit)))) open &= ~(1u << bit);
   }
   return open;
 }
@@ -67,9 +67,9 @@ const float kNarrow = 64.0;
 const uint kWorthOneWalk = 16u;
 
 // The points of `open` that the hierarchy's geometry does not hide.
-uint open_behind(Hierarchy h, Bundle bundle, uint open) {
-  if (h.node_count == 0u) return open;
+uint open_behind(Tree tree, Bundle bundle, uint open) {
+  if (tree.at.node_count == 0u) return open;
   bool narrow = dot(bundle.to_middle, bundle.to_middle) > kNarrow * kNarrow * bundle.radius * bundle.radius;
-  return narrow && push.soft.samples >= kWorthOneWalk ? open_behind_in_one_walk(h, bundle, open)
-                                                      : open_behind_by_walks(h, bundle, open);
+  return narrow && push.soft.samples >= kWorthOneWalk ? open_behind_in_one_walk(tree, bundle, open)
+                                                      : open_behind_by_walks(tree, bundle, open);
 }

@@ -1,6 +1,6 @@
 // Light buffers as the shader reads them. gpu/tracers/light_buffer/light_buffer.h defines them and explains why the
 // answers are exact; query.cpp is the same query in C++.
-#include "pairs.glsl"
+#include "texels.glsl"
 #include "tracers/alpha.glsl"
 
 const uint kTopLevel = 8u;
@@ -26,49 +26,51 @@ struct Leaf {
   vec3 cover_plane;
   uint count;
 };
-struct ListEntry {
+// What a walk looks at of an entry before its triangle.
+struct EntryBounds {
   uint depth_and_low;
   uint high_and_strip;
+};
+struct ListEntry {
+  EntryBounds bounds;
   uint triangle;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightViews { LightView at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
 
-// The corners of a triangle, as a walk reads them: in one place.
-struct TriangleCorners {
-  vec3 p0, p1, p2;
-  uint reserved;
-};
+#ifdef BY_TEXELS
 
-#ifdef BY_PAIRS
+layout(set = LIGHT_BUFFER_SET, binding = 0, r32ui) uniform readonly uimageBuffer light_grid;
+layout(set = LIGHT_BUFFER_SET, binding = 1, rgba32ui) uniform readonly uimageBuffer light_leaves;
+layout(set = LIGHT_BUFFER_SET, binding = 2, rgba32ui) uniform readonly uimageBuffer light_bounds;  // of two entries
+layout(set = LIGHT_BUFFER_SET, binding = 3, r32ui) uniform readonly uimageBuffer light_triangles;
 
-struct LeafPairs {
-  uint64_t a, b, c, d;
-};
-struct CornerPairs {
-  uint64_t a, b, c, d, e;
-};
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LeavesByPairs { LeafPairs at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { CornerPairs at[]; };
+uint grid_at(uint n) { return imageLoad(light_grid, int(n)).x; }
 
-Leaf whole_leaf(uint n) {
-  LeafPairs leaf = LeavesByPairs(push.leaves).at[n];
-  vec2 a = floats_of(leaf.a), b = floats_of(leaf.b), c = floats_of(leaf.c), d = floats_of(leaf.d);
-  return Leaf(vec3(a, b.x), floatBitsToUint(b.y), vec3(c, d.x), floatBitsToUint(d.y));
+Leaf leaf_of(uint n) {
+  uvec4 a = imageLoad(light_leaves, int(2u * n)), b = imageLoad(light_leaves, int(2u * n + 1u));
+  return Leaf(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w);
 }
 
-TriangleCorners corners_of(uint triangle) {
-  CornerPairs corners = Corners(push.corners).at[triangle];
-  vec2 a = floats_of(corners.a), b = floats_of(corners.b), c = floats_of(corners.c), d = floats_of(corners.d);
-  return TriangleCorners(vec3(a, b.x), vec3(b.y, c), vec3(d, floats_of(corners.e).x), 0u);
+EntryBounds bounds_at(uint n) {
+  uvec4 two = imageLoad(light_bounds, int(n >> 1));
+  return (n & 1u) != 0u ? EntryBounds(two.z, two.w) : EntryBounds(two.x, two.y);
 }
+uint triangle_of(uint n) { return imageLoad(light_triangles, int(n)).x; }
+
+TriangleCorners corners_of(uint triangle) { return corners_at_rest(triangle); }
 
 #else
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { TriangleCorners at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
+// As a walk reads them: in one place.
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Corners { TriangleCorners at[]; };
 
-Leaf whole_leaf(uint n) { return Leaves(push.leaves).at[n]; }
+uint grid_at(uint n) { return Uints(push.grid).at[n]; }
+Leaf leaf_of(uint n) { return Leaves(push.leaves).at[n]; }
+ListEntry entry_at(uint n) { return Entries(push.entries).at[n]; }
+EntryBounds bounds_at(uint n) { return Entries(push.entries).at[n].bounds; }
+uint triangle_of(uint n) { return Entries(push.entries).at[n].triangle; }
 TriangleCorners corners_of(uint triangle) { return Corners(push.corners).at[triangle]; }
 
 #endif
@@ -111,14 +113,14 @@ const uint kCellShift = kIndexBits - kTopLevel;
 
 uint cell_at(LightView view, Place place) {
   uvec2 cell = place.at >> kCellShift;
-  return Uints(push.grid).at[view.cells + (place.face << (2u * kTopLevel)) + (cell.y << kTopLevel) + cell.x];
+  return grid_at(view.cells + (place.face << (2u * kTopLevel)) + (cell.y << kTopLevel) + cell.x);
 }
 
 // The leaf within the cell.
 uint leaf_at(uint cell, Place place) {
   uint bits = cell & ((1u << kDepthBits) - 1u);
   uvec2 sub = (place.at >> (kCellShift - bits)) & ((1u << bits) - 1u);
-  return Uints(push.grid).at[(cell >> kDepthBits) + (sub.y << bits) + sub.x];
+  return grid_at((cell >> kDepthBits) + (sub.y << bits) + sub.x);
 }
 
 // The place in 256ths of the leaf's side, x in the low half. `count`: Leaf::count, which contains the level.
@@ -127,10 +129,10 @@ uint place_in_leaf(uvec2 at, uint count) {
   return place.x | place.y << 16;
 }
 
-bool in_front(ListEntry entry, float depth) { return depth * uintBitsToFloat(entry.depth_and_low >> 1) < 1.0; }
+bool in_front(EntryBounds entry, float depth) { return depth * uintBitsToFloat(entry.depth_and_low >> 1) < 1.0; }
 
 // Whether the place lies in the entry's box and strip.
-bool holds(ListEntry entry, uint place) {
+bool holds(EntryBounds entry, uint place) {
   uint x = place & 255u, y = place >> 16, low = entry.depth_and_low, high = entry.high_and_strip;
   bool in_box = (x >> 3) >= (low & 31u) && (y >> 3) >= ((low >> 5) & 31u) && (x >> 3) <= (high & 31u) &&
                 (y >> 3) <= ((high >> 5) & 31u);

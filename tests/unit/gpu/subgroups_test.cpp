@@ -85,14 +85,13 @@ TEST(Subgroups, LightBuffersAreTracedByThoseOfTheRun) {
   }
 }
 
-TEST(Subgroups, ARunWithoutLargeIntegersLoadsNoPairs) {
-  if (device_options().int64) GTEST_SKIP() << "the run is with what the device has";
+TEST(Subgroups, ARunWithoutTexelsLoadsNone) {
+  if (device_options().texel_loads) GTEST_SKIP() << "the run is with what the device has";
   for (const std::string& tracer : tracers()) {
     SCOPED_TRACE(tracer);
     auto probe = SurfaceProbe::create(device_options(tracer), triangle_soup(1, 100, 2));
     ASSERT_TRUE(probe) << probe.error().message;
-    EXPECT_FALSE(probe->device().features().int64);
-    EXPECT_FALSE(probe->device().features().loads_pairs());
+    EXPECT_FALSE(probe->device().features().loads_texels());
   }
 }
 
@@ -114,14 +113,17 @@ DeviceFeatures with(const SubgroupFeatures& subgroups) {
   return features;
 }
 
-TEST(Subgroups, VectorUnitsWithLargeIntegersLoadPairs) {
+TEST(Subgroups, VectorUnitsWithLargeViewsLoadTexels) {
   for (const uint32_t lanes : {4u, 8u, 16u, 32u, 64u, 128u}) {
     SCOPED_TRACE(lanes);
     DeviceFeatures features = with({lanes, lanes, lanes, true, true});
     const auto without = light_buffer_shader(features);
-    features.int64 = true;
+    features.max_texels = DeviceFeatures::kEnoughTexels;
+    features.max_sets = DeviceFeatures::kSetsOfATrace;
     const auto chosen = light_buffer_shader(features);
     ASSERT_TRUE(without && chosen);
+    EXPECT_EQ(without->texel_buffers, 0u);
+    EXPECT_EQ(chosen->texel_buffers > 0, lanes <= 16);
     EXPECT_EQ(without->spirv.data() != chosen->spirv.data(), lanes <= 16);
     EXPECT_EQ(invocations(chosen->spirv), lanes);
   }

@@ -30,7 +30,7 @@ gpu::RendererOptions device_options(const std::string& tracer) {
   gpu::RendererOptions options;
   if (const char* device = std::getenv("GNOMON_TEST_DEVICE")) options.device = device;
   if (const char* raster = std::getenv("GNOMON_TEST_RASTER")) options.raster = raster;
-  options.int64 = std::getenv("GNOMON_TEST_WITHOUT_INT64") == nullptr;
+  options.texel_loads = std::getenv("GNOMON_TEST_WITHOUT_TEXELS") == nullptr;
   options.tracer = tracer;
   options.tracer_options.light_buffer_bytes = kLightBufferBytes;
   if (const uint32_t lanes = number_in_environment("GNOMON_TEST_EMULATED_LANES")) {
