@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 #include <vector>
 
 #include "gpu/passes/pass.h"
@@ -33,23 +34,23 @@ inline Hierarchy moving_hierarchy(const FrameContext& frame, const Buffer& movin
 }
 
 // How many buffers each set of texels has that such a pass binds (shaders/texels.glsl): none where the device loads no
-// texels. `built`: of what a tracer built for lights, which the shader reads as well.
-inline std::vector<uint32_t> texel_sets(const Device& device, uint32_t built = 0) {
+// texels. `behind`: of sets behind those of the hierarchies.
+inline std::vector<uint32_t> texel_sets(const Device& device, std::initializer_list<uint32_t> behind = {}) {
   std::vector<uint32_t> sets;
   if (!device.features().loads_texels()) return sets;
   sets = {1, 1, 1};
-  if (built > 0) sets.push_back(built);
+  sets.insert(sets.end(), behind);
   return sets;
 }
 
 // A frame's sets, likewise. `moving`: the port of moving_bvh; nullptr where nothing moves, and its hierarchy is empty.
 inline std::vector<VkDescriptorSet> texels_of(const FrameContext& frame, const BoundPort* moving,
-                                              const TracedScene* built = nullptr) {
+                                              std::initializer_list<VkDescriptorSet> behind = {}) {
   std::vector<VkDescriptorSet> sets;
   if (frame.scene.texels() == VK_NULL_HANDLE) return sets;
   const VkDescriptorSet resting = frame.posed.static_bvh->texels();
   sets = {frame.scene.texels(), resting, moving ? moving->texels : resting};
-  if (built) sets.push_back(built->texels());
+  sets.insert(sets.end(), behind);
   return sets;
 }
 

@@ -26,11 +26,13 @@ struct SoftLight {
 struct SoftFrame {
   uint32_t light_count = 0;
   uint32_t samples = 0;
+  std::array<uint32_t, 2> reserved{};
   std::array<SoftLight, kMaxLights> lights;
-  // and the points of all lights, in the world
+  // and the points of all lights, in the world: vec4
 };
+static_assert(sizeof(SoftFrame) % sizeof(glm::vec4) == 0, "the points are whole texels");
 
-uint64_t bytes_of(const Capacity& c) { return sizeof(SoftFrame) + uint64_t{c.sample_points} * sizeof(glm::vec3); }
+uint64_t bytes_of(const Capacity& c) { return sizeof(SoftFrame) + uint64_t{c.sample_points} * sizeof(glm::vec4); }
 
 class SamplePointsPass : public Pass {
  public:
@@ -66,7 +68,7 @@ class TraceSoftPass : public Pass {
     std::vector<Port> ports{{resource::kTriangleId, Use::sampled},
                             {resource::kMasks, Use::storage_update},
                             {resource::kValidBits, Use::storage_update},
-                            {resource::kSoftLights, Use::storage_read}};
+                            {resource::kSoftLights, Use::texel_read}};
     if (motion_) ports.push_back({resource::kMovingBvh, Use::texel_read});
     return ports;
   }
@@ -86,9 +88,10 @@ class TraceSoftPass : public Pass {
                    motion_ ? moving_hierarchy(frame, *frame.ports[4].buffer) : Hierarchy{}};
     add(std::as_bytes(std::span(&own, 1)));
     if (by_built && !built_texels_) return dispatch_tiles(frame, *built_, push);
-    dispatch_tiles(
-        frame, by_built ? *built_ : step_, push,
-        texels_of(frame, motion_ ? &frame.ports[4] : nullptr, by_built ? frame.posed.area_traced.get() : nullptr));
+    const BoundPort* moving = motion_ ? &frame.ports[4] : nullptr;
+    const VkDescriptorSet points = frame.ports[3].texels;
+    if (!by_built) return dispatch_tiles(frame, step_, push, texels_of(frame, moving, {points}));
+    dispatch_tiles(frame, *built_, push, texels_of(frame, moving, {points, frame.posed.area_traced->texels()}));
   }
 
  private:
@@ -104,7 +107,7 @@ void write_soft(std::span<std::byte> into, const ResidentScene& scene, const Pos
                 const FrameView& view) {
   SoftFrame soft;
   soft.samples = view.samples.per_light;
-  std::vector<glm::vec3> points;
+  std::vector<glm::vec4> points;
   uint32_t plane = 0, areas = 0;
   for (uint32_t light = 0; light < scene.light_count(); ++light) {
     const bool area = scene.area_lights().is_area(light);
@@ -124,13 +127,13 @@ void write_soft(std::span<std::byte> into, const ResidentScene& scene, const Pos
     }
     if (area) {
       for (const glm::vec3& offset : scene.area_lights().offsets(light, posed.areas[light], view.samples.per_light))
-        points.push_back(traced.position + offset);
+        points.emplace_back(traced.position + offset, 0.0f);
       ++areas;
     }
     plane += planes;
   }
   std::memcpy(into.data(), &soft, sizeof(soft));
-  std::memcpy(into.data() + sizeof(soft), points.data(), points.size() * sizeof(glm::vec3));
+  std::memcpy(into.data() + sizeof(soft), points.data(), points.size() * sizeof(glm::vec4));
 }
 
 Result<std::unique_ptr<Pass>> make_sample_points_pass() {
@@ -142,7 +145,7 @@ Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, cons
   const auto shader = tracer.soft_shader();
   const bool built_texels = shader && shader->texel_buffers > 0;
   if (shader) {
-    const auto sets = built_texels ? texel_sets(*device, shader->texel_buffers) : std::vector<uint32_t>();
+    const auto sets = built_texels ? texel_sets(*device, {1, shader->texel_buffers}) : std::vector<uint32_t>();
     auto step = make_compute_step(device, 1, shader->spirv, 0, shader->lanes, {}, sets);
     if (!step) return step.error();
     step->tiles_at_once = shader->tiles;
@@ -151,7 +154,7 @@ Result<std::unique_ptr<Pass>> make_trace_soft_pass(const DevicePtr& device, cons
   const std::array<uint32_t, 1> looks_at_points{device->features().has_vector_units()};
   return pass_of<TraceSoftPass>(
       make_compute_step(device, 1, device->features().choose(trace_soft_bvh_texels_comp, trace_soft_bvh_comp), 0, 0,
-                        looks_at_points, texel_sets(*device)),
+                        looks_at_points, texel_sets(*device, {1})),
       std::move(built), built_texels, motion);
 }
 

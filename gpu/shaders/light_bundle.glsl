@@ -11,7 +11,7 @@ struct Bundle {
 };
 
 vec3 direction_to(Bundle bundle, uint i) {
-  return sample_segment(bundle.origin, vec3(0.0), push.soft.points[bundle.first + i]).direction;
+  return sample_segment(bundle.origin, vec3(0.0), SAMPLE_POINT(bundle.first + i)).direction;
 }
 
 // The points in front of the surface. Where the whole light is, with room for all rounding, no point is looked at.
@@ -20,7 +20,7 @@ uint facing_points(Bundle bundle, vec3 normal) {
   if (dot(normal, bundle.to_middle) > 1.001 * bundle.radius + 1e-5 * sum_of(bundle.to_middle)) return all_points(samples);
   uint facing = 0u;
   for (uint i = 0u; i < samples; ++i)
-    facing |= sample_segment(bundle.origin, normal, push.soft.points[bundle.first + i]).traced ? point_bit(i) : 0u;
+    facing |= sample_segment(bundle.origin, normal, SAMPLE_POINT(bundle.first + i)).traced ? point_bit(i) : 0u;
   return facing;
 }
 

@@ -42,7 +42,7 @@ EXACT_FN SeenPoints points_as_seen(vec3 origin, vec3 to_middle, float radius, ui
   seen.scale = 62.0f * sqrt(narrow) / radius;
   for (uint w = 0u; w < 4u; ++w) {
     for (uint j = 0u; j < 4u && 4u * w < push.soft.samples; ++j) {
-      vec3 to_point = push.soft.points[first + 4u * w + j] - origin;
+      vec3 to_point = SAMPLE_POINT(first + 4u * w + j) - origin;
       float scale = seen.scale / dot(seen.z_axis, to_point);
       seen.x[w] |= packed(dot(seen.x_axis, to_point) * scale + 64.0f) << (8u * j);
       seen.y[w] |= packed(dot(seen.y_axis, to_point) * scale + 64.0f) << (8u * j);

@@ -3,7 +3,8 @@
 //   1  the scene: the corners of resting triangles
 //   2  the hierarchy of the resting geometry, or in the trace pass with light buffers these
 //   3  the hierarchy of the moving geometry
-//   4  in the pass for area lights the light buffers
+//   4  in the pass for area lights their points
+//   5  and there the light buffers
 #ifndef TEXELS_GLSL
 #define TEXELS_GLSL
 

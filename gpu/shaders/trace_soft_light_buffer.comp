@@ -10,7 +10,7 @@
 #include "hierarchy.glsl"
 #include "soft_lights.glsl"
 #define TRACER_PUSH_MORE SoftFrame soft; Hierarchy still; Hierarchy moving;
-#define LIGHT_BUFFER_SET 4
+#define LIGHT_BUFFER_SET 5
 #include "trace_light_buffer.glsl"
 
 // A list that is longer is not walked: the hierarchy of the resting geometry answers for its pixels sooner.
@@ -64,7 +64,7 @@ Open facing_points(SoftLight light, Pixels pixels, uint care) {
     [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
       uint facing = 0u;
       for (uint i = 0u; i < samples; ++i)
-        facing |= sample_segment(pixels.origin[r], pixels.surface[r].normal, push.soft.points[open.first[r] + i]).traced
+        facing |= sample_segment(pixels.origin[r], pixels.surface[r].normal, SAMPLE_POINT(open.first[r] + i)).traced
                       ? point_bit(i) : 0u;
       open.points[r] &= (partly & (1u << r)) != 0u ? facing : all;
     }

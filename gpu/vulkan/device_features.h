@@ -40,7 +40,7 @@ struct DeviceFeatures {
     return loads_texels() ? by_texels : other;
   }
   static constexpr uint32_t kEnoughTexels = uint32_t{1} << 27;
-  static constexpr uint32_t kSetsOfATrace = 5;
+  static constexpr uint32_t kSetsOfATrace = 6;
 };
 
 // A readable list of the required features that the device lacks; empty if it is usable.

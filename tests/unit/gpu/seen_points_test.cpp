@@ -30,6 +30,7 @@ struct {
 } push;
 
 #define EXACT_FN inline
+#define SAMPLE_POINT(n) push.soft.points[n]
 #include "gpu/shaders/seen_points.glsl"
 #undef EXACT_FN
 
