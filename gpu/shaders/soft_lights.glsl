@@ -10,12 +10,12 @@ struct SoftLight {
   uint view;     // of light buffers: its number among their lights
   float radius;  // no point is farther from the light's position
 };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SoftFrame {
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SoftFrame {
   uint light_count;
   uint samples;
   uint reserved[2];
   SoftLight lights[kMaxLights];
-  vec4 points[];  // in the world
+  vec3 points[];  // in the world; as texels they are vec4
 };
 
 #ifdef BY_TEXELS
@@ -23,7 +23,7 @@ layout(set = 4, binding = 0, rgba32ui) uniform readonly uimageBuffer soft_frame;
 const uint kPointsFrom = 1u + kMaxLights * 28u / 16u;  // in texels
 #define SAMPLE_POINT(n) uintBitsToFloat(imageLoad(soft_frame, int(kPointsFrom + (n))).xyz)
 #else
-#define SAMPLE_POINT(n) push.soft.points[n].xyz
+#define SAMPLE_POINT(n) push.soft.points[n]
 #endif
 
 #include "sample_pattern.glsl"

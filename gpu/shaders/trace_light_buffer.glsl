@@ -83,11 +83,18 @@ void load_pixels(out Pixels pixels) {
 struct Asked {
   LightView view;
   uint leaf[kRounds];
-  uint first[kRounds], count[kRounds];  // of the leaf's list, as Leaf has them
+  uint first[kRounds], count[kRounds];  // as the leaf has them
   uint place[kRounds];  // on the face, x in the low half
   float depth[kRounds];
   uint lit, undecided;
 };
+
+// Selects the element, because an array that is indexed by a variable would be kept in memory.
+uint chosen(uint list[kRounds], uint round) {
+  uint value = list[0];
+  [[unroll]] for (uint r = 1u; r < kRounds; ++r) value = round == r ? list[r] : value;
+  return value;
+}
 
 // The rounds whose segments to the light are traced.
 uint care_bits(uint light, Pixels pixels) {

@@ -18,22 +18,17 @@ struct Walk {
 
 Walk start_walk(Asked asked, Pixels pixels, uint round) {
   Walk walk;
-  uint first = asked.first[0], count = asked.count[0];
-  uint at = asked.place[0];
+  uint at = chosen(asked.place, round), count = chosen(asked.count, round);
   walk.depth = asked.depth[0];
   walk.origin = pixels.origin[0];
-  // Selects the element, because an array that is indexed by a variable would be kept in memory.
   [[unroll]] for (uint r = 1u; r < kRounds; ++r) {
-    first = round == r ? asked.first[r] : first;
-    count = round == r ? asked.count[r] : count;
-    at = round == r ? asked.place[r] : at;
     walk.depth = round == r ? asked.depth[r] : walk.depth;
     walk.origin = round == r ? pixels.origin[r] : walk.origin;
   }
   walk.round = round;
   walk.direction = direction_of(asked.view, walk.origin);
   walk.place = place_in_leaf(uvec2(at & 0xffffu, at >> 16), count);
-  walk.next = first;
+  walk.next = chosen(asked.first, round);
   walk.end = walk.next + (count & ((1u << kCountBits) - 1u));
   return walk;
 }

@@ -32,12 +32,6 @@ struct Open {
   uint first[kRounds];  // of the pixel's points
 };
 
-uint chosen(uint list[kRounds], uint round) {
-  uint value = list[0];
-  [[unroll]] for (uint r = 1u; r < kRounds; ++r) value = round == r ? list[r] : value;
-  return value;
-}
-
 vec3 origin_of(Pixels pixels, uint round) {
   vec3 origin = pixels.origin[0];
   [[unroll]] for (uint r = 1u; r < kRounds; ++r) origin = round == r ? pixels.origin[r] : origin;

@@ -29,8 +29,9 @@ struct TracerOptions {
   // their extents. 0: for each by the number of lights.
   uint64_t light_buffer_bytes = 0;
   StructureBuildsPtr builds = builds_here();
-  std::optional<TraceShader> light_buffer_shader = {};  // instead of the one for the device's subgroups: for tests
-  std::optional<TraceShader> light_buffer_soft_shader = {};  // likewise
+  // Instead of the ones for the device's subgroups, which load no texels: for tests, on devices that load none.
+  std::optional<TraceShader> light_buffer_shader = {};
+  std::optional<TraceShader> light_buffer_soft_shader = {};
 };
 
 inline uint64_t cache_limit(const TracerOptions& options) {

@@ -34,6 +34,7 @@ gpu::RendererOptions device_options(const std::string& tracer) {
   options.tracer = tracer;
   options.tracer_options.light_buffer_bytes = kLightBufferBytes;
   if (const uint32_t lanes = number_in_environment("GNOMON_TEST_EMULATED_LANES")) {
+    options.texel_loads = false;  // as on a GPU
     options.tracer_options.light_buffer_shader = emulated_light_buffer_shader(lanes);
     options.tracer_options.light_buffer_soft_shader = emulated_soft_shader(lanes);
   }
