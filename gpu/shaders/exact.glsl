@@ -71,21 +71,22 @@ struct TracedLight {
   float radius;  // for builders: no point of it that is traced is farther from the position; 0 where only that is
 };
 
-// The segment from a surface point to a light. It is not traced, and the bit is 0, if the light is behind the surface
-// (so that the segment would start by crossing that surface) or the point is out of range or outside the cone.
-EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight light) {
+// The segment from a surface point, whose segment_origin is `origin`, to a light. It is not traced, and the bit is 0, if
+// the light is behind the surface (so that the segment would start by crossing that surface) or the point is out of range
+// or outside the cone.
+EXACT_FN ShadowSegment segment_to_light(vec3 origin, vec3 normal, TracedLight light) {
   ShadowSegment segment;
-  segment.origin = segment_origin(camera, s);
+  segment.origin = origin;
   if (light.kind == 2u) {
     EXACT vec3 along = light.direction * -light.reach;
     segment.direction = along;
-    EXACT float facing = exact_dot(s.normal, along);
+    EXACT float facing = exact_dot(normal, along);
     segment.traced = facing > 0.0f;
     return segment;
   }
-  EXACT vec3 to_light = light.position - segment.origin;
+  EXACT vec3 to_light = light.position - origin;
   segment.direction = to_light;
-  EXACT float facing = exact_dot(s.normal, to_light);
+  EXACT float facing = exact_dot(normal, to_light);
   EXACT float squared = exact_dot(to_light, to_light);
   bool reached = facing > 0.0f && (light.reach == 0.0f || squared <= light.reach * light.reach);
   if (light.kind == 1u) {
@@ -94,6 +95,10 @@ EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight l
   }
   segment.traced = reached;
   return segment;
+}
+
+EXACT_FN ShadowSegment shadow_segment(vec3 camera, SurfacePoint s, TracedLight light) {
+  return segment_to_light(segment_origin(camera, s), s.normal, light);
 }
 
 // The segment from a surface to one sample point of an area light, of a pair whose segment to the light's middle is

@@ -38,7 +38,7 @@ const uint kRounds = LANES < 64 ? 64 / LANES : 1;  // number of pixels of each l
 #include "tracers/light_buffer.glsl"
 
 struct Pixels {
-  SurfacePoint surface[kRounds];
+  vec3 normal[kRounds];
   vec3 origin[kRounds];
   uint shown;  // a bit for each round
 };
@@ -73,8 +73,9 @@ void load_pixels(out Pixels pixels) {
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     uvec2 pixel = tile_of_lane() * 8u + pixel_in_tile((r * LANES + lane()) % 64u);
     uint id = triangle_at(pixel);
-    pixels.surface[r] = surface_of(max(id, 1u) - 1u, pixel);
-    pixels.origin[r] = segment_origin(frame.camera, pixels.surface[r]);
+    SurfacePoint surface = surface_of(max(id, 1u) - 1u, pixel);
+    pixels.normal[r] = surface.normal;
+    pixels.origin[r] = segment_origin(frame.camera, surface);
     pixels.shown |= id != 0u ? 1u << r : 0u;
   }
 }
@@ -101,7 +102,7 @@ uint care_bits(uint light, Pixels pixels) {
   TracedLight traced = frame.lights[light];
   uint care = 0u;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r)
-    care |= shadow_segment(frame.camera, pixels.surface[r], traced).traced ? 1u << r : 0u;
+    care |= segment_to_light(pixels.origin[r], pixels.normal[r], traced).traced ? 1u << r : 0u;
   return care & pixels.shown;
 }
 

@@ -50,7 +50,7 @@ Open facing_points(SoftLight light, Pixels pixels, uint care) {
     vec3 to_middle = middle - pixels.origin[r];
     float rounding = 1e-5 * (abs(to_middle.x) + abs(to_middle.y) + abs(to_middle.z));
     bool cares = (care & (1u << r)) != 0u;
-    bool whole = dot(pixels.surface[r].normal, to_middle) > 1.001 * light.radius + rounding;
+    bool whole = dot(pixels.normal[r], to_middle) > 1.001 * light.radius + rounding;
     open.points[r] = cares ? all : 0u;
     partly |= cares && !whole ? 1u << r : 0u;
   }
@@ -58,7 +58,7 @@ Open facing_points(SoftLight light, Pixels pixels, uint care) {
     [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
       uint facing = 0u;
       for (uint i = 0u; i < samples; ++i)
-        facing |= sample_segment(pixels.origin[r], pixels.surface[r].normal, SAMPLE_POINT(open.first[r] + i)).traced
+        facing |= sample_segment(pixels.origin[r], pixels.normal[r], SAMPLE_POINT(open.first[r] + i)).traced
                       ? point_bit(i) : 0u;
       open.points[r] &= (partly & (1u << r)) != 0u ? facing : all;
     }
