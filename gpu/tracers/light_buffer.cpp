@@ -2,6 +2,7 @@
 // static geometry and lights.
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -73,33 +74,41 @@ class LightBufferScene : public TracedScene {
 
   // The corners are the resident scene's. What a walk looks at of every entry lies apart from what it needs of a few.
   Result<void> upload_texels(const DevicePtr& device, const light_buffer::LightBuffer& buffer) {
-    std::vector<glm::uvec2> bounds;
-    std::vector<uint32_t> triangles;
-    bounds.reserve(buffer.entries.size() + 1);
-    triangles.reserve(buffer.entries.size());
-    for (const light_buffer::ListEntry& entry : buffer.entries) {
-      bounds.emplace_back(entry.depth_and_low, entry.high_and_strip);
-      triangles.push_back(entry.triangle);
-    }
-    bounds.resize((bounds.size() + 1) / 2 * 2);  // two to a texel
-    const std::array<std::pair<std::span<const std::byte>, VkFormat>, 4> parts = {{
-        {std::as_bytes(std::span(buffer.grid)), VK_FORMAT_R32_UINT},
-        {std::as_bytes(std::span(buffer.leaves)), VK_FORMAT_R32G32B32A32_UINT},
-        {std::as_bytes(std::span(bounds)), VK_FORMAT_R32G32B32A32_UINT},
-        {std::as_bytes(std::span(triangles)), VK_FORMAT_R32_UINT},
-    }};
-    std::vector<TexelView> views;
-    const size_t first = buffers_.size();
-    for (const auto& [bytes, format] : parts) {
-      auto uploaded = upload(device, bytes);
+    std::array<Buffer, 4> parts;
+    const auto put = [&](size_t part, const auto& list) -> Result<void> {
+      auto uploaded = upload(device, std::as_bytes(std::span(list)));
       if (!uploaded) return uploaded.error();
-      buffers_.push_back(std::move(*uploaded));
-    }
-    for (size_t i = 0; i < parts.size(); ++i) views.push_back({buffers_[first + i], parts[i].second});
-    auto texels = TexelSet::create(device, views);
+      parts[part] = std::move(*uploaded);
+      return {};
+    };
+    if (auto done = put(0, buffer.grid); !done) return done;
+    if (auto done = put(1, buffer.leaves); !done) return done;
+    if (auto done = put(2, bounds_of(buffer.entries)); !done) return done;
+    if (auto done = put(3, triangles_of(buffer.entries)); !done) return done;
+    auto texels = TexelSet::create(device, {{{parts[0], VK_FORMAT_R32_UINT},
+                                             {parts[1], VK_FORMAT_R32G32B32A32_UINT},
+                                             {parts[2], VK_FORMAT_R32G32B32A32_UINT},
+                                             {parts[3], VK_FORMAT_R32_UINT}}});
     if (!texels) return texels.error();
     texels_ = std::move(*texels);
+    std::move(parts.begin(), parts.end(), std::back_inserter(buffers_));
     return {};
+  }
+
+  // Two to a texel.
+  static std::vector<glm::uvec2> bounds_of(const std::vector<light_buffer::ListEntry>& entries) {
+    std::vector<glm::uvec2> bounds((entries.size() + 1) / 2 * 2);
+    std::transform(entries.begin(), entries.end(), bounds.begin(), [](const light_buffer::ListEntry& entry) {
+      return glm::uvec2(entry.depth_and_low, entry.high_and_strip);
+    });
+    return bounds;
+  }
+
+  static std::vector<uint32_t> triangles_of(const std::vector<light_buffer::ListEntry>& entries) {
+    std::vector<uint32_t> triangles(entries.size());
+    std::transform(entries.begin(), entries.end(), triangles.begin(),
+                   [](const light_buffer::ListEntry& entry) { return entry.triangle; });
+    return triangles;
   }
 
   // As shaders/tracers/light_buffer.glsl has them.
@@ -168,12 +177,13 @@ class LightBufferTracer : public Tracer {
 
   // The hard and the soft shader are made alike.
   bool by_texels() const { return shader_.texel_buffers > 0; }
+  // Of words, by one view of a buffer: no part of a light buffer may be larger.
+  uint64_t shown_bytes() const { return uint64_t{device_->features().max_texels} * sizeof(uint32_t); }
 
   light_buffer::BuildSettings settings_for(const TracerInput& input) const {
     light_buffer::BuildSettings settings;
     settings.budget_bytes = options_.light_buffer_bytes / (scenes::has_area_lights(input.scene) ? 2 : 1);
-    if (by_texels())  // a view has to show all entries
-      settings.budget_bytes = std::min(settings.budget_bytes, uint64_t{device_->features().max_texels} * 4);
+    if (by_texels()) settings.budget_bytes = std::min(settings.budget_bytes, shown_bytes());
     // Lists for areas do not become shorter than what lies within the light's reach, so that work on them pays off less.
     const bool for_areas = std::any_of(input.lights.begin(), input.lights.end(),
                                        [](const exact::TracedLight& light) { return light.radius > 0.0f; });
