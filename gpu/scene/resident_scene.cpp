@@ -293,7 +293,7 @@ uint64_t ResidentScene::memory_bytes() const {
   if (static_bvh_ && static_bvh_ != traced_.traced) bytes += static_bvh_->memory_bytes();
   for (const Buffer* b :
        {&buffers_.positions, &buffers_.normals, &buffers_.uvs, &buffers_.triangles, &buffers_.triangle_materials,
-        &buffers_.materials, &buffers_.clusters, &buffers_.cluster_chunks})
+        &buffers_.materials, &buffers_.clusters, &buffers_.cluster_chunks, &buffers_.corners})
     bytes += b->bytes();
   for (const Buffer& texture : buffers_.textures) bytes += texture.bytes();
   return bytes;
