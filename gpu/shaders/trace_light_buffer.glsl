@@ -106,11 +106,33 @@ uint care_bits(uint light, Pixels pixels) {
   return care & pixels.shown;
 }
 
-// Proceeds in steps over all rounds, so that the loads of a step, which mostly miss the cache, overlap.
+// Those of the pixels `asking` that lie behind the cover plane of their leaves.
+uint covered(inout Asked asked, Pixels pixels, uint asking) {
+  uint dark = 0u;
+  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+    FarSide far = far_side(asked.leaf[r]);
+    asked.count[r] = far.count;
+    dark |= dot(far.cover_plane, pixels.origin[r] - asked.view.reference) > 1.0 ? 1u << r : 0u;
+  }
+  return dark & asking;
+}
+
+// Those of the pixels `asking` that lie in front of the first entry of their lists. The walks of the others find it in the
+// cache.
+uint before_lists(Asked asked, uint asking) {
+  uint before = 0u;
+  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
+    bool asks = (asking & (1u << r)) != 0u;
+    before |= asks && in_front(bounds_at(asks ? asked.first[r] : 0u), asked.depth[r]) ? 1u << r : 0u;
+  }
+  return before;
+}
+
+// Proceeds in steps over all rounds, so that the loads of a step, which mostly miss the cache, overlap. The near planes
+// alone decide most tiles.
 Asked ask_planes(uint light, Pixels pixels, uint care) {
   Asked asked;
   asked.view = LightViews(push.views).at[light];
-  asked.lit = asked.undecided = 0u;
   Place place[kRounds];
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
     place[r] = place_of(asked.view, pixels.origin[r] - asked.view.reference);
@@ -119,25 +141,20 @@ Asked ask_planes(uint light, Pixels pixels, uint care) {
   }
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) asked.leaf[r] = cell_at(asked.view, place[r]);
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) asked.leaf[r] = leaf_at(asked.leaf[r], place[r]);
+  uint before = 0u;
   [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
-    vec3 rel = pixels.origin[r] - asked.view.reference;
-    Leaf leaf = leaf_of(asked.leaf[r]);
-    asked.first[r] = leaf.first;
-    asked.count[r] = leaf.count;
-    bool before = dot(leaf.near_plane, rel) < 1.0;
-    bool behind = dot(leaf.cover_plane, rel) > 1.0;
-    asked.lit |= before ? 1u << r : 0u;
-    asked.undecided |= !before && !behind ? 1u << r : 0u;
+    NearSide near = near_side(asked.leaf[r]);
+    asked.first[r] = near.first;
+    before |= dot(near.near_plane, pixels.origin[r] - asked.view.reference) < 1.0 ? 1u << r : 0u;
   }
-  asked.lit &= care;
-  asked.undecided &= care;
-  // Tests the first entry of every list here, where the loads overlap; the walks then find it in the cache.
-  [[unroll]] for (uint r = 0u; r < kRounds; ++r) {
-    bool walks = (asked.undecided & (1u << r)) != 0u;
-    bool before = walks && in_front(bounds_at(walks ? asked.first[r] : 0u), asked.depth[r]);
-    asked.lit |= before ? 1u << r : 0u;
+  asked.lit = before & care;
+  asked.undecided = care & ~before;
+  if (any_lane(asked.undecided != 0u)) asked.undecided &= ~covered(asked, pixels, asked.undecided);
+  if (any_lane(asked.undecided != 0u)) {
+    uint before_all = before_lists(asked, asked.undecided);
+    asked.lit |= before_all;
+    asked.undecided &= ~before_all;
   }
-  asked.undecided &= ~asked.lit;
   return asked;
 }
 

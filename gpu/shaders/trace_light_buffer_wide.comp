@@ -50,9 +50,10 @@ struct Walk {
 Walk start_walk(uint light, vec3 origin) {
   LightView view = LightViews(push.views).at[light];
   Place place = place_of(view, origin - view.reference);
-  Leaf leaf = leaf_of(leaf_at(cell_at(view, place), place));
-  return Walk(origin, direction_of(view, origin), place.depth, place_in_leaf(place.at, leaf.count), leaf.first,
-              leaf.first + (leaf.count & ((1u << kCountBits) - 1u)));
+  uint leaf = leaf_at(cell_at(view, place), place);
+  uint first = near_side(leaf).first, count = far_side(leaf).count;
+  return Walk(origin, direction_of(view, origin), place.depth, place_in_leaf(place.at, count), first,
+              first + (count & ((1u << kCountBits) - 1u)));
 }
 
 bool blocks(ListEntry entry, Walk walk) {

@@ -20,9 +20,12 @@ struct LightView {
   vec3 direction;  // directional: of every segment
   uint reserved;
 };
-struct Leaf {
+// A leaf: what decides most of its pixels, and the rest.
+struct NearSide {
   vec3 near_plane;
   uint first;
+};
+struct FarSide {
   vec3 cover_plane;
   uint count;
 };
@@ -46,9 +49,13 @@ layout(set = LIGHT_BUFFER_SET, binding = 3, r32ui) uniform readonly uimageBuffer
 
 uint grid_at(uint n) { return imageLoad(light_grid, int(n)).x; }
 
-Leaf leaf_of(uint n) {
-  uvec4 a = imageLoad(light_leaves, int(2u * n)), b = imageLoad(light_leaves, int(2u * n + 1u));
-  return Leaf(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), b.w);
+NearSide near_side(uint leaf) {
+  uvec4 side = imageLoad(light_leaves, int(2u * leaf));
+  return NearSide(uintBitsToFloat(side.xyz), side.w);
+}
+FarSide far_side(uint leaf) {
+  uvec4 side = imageLoad(light_leaves, int(2u * leaf + 1u));
+  return FarSide(uintBitsToFloat(side.xyz), side.w);
 }
 
 EntryBounds bounds_at(uint n) {
@@ -61,13 +68,18 @@ TriangleCorners corners_of(uint triangle) { return corners_at_rest(triangle); }
 
 #else
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
+struct LeafSides {
+  NearSide near;
+  FarSide far;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { LeafSides at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Entries { ListEntry at[]; };
 // As a walk reads them: in one place.
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Corners { TriangleCorners at[]; };
 
 uint grid_at(uint n) { return Uints(push.grid).at[n]; }
-Leaf leaf_of(uint n) { return Leaves(push.leaves).at[n]; }
+NearSide near_side(uint leaf) { return Leaves(push.leaves).at[leaf].near; }
+FarSide far_side(uint leaf) { return Leaves(push.leaves).at[leaf].far; }
 ListEntry entry_at(uint n) { return Entries(push.entries).at[n]; }
 EntryBounds bounds_at(uint n) { return Entries(push.entries).at[n].bounds; }
 uint triangle_of(uint n) { return Entries(push.entries).at[n].triangle; }
