@@ -2,6 +2,8 @@
 // a light that has to be traced is asked in C++, step by step as the shader does.
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <vector>
 
 #include "gpu/scene/resident_scene.h"
 #include "gpu/tracers/light_buffer/builder.h"
@@ -19,8 +21,9 @@ struct Counts {
   uint64_t pairs = 0;  // asked
   uint64_t near = 0, cover = 0, walks = 0;
   uint64_t steps = 0, tests = 0;  // of the walks
-  double together = 0;            // the price of all pairs if 32 lanes wait for each other
-  double worst = 0;               // of a tile's lanes: what the end of a frame may wait for
+  double blocker_first = 0;  // the price of all pairs if walks begin with what blocked the tile's last dark one
+  double together = 0;       // the price of all pairs if 32 lanes wait for each other
+  double worst = 0;          // of a tile's lanes: what the end of a frame may wait for
 
   void operator+=(const Counts& other) {
     pairs += other.pairs;
@@ -29,6 +32,7 @@ struct Counts {
     walks += other.walks;
     steps += other.steps;
     tests += other.tests;
+    blocker_first += other.blocker_first;
     together += other.together;
     worst = std::max(worst, other.worst);
   }
@@ -100,8 +104,25 @@ class QueriesSuite : public Suite {
 
   // A subgroup of 32 lanes traces a tile: a lane has two of its pixels, and walks their lists one after the other.
   static constexpr uint32_t kLanes = 32;
+  static constexpr double kStart = 3.0, kTest = 3.0;  // of a walk; for each of its steps 1
   static double price(const light_buffer::Answer& answer) {
-    return answer.end == light_buffer::End::list ? 3.0 + answer.steps + 3.0 * answer.tested : 0.0;
+    return answer.end == light_buffer::End::list ? kStart + answer.steps + kTest * answer.tested : 0.0;
+  }
+
+  // Of a pair that tries that blocker before it walks, and leaves its own behind.
+  static double price_after(std::optional<uint32_t>& blocker, const light_buffer::Answer& answer,
+                            const scenes::WorldMesh& mesh, const gpu::exact::ShadowSegment& segment) {
+    if (answer.end != light_buffer::End::list) return 0.0;
+    const double trying = blocker ? kTest : 0.0;
+    const bool spared = blocker && !answer.lit && meets(mesh, *blocker, segment);
+    if (!spared && !answer.lit) blocker = answer.blocker;
+    return spared ? kStart + trying : trying + price(answer);
+  }
+
+  static bool meets(const scenes::WorldMesh& mesh, uint32_t triangle, const gpu::exact::ShadowSegment& segment) {
+    const glm::uvec3 t = mesh.triangles[triangle];
+    return gpu::exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x],
+                                              mesh.positions[t.y], mesh.positions[t.z]);
   }
 
   Counts ask_all(const light_buffer::LightBuffer& buffer, const scenes::WorldMesh& mesh,
@@ -110,6 +131,8 @@ class QueriesSuite : public Suite {
     Counts counts;
     for (uint32_t tile = 0; tile < frame.grid.tile_count(); ++tile) {
       std::array<double, kLanes> lanes{};
+      std::vector<std::optional<uint32_t>> blockers(
+          lights.size());  // of the tile's last pair that a list left dark
       for (uint32_t p = 0; p < 64; ++p) {
         const uint32_t x = tile % frame.grid.tiles_x() * 8 + p % 8, y = tile / frame.grid.tiles_x() * 8 + p / 8;
         if (x >= frame.grid.width || y >= frame.grid.height) continue;
@@ -122,6 +145,7 @@ class QueriesSuite : public Suite {
           const light_buffer::Answer answer = light_buffer::query(buffer, buffer.lights[l], mesh, segment);
           counts.add(answer);
           lanes[p % kLanes] += price(answer);
+          counts.blocker_first += price_after(blockers[l], answer, mesh, segment);
         }
       }
       const double longest = *std::ranges::max_element(lanes);
@@ -144,6 +168,7 @@ class QueriesSuite : public Suite {
                             {"steps_per_pair", each(c.steps, c.pairs)},
                             {"tests_per_pair", each(c.tests, c.pairs)},
                             {"price_per_pair", each(3 * c.walks + c.steps + 3 * c.tests, c.pairs)},
+                            {"price_blocker_first", c.pairs ? c.blocker_first / static_cast<double>(c.pairs) : 0.0},
                             {"price_together", c.pairs ? c.together / static_cast<double>(c.pairs) : 0.0},
                             {"worst_lane", c.worst},
                             {"longest_list", s.longest_list},

@@ -76,6 +76,7 @@ Answer query(const LightBuffer& buffer, const LightView& light, const scenes::Wo
     if (exact::segment_meets_triangle(segment.origin, segment.direction, mesh.positions[t.x], mesh.positions[t.y],
                                       mesh.positions[t.z])) {
       answer.lit = false;
+      answer.blocker = entry.triangle;
       break;
     }
   }

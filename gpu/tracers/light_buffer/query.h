@@ -14,8 +14,9 @@ enum class End : uint8_t { near_plane, cover_plane, list };
 struct Answer {
   bool lit = true;
   End end = End::near_plane;
-  uint32_t steps = 0;   // entries of the list that were looked at
-  uint32_t tested = 0;  // triangles
+  uint32_t steps = 0;    // entries of the list that were looked at
+  uint32_t tested = 0;   // triangles
+  uint32_t blocker = 0;  // the last of them, of what a list leaves dark
 };
 
 // Treats every triangle as opaque, as it makes no alpha tests. Precondition: exact::shadow_segment made the segment,
