@@ -60,6 +60,7 @@ class TracersSuite : public Suite {
     command.add_option("--device", device_, "index, type or part of the name");
     command.add_option("--frames", frames_, "cameras along the scene's path")->capture_default_str();
     command.add_option("--tracer", tracers_, "tracers to measure; default: all that the device offers");
+    command.add_option("--light-buffer-mb", light_buffer_mb_, "memory of a scene's light buffers; 0: the default");
   }
 
   Result<Report> run() override {
@@ -83,6 +84,7 @@ class TracersSuite : public Suite {
     out.device = device_;
     out.tracer = tracer;
     out.tracer_options.cache_folder = cache_.path();
+    out.tracer_options.light_buffer_bytes = uint64_t{light_buffer_mb_} << 20;
     return out;
   }
 
@@ -256,6 +258,7 @@ class TracersSuite : public Suite {
   ScratchFolder cache_;  // a scene's first build computes its light buffers, the next one reads them from disk
   uint32_t frames_ = 5;
   std::vector<std::string> tracers_{"light_buffer", "bvh", "ray_query"};
+  uint32_t light_buffer_mb_ = 0;
   PictureSize size_;
   Report report_;
 };
