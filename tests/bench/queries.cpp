@@ -104,19 +104,20 @@ class QueriesSuite : public Suite {
 
   // A subgroup of 32 lanes traces a tile: a lane has two of its pixels, and walks their lists one after the other.
   static constexpr uint32_t kLanes = 32;
-  static constexpr double kStart = 3.0, kTest = 3.0;  // of a walk; for each of its steps 1
+  static constexpr uint64_t kStart = 3, kTest = 3;  // of a walk; for each of its steps 1
   static double price(const light_buffer::Answer& answer) {
-    return answer.end == light_buffer::End::list ? kStart + answer.steps + kTest * answer.tested : 0.0;
+    const uint64_t walk = kStart + answer.steps + kTest * answer.tested;
+    return answer.end == light_buffer::End::list ? static_cast<double>(walk) : 0.0;
   }
 
   // Of a pair that tries that blocker before it walks, and leaves its own behind.
   static double price_after(std::optional<uint32_t>& blocker, const light_buffer::Answer& answer,
                             const scenes::WorldMesh& mesh, const gpu::exact::ShadowSegment& segment) {
     if (answer.end != light_buffer::End::list) return 0.0;
-    const double trying = blocker ? kTest : 0.0;
+    const double trying = blocker ? double{kTest} : 0.0;
     const bool spared = blocker && !answer.lit && meets(mesh, *blocker, segment);
     if (!spared && !answer.lit) blocker = answer.blocker;
-    return spared ? kStart + trying : trying + price(answer);
+    return trying + (spared ? double{kStart} : price(answer));
   }
 
   static bool meets(const scenes::WorldMesh& mesh, uint32_t triangle, const gpu::exact::ShadowSegment& segment) {
@@ -131,8 +132,7 @@ class QueriesSuite : public Suite {
     Counts counts;
     for (uint32_t tile = 0; tile < frame.grid.tile_count(); ++tile) {
       std::array<double, kLanes> lanes{};
-      std::vector<std::optional<uint32_t>> blockers(
-          lights.size());  // of the tile's last pair that a list left dark
+      std::vector<std::optional<uint32_t>> blockers(lights.size());  // of the last pairs that lists left dark
       for (uint32_t p = 0; p < 64; ++p) {
         const uint32_t x = tile % frame.grid.tiles_x() * 8 + p % 8, y = tile / frame.grid.tiles_x() * 8 + p / 8;
         if (x >= frame.grid.width || y >= frame.grid.height) continue;
@@ -167,7 +167,7 @@ class QueriesSuite : public Suite {
                             {"tests_per_walk", each(c.tests, c.walks)},
                             {"steps_per_pair", each(c.steps, c.pairs)},
                             {"tests_per_pair", each(c.tests, c.pairs)},
-                            {"price_per_pair", each(3 * c.walks + c.steps + 3 * c.tests, c.pairs)},
+                            {"price_per_pair", each(kStart * c.walks + c.steps + kTest * c.tests, c.pairs)},
                             {"price_blocker_first", c.pairs ? c.blocker_first / static_cast<double>(c.pairs) : 0.0},
                             {"price_together", c.pairs ? c.together / static_cast<double>(c.pairs) : 0.0},
                             {"worst_lane", c.worst},
