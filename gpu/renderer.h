@@ -98,6 +98,8 @@ struct DeviceInfo {
   std::string tracer, raster = {};  // in use
   std::string pci_address = {};     // "0000:65:00.0"; empty if the device is on no such bus
   bool on_cpu = false;              // the device is the host's processor
+  // What a scene's light buffers may take if that is more than its number of lights asks for (light_buffer_room).
+  uint64_t light_buffer_room = 0;
 };
 
 // The device time of one pass of a frame, by the device's timestamps. It is for benchmarks and tests; the daemon uses

@@ -24,8 +24,11 @@ struct BandedFrame {
 
 class VulkanRenderer : public Renderer {
  public:
-  VulkanRenderer(std::shared_ptr<SlotPool> pool, const std::string& raster, Built built)
-      : pool_(std::move(pool)), raster_(raster), scenes_(pool_, built) {
+  VulkanRenderer(std::shared_ptr<SlotPool> pool, const RendererOptions& options, const std::string& raster)
+      : pool_(std::move(pool)),
+        raster_(raster),
+        light_buffer_room_(light_buffer_room(pool_->device()->info(), options.tracer_options)),
+        scenes_(pool_, options.wait_for_builds ? Built::everything : Built::what_is_quick) {
     for (size_t i = 0; i < pool_->device()->queue_count(); ++i)
       queues_.push_back(std::make_unique<QueueState>(pool_, i));
   }
@@ -36,8 +39,9 @@ class VulkanRenderer : public Renderer {
 
   DeviceInfo info() const override {
     const PhysicalDevice& device = pool_->device()->info();
-    return {device.name, device.driver,      std::string(pool_->tracer().name()),
-            raster_,     device.pci_address, device.type == VK_PHYSICAL_DEVICE_TYPE_CPU};
+    return {device.name,       device.driver,      std::string(pool_->tracer().name()),
+            raster_,           device.pci_address, device.type == VK_PHYSICAL_DEVICE_TYPE_CPU,
+            light_buffer_room_};
   }
   uint32_t overlapping() const override { return static_cast<uint32_t>(queues_.size()); }
   void on_slot_freed(std::function<void()> freed) override { pool_->on_freed(std::move(freed)); }
@@ -187,6 +191,7 @@ class VulkanRenderer : public Renderer {
 
   const std::shared_ptr<SlotPool> pool_;
   const std::string raster_;
+  const uint64_t light_buffer_room_;
   ResidentScenes scenes_;
   std::map<JobId, BandedFrame> partial_frames_;
   bool batching_ = false;
@@ -245,8 +250,7 @@ Result<std::unique_ptr<Renderer>> make_renderer(const RendererOptions& options) 
   if (std::find(options.passes.begin(), options.passes.end(), "readback") == options.passes.end())
     return Error{"the pass list has no 'readback': no mask would reach the host"};
   auto pool = std::make_shared<SlotPool>(*device, std::move(*tracer), std::move(*variants));
-  const Built built = options.wait_for_builds ? Built::everything : Built::what_is_quick;
-  return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool), *raster, built));
+  return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(pool), options, *raster));
 }
 
 }  // namespace gnomon::gpu

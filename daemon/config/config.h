@@ -125,7 +125,7 @@ struct RenderConfig {
   std::vector<std::string> passes;      // see daemon/config/render_effects.h; if empty, all effects
   std::filesystem::path cache_folder;   // for light buffers, kept for the next start; if empty, no cache
   uint32_t cache_mb = 2048;             // most that the folder may hold, MiB; 0: no limit
-  uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by the number of lights
+  uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by its lights and the device
   bool wait_for_light_buffers = false;  // before a scene is served
   uint32_t frames_in_flight = 6;
   uint32_t queues = 0;  // of the device, on which frames overlap; 0: gpu::RendererOptions

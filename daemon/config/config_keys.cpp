@@ -270,7 +270,7 @@ Keys<RenderConfig> render_keys() {
               parse_name),
       scalar("cache_folder", &R::cache_folder, "a folder, or '' for none", parse_path_or_none),
       integer("cache_mb", &R::cache_mb, 0, 1 << 24, " (0: no limit)"),
-      integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights)"),
+      integer("light_buffer_mb", &R::light_buffer_mb, 0, 1 << 20, " (0: by the number of lights and the device)"),
       choice("wait_for_light_buffers", &R::wait_for_light_buffers, {{"false", false}, {"true", true}}),
       integer("frames_in_flight", &R::frames_in_flight, 1, 16),
       integer("queues", &R::queues, 0, 16),

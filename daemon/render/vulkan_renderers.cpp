@@ -4,6 +4,7 @@
 
 #include "common/log.h"
 #include "daemon/config/render_effects.h"
+#include "daemon/config/scene_memory.h"
 #include "gpu/vulkan_renderer.h"
 
 namespace gnomon::daemon {
@@ -53,6 +54,7 @@ std::vector<RendererFactory> vulkan_renderers(const Config& config, const gpu::S
   if (!cache_bytes) cache_bytes = std::make_shared<const std::atomic<uint64_t>>(cache_bytes_of(render));
   options.tracer_options.cache_bytes = std::move(cache_bytes);
   options.tracer_options.light_buffer_bytes = uint64_t{render.light_buffer_mb} << 20;
+  options.tracer_options.most_light_buffer_room = most_light_buffer_room(config);
   options.tracer_options.builds = builds;
   options.wait_for_builds = render.wait_for_light_buffers;
   if (const auto passes = renderer_passes(render); !passes.empty()) {

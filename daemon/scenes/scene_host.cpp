@@ -5,10 +5,8 @@
 #include <limits>
 
 #include "common/within_memory.h"
-#include "daemon/config/machine_memory.h"
-#include "gpu/tracers/light_buffer/builder.h"
-#include "scenes/geometry/geometry.h"
-#include "scenes/light_samples.h"
+#include "daemon/config/scene_memory.h"
+#include "daemon/scenes/expected_memory.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -35,8 +33,7 @@ const char* to_string(SceneUnderWay::Stage stage) {
 
 SceneMemoryLimits scene_memory_limits(const Config& config) {
   SceneMemoryLimits limits;
-  const uint64_t configured = uint64_t{config.scenes.max_memory_mb} << 20;
-  limits.all_bytes = configured != 0 ? configured : usable_memory_bytes() / 2;
+  limits.all_bytes = scene_memory_bytes(config);
   for (const TenantConfig& tenant : config.tenants) {
     limits.of_tenant.push_back(uint64_t{tenant.max_scene_memory_mb} << 20);
   }
@@ -234,12 +231,7 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
 
 // Enters the scene into the account, and takes away those that leave for it. Error: there is no room.
 Result<void> SceneHost::make_room(const Request& request, const scenes::LoadedScene& loaded) {
-  const scenes::Scene& scene = *loaded.scene;
-  // Lights with an extent have buffers of their own, which share a budget that is configured.
-  const uint64_t light_buffers = light_buffer_bytes_ != 0 ? light_buffer_bytes_
-                                                          : gpu::light_buffer::default_budget(scene.lights.size()) *
-                                                                (scenes::has_area_lights(scene) ? 2 : 1);
-  const uint64_t bytes = scenes::predicted_bytes(scene) + light_buffers;
+  const uint64_t bytes = expected_memory(*loaded.scene, light_buffer_bytes_, devices_.report());
   std::lock_guard lock(mutex_);
   if (account_.bytes_of(request.name) == 0) {
     const auto leaving =

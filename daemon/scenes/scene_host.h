@@ -49,7 +49,7 @@ SceneMemoryLimits scene_memory_limits(const Config& config);
 // The memory that scenes may have.
 struct SceneMemory {
   SceneMemoryLimits limits = {};
-  uint64_t light_buffer_bytes = 0;  // predicted for a scene; 0: by its number of lights
+  uint64_t light_buffer_bytes = 0;  // predicted for a scene; 0: by its number of lights and the devices' room
 };
 
 // A scene that was asked for and is not resident yet.

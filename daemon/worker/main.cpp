@@ -3,6 +3,7 @@
 //
 // The daemon starts this program; it has no options. See task.h for its descriptors.
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -74,6 +75,13 @@ Result<void> done(const gpu::BuildTask& task, std::FILE* exchange) {
   return gpu::write_outcome(builds->light_buffer(task.own_mesh, task.bounds, task.lights, settings), exchange);
 }
 
+// Each arena reserves 64 MiB of address space, and by default there are eight for each core: on a large machine they would
+// be all that this process may have.
+void keep_arenas_few() {
+  constexpr int kArenas = 8;
+  mallopt(M_ARENA_MAX, kArenas);
+}
+
 // Where the machine has no memory left, this process goes and not the daemon. A kernel that refuses keeps its own order.
 void offer_to_be_killed_first() {
   if (std::FILE* const score = std::fopen("/proc/self/oom_score_adj", "w")) {
@@ -87,6 +95,7 @@ Result<void> run() {
   const auto task = take_task();
   if (!task) return task.error();
   offer_to_be_killed_first();
+  keep_arenas_few();
   [[maybe_unused]] const int niceness = nice(task->niceness);
   log::configure(task->log_level, task->log_format);
   std::FILE* exchange = fdopen(kExchange, "r+b");

@@ -182,7 +182,11 @@ class LightBufferTracer : public Tracer {
 
   light_buffer::BuildSettings settings_for(const TracerInput& input) const {
     light_buffer::BuildSettings settings;
-    settings.budget_bytes = options_.light_buffer_bytes / (scenes::has_area_lights(input.scene) ? 2 : 1);
+    const uint64_t parts = scenes::has_area_lights(input.scene) ? 2 : 1;
+    const uint64_t room = light_buffer_room(device_->info(), options_) / parts;
+    settings.budget_bytes = options_.light_buffer_bytes != 0
+                                ? options_.light_buffer_bytes / parts
+                                : light_buffer::default_budget(input.lights.size(), room);
     if (by_texels()) settings.budget_bytes = std::min(settings.budget_bytes, shown_bytes());
     // Lists for areas do not become shorter than what lies within the light's reach, so that work on them pays off less.
     const bool for_areas = std::any_of(input.lights.begin(), input.lights.end(),

@@ -1,6 +1,7 @@
 // Options of tracers.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <span>
 
 #include "gpu/builds/structure_builds.h"
+#include "gpu/vulkan/instance.h"
 
 namespace gnomon::gpu {
 
@@ -26,13 +28,23 @@ struct TracerOptions {
   // limit.
   std::shared_ptr<const std::atomic<uint64_t>> cache_bytes = nullptr;
   // Memory budget of a scene's light buffers; a scene with area lights has half of it for their middles and half for
-  // their extents. 0: for each by the number of lights.
+  // their extents. 0: for each by the number of lights, and by the room that the device has (light_buffer_room).
   uint64_t light_buffer_bytes = 0;
+  // The most that light_buffer_room may be.
+  uint64_t most_light_buffer_room = UINT64_MAX;
   StructureBuildsPtr builds = builds_here();
   // Instead of the ones for the device's subgroups, which load no texels: for tests, on devices that load none.
   std::optional<TraceShader> light_buffer_shader = {};
   std::optional<TraceShader> light_buffer_soft_shader = {};
 };
+
+// What the light buffers of a scene may take on a device, in bytes, if that is more than its number of lights asks for: a
+// small part of a GPU's own memory, as many scenes share it; nothing on a processor, whose memory everything shares.
+inline uint64_t light_buffer_room(const PhysicalDevice& device, const TracerOptions& options) {
+  constexpr uint64_t kScenes = 64;
+  if (device.type == VK_PHYSICAL_DEVICE_TYPE_CPU) return 0;
+  return std::min(device.local_bytes / kScenes, options.most_light_buffer_room);
+}
 
 inline uint64_t cache_limit(const TracerOptions& options) {
   return options.cache_bytes ? options.cache_bytes->load() : UINT64_MAX;

@@ -64,6 +64,15 @@ Error no_device(const std::vector<PhysicalDevice>& devices, std::string_view sel
   return {text};
 }
 
+uint64_t local_bytes(VkPhysicalDevice device) {
+  VkPhysicalDeviceMemoryProperties memory{};
+  vkGetPhysicalDeviceMemoryProperties(device, &memory);
+  uint64_t most = 0;
+  for (const VkMemoryHeap& heap : std::span(memory.memoryHeaps).first(memory.memoryHeapCount))
+    if ((heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0) most = std::max<uint64_t>(most, heap.size);
+  return most;
+}
+
 PhysicalDevice describe(VkPhysicalDevice handle) {
   VkPhysicalDeviceDriverProperties driver{};
   driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
@@ -79,6 +88,7 @@ PhysicalDevice describe(VkPhysicalDevice handle) {
   info.type = properties.properties.deviceType;
   info.api_version = properties.properties.apiVersion;
   info.missing = missing_features(handle);
+  info.local_bytes = local_bytes(handle);
   return info;
 }
 

@@ -50,7 +50,8 @@ struct PhysicalDevice {
   std::string pci_address;  // as in sysfs: "0000:65:00.0"; empty if the device is on no PCI bus
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
   uint32_t api_version = 0;
-  std::string missing;  // required features that the device lacks; empty if it is usable
+  uint64_t local_bytes = 0;  // of its largest memory of its own
+  std::string missing;       // required features that the device lacks; empty if it is usable
 };
 
 std::vector<PhysicalDevice> list_devices(const Instance& instance);

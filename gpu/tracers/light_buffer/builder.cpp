@@ -181,8 +181,10 @@ void count(LightBuffer& buffer) {
 
 }  // namespace
 
-uint64_t default_budget(size_t lights) {
-  return std::min<uint64_t>(512, 160 + 32 * static_cast<uint64_t>(lights)) << 20;
+uint64_t default_budget(size_t lights, uint64_t room) {
+  constexpr uint64_t kMebi = 1 << 20;
+  return std::max(std::min<uint64_t>(512, 160 + 32 * static_cast<uint64_t>(lights)) * kMebi,
+                  std::min(room, 1280 * kMebi));
 }
 
 LightBuffer build(const scenes::WorldMesh& mesh, const scenes::Bounds& bounds,

@@ -26,8 +26,9 @@ struct BuildSettings {
   std::stop_token stop;  // once stopped, build returns soon
 };
 
-// The memory budget of a scene with so many lights, in bytes, if none is configured.
-uint64_t default_budget(size_t lights);
+// The memory budget of a scene with so many lights, in bytes, if none is configured: what that many lights should have, or
+// `room`, if that is more, up to 1,280 MiB.
+uint64_t default_budget(size_t lights, uint64_t room = 0);
 
 // Blocking. The same input gives the same bytes, whatever the number of threads. `bounds`: of the mesh. After a request
 // to stop, the result is incomplete and must be discarded.

@@ -41,10 +41,13 @@ class FakeRenderer : public gpu::Renderer {
     gpu::DeviceInfo info;
     info.name = "fake";
     info.on_cpu = cpu;
+    info.light_buffer_room = light_buffer_room;
     return info;
   }
   void on_slot_freed(std::function<void()> freed) override { freed_ = std::move(freed); }
-  bool cpu = false;  // to be set before the renderer is used
+  // To be set before the renderer is used.
+  bool cpu = false;
+  uint64_t light_buffer_room = 0;
 
   Result<void> make_resident(SceneId id, const scenes::ScenePtr&) override {
     if (takes_no_scenes) return Error{"no memory for it"};

@@ -1,4 +1,5 @@
-// Who waits for a scene, and what is read when nobody does any more. The reader is the test's; the devices never start.
+// Who waits for a scene, and what is read when nobody does any more. The reader is the test's; the devices never start, but
+// where a test says so.
 #include "daemon/scenes/scene_host.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +8,8 @@
 #include <semaphore>
 
 #include "daemon/scenes/scene_fetches.h"
+#include "gpu/tracers/light_buffer/builder.h"
+#include "tests/unit/daemon/render/fake_renderer.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -215,6 +218,36 @@ TEST_F(RefusedScene, WhoAsksForASceneOnItsWayTakesNoPlace) {
   for (int i = 1; i < 3; ++i) to.host->fetch("a", answers[i].ready(), kTenant);
   to.host->fetch("b", answers[3].ready(), kTenant);
   wait_for("b");
+}
+
+struct NoFrames final : FrameSink {
+  void on_rendered(RenderedFrame) override {}
+  void on_encoded(EncodedFrame) override {}
+  void on_degraded(const SessionDegraded&) override {}
+  void on_lights(const LightsUpdate&) override {}
+};
+
+// On a device with room a scene counts with what its light buffers may take there.
+TEST_F(RefusedScene, CountsWithTheRoomForLightBuffersThatItsDeviceHas) {
+  constexpr uint64_t kRoom = uint64_t{1000} << 20;
+  uint64_t counted[2];
+  for (const bool has_room : {false, true}) {
+    Host to;
+    to.host.emplace(to.catalog, to.devices, to.lights, to.metrics, reader(1));
+    NoFrames sink;
+    const RendererFactory factory = [has_room] {
+      auto renderer = std::make_unique<FakeRenderer>(2, 1);
+      if (has_room) renderer->light_buffer_room = kRoom;
+      return std::unique_ptr<gpu::Renderer>(std::move(renderer));
+    };
+    ASSERT_TRUE(to.devices.start({factory}, {}, {}, sink, [](const Error&) {}));
+    Answer answer;
+    to.host->fetch("a", answer.ready(), kTenant);
+    EXPECT_EQ(answer.wait(), "a scene");
+    counted[has_room ? 1 : 0] = to.host->memory().bytes;
+    to.devices.stop();
+  }
+  EXPECT_EQ(counted[1] - counted[0], kRoom - gpu::light_buffer::default_budget(1));
 }
 
 TEST(SceneHost, EndsBesideReadersThatAreAtWork) {
