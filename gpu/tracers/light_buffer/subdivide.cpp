@@ -104,9 +104,12 @@ class Builder {
 }  // namespace
 
 Piece build_piece(const Face& face, const Detail& detail, double surface, uint32_t i, uint32_t j, Met met) {
-  Piece piece;
-  piece.cells.resize(size_t{kRootCells} * kRootCells);
-  piece.leaves.resize(1);
+  thread_local Piece piece;  // what lasts takes no more memory than it needs
+  piece.cells.assign(size_t{kRootCells} * kRootCells, 0);
+  piece.blocks.clear();
+  piece.leaves.assign(1, Leaf{});
+  piece.entries.clear();
+  piece.work = 0;
   const Rect rect = face.square(kRootLevel, i, j);
   std::erase_if(met, [&](const Footprint* f) { return !meets(*f, rect); });
   Builder(face, detail, surface, piece).build(kRootLevel, i, j, met);
