@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <mutex>
 
 #include "common/log.h"
 #include "gpu/vulkan/device_features.h"
@@ -92,6 +93,15 @@ PhysicalDevice describe(VkPhysicalDevice handle) {
   return info;
 }
 
+// The end of the last instance unloads the drivers. NVIDIA's (580.159.04) takes room for thread-local data of the process
+// each time that it is loaded and returns none: the 31st instance would find no driver. So one instance is kept.
+void keep_drivers_loaded(const VkInstanceCreateInfo& create) {
+  static std::mutex mutex;
+  static VkInstance kept = VK_NULL_HANDLE;
+  const std::lock_guard lock(mutex);
+  if (kept == VK_NULL_HANDLE && vkCreateInstance(&create, nullptr, &kept) != VK_SUCCESS) kept = VK_NULL_HANDLE;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Instance>> Instance::create(ValidationOptions validation) {
@@ -103,6 +113,7 @@ Result<std::unique_ptr<Instance>> Instance::create(ValidationOptions validation)
   VkInstanceCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
   create.pApplicationInfo = &application;
+  keep_drivers_loaded(create);
 
   const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   VkValidationFeaturesEXT features{};

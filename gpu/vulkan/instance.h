@@ -19,6 +19,7 @@ struct ValidationOptions {
   std::function<void(std::string_view message)> on_message;
 };
 
+// The drivers that the first one loads stay loaded until the process ends. Any thread.
 class Instance {
  public:
   // Error: there is no Vulkan driver, or validation is enabled and VK_LAYER_KHRONOS_validation is not installed.
