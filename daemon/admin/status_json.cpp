@@ -7,6 +7,7 @@
 #include "common/audit_file.h"
 #include "common/wall_clock.h"
 #include "daemon/admin/readiness.h"
+#include "daemon/admin/taken_apart.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -107,13 +108,12 @@ json to_json(const FirstExpiry& first, std::chrono::sys_seconds now) {
 
 json to_json(const log::UnwrittenAudit& audit) { return {{"unwritten", audit.lines}, {"why", audit.why}}; }
 
-// The document member by member and row by row, each written and gone before the next: the destructor of a json makes
-// room for all that is below it, and what is thrown there ends the daemon.
+// The document member by member and row by row, each written and gone before the next.
 class Document {
  public:
-  void add(const char* key, const json& value) {
+  void add(const char* key, json value) {
     name(key);
-    write(value, "\n  ");
+    write(std::move(value), "\n  ");
   }
   template <typename Rows, typename ToJson>
   void add_rows(const char* key, const Rows& rows, ToJson row_of) {
@@ -135,8 +135,9 @@ class Document {
     text_ += ": ";
   }
   // A scene file's name may not be valid UTF-8: replacement characters avoid an exception.
-  void write(const json& value, std::string_view line) {
-    for (const char c : value.dump(2, ' ', false, json::error_handler_t::replace)) {
+  void write(json value, std::string_view line) {
+    const TakenApart taken(std::move(value));
+    for (const char c : taken.value().dump(2, ' ', false, json::error_handler_t::replace)) {
       if (c == '\n') {
         text_ += line;
       } else {
