@@ -124,7 +124,7 @@ struct RenderConfig {
   std::string raster = "auto";          // "auto", "hardware", "compute"
   std::vector<std::string> passes;      // see daemon/config/render_effects.h; if empty, all effects
   std::filesystem::path cache_folder;   // for light buffers, kept for the next start; if empty, no cache
-  uint32_t cache_mb = 2048;             // most that the folder may hold, MiB; 0: no limit
+  uint32_t cache_mb = 8192;             // most that the folder may hold, MiB; 0: no limit
   uint32_t light_buffer_mb = 0;         // of a scene, for the light_buffer tracer; 0: by its lights and the device
   bool wait_for_light_buffers = false;  // before a scene is served
   uint32_t frames_in_flight = 6;
