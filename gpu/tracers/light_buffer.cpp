@@ -4,10 +4,12 @@
 #include <array>
 #include <iterator>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "common/clock.h"
 #include "common/log.h"
+#include "common/within_memory.h"
 #include "gpu/tracers/light_buffer/builder.h"
 #include "gpu/tracers/light_buffer/cache.h"
 #include "gpu/tracers/light_buffer_shaders.h"
@@ -152,8 +154,11 @@ class LightBufferTracer : public Tracer {
     const auto buffer =
         options_.builds->light_buffer(input.mesh, input.scene.bounds, input.lights, settings_for(input));
     if (!buffer) return buffer.error();
-    const bool kept = save(input, *buffer);
+    // A thread keeps it while the device gets it.
+    bool kept = false;
+    std::jthread keeping([&] { done_or_dropped("keeping light buffers", [&] { kept = save(input, *buffer); }); });
     auto scene = upload_built(input, *buffer, start, false);
+    keeping.join();
     if (scene) (*scene)->list_statistics.not_kept = !kept;
     return scene;
   }
