@@ -2,9 +2,9 @@
 // static geometry and lights.
 #include <algorithm>
 #include <array>
+#include <future>
 #include <iterator>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "common/clock.h"
@@ -154,11 +154,14 @@ class LightBufferTracer : public Tracer {
     const auto buffer =
         options_.builds->light_buffer(input.mesh, input.scene.bounds, input.lights, settings_for(input));
     if (!buffer) return buffer.error();
-    // A thread keeps it while the device gets it.
-    bool kept = false;
-    std::jthread keeping([&] { done_or_dropped("keeping light buffers", [&] { kept = save(input, *buffer); }); });
+    // A thread, if there is one, keeps it while the device gets it.
+    auto keeping = std::async(std::launch::async | std::launch::deferred, [&] {
+      bool kept = false;
+      done_or_dropped("keeping light buffers", [&] { kept = save(input, *buffer); });
+      return kept;
+    });
     auto scene = upload_built(input, *buffer, start, false);
-    keeping.join();
+    const bool kept = keeping.get();
     if (scene) (*scene)->list_statistics.not_kept = !kept;
     return scene;
   }

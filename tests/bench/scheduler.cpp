@@ -7,8 +7,8 @@
 #include <random>
 
 #include "scheduler/scheduler.h"
-#include "tests/bench/allocations.h"
 #include "tests/bench/suites.h"
+#include "tests/tools/allocations/allocations.h"
 #include "tests/unit/scheduler/workload.h"
 
 namespace gnomon::bench {
@@ -42,9 +42,9 @@ class Bench {
     std::vector<double> picks, steps;
     uint64_t allocated = 0;
     for (int i = 0; i < kRounds; ++i) {
-      const uint64_t before = allocations();
+      const uint64_t before = test::allocations();
       const auto [pick, step] = round();
-      allocated += allocations() - before;
+      allocated += test::allocations() - before;
       picks.push_back(pick);
       steps.push_back(step);
     }

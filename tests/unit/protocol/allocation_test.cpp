@@ -2,27 +2,11 @@
 // warmed up encodes without allocating.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "protocol/codec.h"
 #include "protocol/messages.h"
 #include "protocol/seal.h"
+#include "tests/tools/allocations/allocations.h"
 #include "tests/unit/protocol/masks.h"
-
-namespace {
-std::atomic<size_t> allocations = 0;
-}
-
-// Not inlined, as the compiler would warn of free() for memory that it takes to be of the usual operator new.
-[[gnu::noinline]] void* operator new(size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
 namespace gnomon::protocol {
 namespace {
@@ -31,9 +15,9 @@ constexpr SealSecrets kSecrets{{9, 9, 9}, {8, 8}};
 
 template <class Work>
 size_t allocations_of(Work work) {
-  const size_t before = allocations;
+  const uint64_t before = test::allocations();
   work();
-  return allocations - before;
+  return test::allocations() - before;
 }
 
 TEST(Allocations, AreCounted) {

@@ -4,23 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <optional>
 
-namespace {
-std::atomic<size_t> allocations = 0;
-}
-
-// Not inlined, as the compiler would warn of free() for memory that it takes to be of the usual operator new.
-[[gnu::noinline]] void* operator new(size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+#include "tests/tools/allocations/allocations.h"
 
 namespace gnomon::daemon {
 namespace {
@@ -37,17 +23,17 @@ json session() {
 TEST(TakenApart, AllocatesNothing) {
   std::optional<TakenApart> taken(session());
   ASSERT_EQ(taken->value().size(), 4u);
-  const size_t before = allocations;
+  const uint64_t before = test::allocations();
   taken.reset();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations(), before);
 }
 
 // What it is for: without it there is room made.
 TEST(TakenApart, IsNeeded) {
   std::optional<json> whole(session());
-  const size_t before = allocations;
+  const uint64_t before = test::allocations();
   whole.reset();
-  EXPECT_GT(allocations, before);
+  EXPECT_GT(test::allocations(), before);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-#include "tests/bench/allocations.h"
+// In a file of its own, so that the optimiser cannot elide it.
+#include "tests/tools/allocations/allocations.h"
 
 #include <atomic>
 #include <cstdlib>
@@ -23,4 +24,4 @@ void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
-uint64_t gnomon::bench::allocations() { return count; }
+uint64_t gnomon::test::allocations() { return count; }
