@@ -154,8 +154,9 @@ class LightBufferTracer : public Tracer {
     const auto buffer =
         options_.builds->light_buffer(input.mesh, input.scene.bounds, input.lights, settings_for(input));
     if (!buffer) return buffer.error();
-    // A thread, if there is one, keeps it while the device gets it.
-    auto keeping = std::async(std::launch::async | std::launch::deferred, [&] {
+    // A thread, if one can be had, keeps it while the device gets it.
+    const auto when = is_cached(input) ? std::launch::async | std::launch::deferred : std::launch::deferred;
+    auto keeping = std::async(when, [&] {
       bool kept = false;
       done_or_dropped("keeping light buffers", [&] { kept = save(input, *buffer); });
       return kept;

@@ -180,7 +180,8 @@ class ExitStatuses(unittest.TestCase):
 class BesideADaemon(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.node = Node(BUILD, tenants=[{"name": "studio"}, {"name": "default"}])
+        # One of them asks for far more than there is, which admission would refuse.
+        cls.node = Node(BUILD, tenants=[{"name": "studio"}, {"name": "default"}], scheduler={"admit_percent": 0})
         cls.addClassCleanup(cls.node.__exit__)
         cls.node.start()
 
