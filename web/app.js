@@ -41,6 +41,11 @@ const reactions = {
   connecting: () => (viewer.renderer ? hud.tell('connecting again') : poster.say('connecting')),
   waiting: (event) => (viewer.renderer ? hud.tell(event.text) : poster.say(event.text, event.percent)),
   progress: ({ done, total }) => poster.say('the scene is on its way', total > 0 ? (100 * done) / total : null),
+  interrupted: () => {
+    const text = 'the scene did not come whole; trying again';
+    if (viewer.renderer) hud.tell(text);
+    else poster.say(text);
+  },
   open: (event) => {
     hud.tell('');
     hud.set('transport', 'WebSocket');

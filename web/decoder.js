@@ -58,12 +58,11 @@ const kMalformed = 2;
 
 export class Decoder {
   /**
-   * @param {Response | WebAssembly.Module | BufferSource} source of decoder.wasm
+   * @param {WebAssembly.Module | BufferSource} source of decoder.wasm
    * @returns {Promise<Decoder>}
    */
   static async load(source) {
-    const bytes = typeof Response !== 'undefined' && source instanceof Response ? await source.arrayBuffer() : source;
-    const module = bytes instanceof WebAssembly.Module ? bytes : await WebAssembly.compile(/** @type {any} */ (bytes));
+    const module = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(source);
     const instance = await WebAssembly.instantiate(module, {});
     return new Decoder(/** @type {any} */ (instance.exports), module);
   }

@@ -3,6 +3,7 @@
 // the other eye.
 //
 //   look(camera) -> worker ... frame -> ShowOrder -> next()
+import { Backoff } from './link/backoff.js';
 import { shownPart, tracedHeight, tracedWidth } from './prediction/border.js';
 import { ErrorBalance } from './prediction/error_balance.js';
 import { ShowOrder } from './prediction/show_order.js';
@@ -30,9 +31,11 @@ export class Eye {
     this.base = base;
     this.emit = emit;
     this.processors = share * (navigator.hardwareConcurrency ?? 1);
-    this.worker = new Worker(new URL('worker.js', base), { type: 'module' });
-    this.worker.onmessage = ({ data }) => this.on(data);
-    this.worker.onerror = (event) => emit({ is: 'failed', why: event.message || 'the worker did not start' });
+    this.backoff = new Backoff();
+    this.restart = /** @type {any} */ (0);
+    /** @type {object | null} what opened the session */
+    this.opening = null;
+    this.worker = this.startWorker();
     /** @type {Shown | null} what was shown last */
     this.drawn = null;
     /** @type {ViewSize} */
@@ -44,6 +47,28 @@ export class Eye {
     this.session = 0; // counts them, and the scenes of each
     /** @type {{masks: any, until: number} | null} masks whose prediction is to be judged */
     this.trial = null;
+  }
+
+  /** @private */
+  startWorker() {
+    const worker = new Worker(new URL('worker.js', this.base), { type: 'module' });
+    worker.onmessage = ({ data }) => this.on(data);
+    worker.onerror = ({ message }) => this.onWorkerError(message);
+    return worker;
+  }
+
+  /**
+   * Without a message, one of its modules did not come: another worker asks for it again.
+   * @private @param {string | undefined} message
+   */
+  onWorkerError(message) {
+    if (message) return this.emit({ is: 'failed', why: message });
+    const wait = this.backoff.wait();
+    this.emit({ is: 'closed', why: 'a part of the page did not come', refusal: null, againInMs: wait });
+    this.restart = setTimeout(() => {
+      this.worker = this.startWorker();
+      if (this.opening) this.worker.postMessage(this.opening);
+    }, wait);
   }
 
   /** What was seen at another size is of no use any more. @param {ViewSize} size */
@@ -63,7 +88,7 @@ export class Eye {
   connect(wanted, { codec, samples, occlusion }, rateHz = MOST_RATE_HZ) {
     const socket = new URL('session', this.base);
     socket.protocol = socket.protocol === 'http:' ? 'ws:' : 'wss:';
-    this.worker.postMessage({
+    this.opening = {
       do: 'open',
       url: socket.href,
       processors: this.processors,
@@ -80,7 +105,8 @@ export class Eye {
         codecs: [Codec[codec], Codec.tiles_lz4],
         samples: samples + OCCLUSION[occlusion],
       },
-    });
+    };
+    this.worker.postMessage(this.opening);
   }
 
   /** @param {any} event */
@@ -141,6 +167,7 @@ export class Eye {
   }
 
   close() {
+    clearTimeout(this.restart);
     this.worker.postMessage({ do: 'close', reason: 'the page was closed' });
   }
 }

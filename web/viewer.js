@@ -1,11 +1,12 @@
 // The viewer: a pose in, a picture out. Holds the renderer and one eye; knows no button and no text of the page.
 //
-// Events: {is: ...} of link/client.js, and `progress`, `scene`, `picture`, `failed`.
+// Events: {is: ...} of link/client.js, and `progress`, `interrupted` (the scene is asked for again), `scene`, `picture`, `failed`.
 import { Eye } from './eye.js';
+import { again } from './link/again.js';
 import { headersOf } from './link/headers.js';
 import { centred, extrapolate, placeOf, towards, viewOf } from './prediction/border.js';
 import { Renderer } from './render/renderer.js';
-import { loadPack } from './pack/pack.js';
+import { fetchPack, ScenePack } from './pack/pack.js';
 import { borderOf, Quality } from './ui/quality.js';
 import { equal } from './wire/camera.js';
 
@@ -91,15 +92,19 @@ export class Viewer {
   async loadScene(cache) {
     const wanted = /** @type {import('./eye.js').Wanted} */ (this.wanted);
     const headers = headersOf(wanted);
-    try {
+    const isWanted = () => wanted === this.wanted;
+    const onProgress = (/** @type {number} */ done, /** @type {number} */ total) =>
+      this.emit({ is: 'progress', done, total });
+    const ask = async () => {
       const where = await fetch(new URL(`scene/${encodeURIComponent(wanted.scene)}`, this.base), { headers, cache });
       if (!where.ok) throw new Error(`${(await where.text()).trim() || where.statusText} (${where.status})`);
       const { pack, bytes } = await where.json();
-      const onProgress = (/** @type {number} */ done, /** @type {number} */ total) =>
-        this.emit({ is: 'progress', done, total });
-      const loaded = await loadPack(new URL(pack, this.base).href, { headers, bytes, onProgress });
-      if (wanted !== this.wanted) return;
-      this.pack = loaded;
+      return fetchPack(new URL(pack, this.base).href, { headers, bytes, onProgress });
+    };
+    try {
+      const buffer = await again(ask, { isWanted, onLoss: () => this.emit({ is: 'interrupted' }) });
+      if (!isWanted()) return;
+      this.pack = new ScenePack(buffer);
       await this.makeRenderer();
     } catch (error) {
       if (wanted === this.wanted) this.fail(error);

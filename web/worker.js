@@ -3,15 +3,16 @@
 // From the page: {do: 'open', url, hello, processors}, {do: 'look', index, camera}, {do: 'close', reason}. To the page:
 // the events of link/client.js, and {is: 'failed', why} if the decoder cannot be had.
 import { Decoder } from './decoder.js';
+import { again } from './link/again.js';
 import { Client } from './link/client.js';
 import { Lanes, lanesFor } from './link/lanes.js';
 
 const post = (event, transfer = []) => self.postMessage(event, { transfer });
 
-async function load() {
+async function fetchDecoder() {
   const answer = await fetch(new URL('./wasm/decoder.wasm', import.meta.url));
   if (!answer.ok) throw new Error('this server was built without the decoder for browsers');
-  return Decoder.load(answer);
+  return answer.arrayBuffer();
 }
 
 let processors = 1;
@@ -24,7 +25,7 @@ function lanesOf({ module }) {
 }
 
 /** @type {Promise<Client>} */
-const client = load().then(
+const client = again(fetchDecoder).then(Decoder.load).then(
   (decoder) =>
     new Client({
       connect: (url) => new WebSocket(url, 'gnomon'),

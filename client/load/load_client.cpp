@@ -18,7 +18,6 @@ std::unique_ptr<MovingStream> LoadClient::connect() {
       loop_, options_.stream,
       MovingStream::Events{.answer = [this](const Answer& answer) { on_answer(answer); },
                            .opened = [this] { on_opened(); },
-                           .moved = [this] { frames_of_stats_ = 0; },
                            .message = [this](const protocol::Message& message) { on_message(message); },
                            .closed = [this](const Error&) { on_closed(); }});
 }
@@ -44,7 +43,6 @@ void LoadClient::reopen() {
   ended.unanswered += pending();
   lost_counters_ += ended;
   lost_bytes_ += stream_->received_bytes();
-  frames_of_stats_ = 0;
   stream_ = connect();
 }
 
@@ -60,10 +58,8 @@ void LoadClient::on_message(const protocol::Message& message) {
   if (const auto* waiting = std::get_if<protocol::Waiting>(&message)) waits_for_ = describe(*waiting);
   const auto* stats = std::get_if<protocol::Stats>(&message);
   if (!stats || !path_) return;
-  const uint64_t frames = stats->frames - std::min(stats->frames, frames_of_stats_);
-  frames_of_stats_ = stats->frames;
-  figures_.times.queued += frames;
-  figures_.times.queue += std::chrono::microseconds(stats->queue_us) * static_cast<int64_t>(frames);
+  figures_.times.take_queue(times_of_stats_, std::chrono::microseconds(stats->queue_us));
+  times_of_stats_ = figures_.times;
 }
 
 void LoadClient::fly(const CameraPath& path, TimePoint now) {
@@ -105,6 +101,7 @@ uint64_t LoadClient::pending() const {
 
 void LoadClient::end_warm_up() {
   figures_ = {};
+  times_of_stats_ = {};
   server_times_ = {};
   last_whole_.reset();
   before_ = counters();
@@ -134,8 +131,9 @@ void LoadClient::on_answer(const Answer& answer) {
   StageTimes& times = figures_.times;
   ++times.answers;
   times.response += answer.response;
-  times.server += std::min<Nanoseconds>(server, answer.response);
-  times.device += std::chrono::microseconds(answer.mask.gpu_us);
+  const Nanoseconds at_server = std::min<Nanoseconds>(server, answer.response);
+  times.server += at_server;
+  times.device += std::min<Nanoseconds>(std::chrono::microseconds(answer.mask.gpu_us), at_server);
   if (answer.mask.complete()) {
     ++figures_.frames_in_time;
     figures_.latencies.add(answer.response);

@@ -68,7 +68,7 @@ class LoadClient {
   LoadFigures figures_;    // but for what the stream counts
   StreamCounters before_;  // what the stream had counted when the warm-up ended
   uint64_t bytes_before_ = 0;
-  uint64_t frames_of_stats_ = 0;  // as the last Stats said
+  StageTimes times_of_stats_;  // when the last Stats came
   Latencies server_times_;
   std::optional<TimePoint> last_whole_;  // when a whole frame came last
   Loop& loop_;

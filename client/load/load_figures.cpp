@@ -9,12 +9,23 @@ StageTimes& StageTimes::operator+=(const StageTimes& other) {
   response += other.response;
   server += other.server;
   device += other.device;
-  queued += other.queued;
+  known += other.known;
   queue += other.queue;
   return *this;
 }
 
-double StageTimes::encode_ms() const { return std::max(0.0, mean_ms(server - device, answers) - queue_ms()); }
+void StageTimes::take_queue(const StageTimes& before, Nanoseconds mean) {
+  const Nanoseconds waited = (server - device) - (before.server - before.device);
+  // The server's second holds answers that are not here yet, and some of before.
+  known += waited;
+  queue += std::min(waited, mean * static_cast<int64_t>(answers - before.answers));
+}
+
+double StageTimes::queue_ms() const {
+  return knows_queue() ? mean_ms(server - device, answers) * (to_seconds(queue) / to_seconds(known)) : 0;
+}
+
+double StageTimes::encode_ms() const { return mean_ms(server - device, answers) - queue_ms(); }
 
 double StageTimes::mean_ms(Nanoseconds sum, uint64_t count) {
   return count > 0 ? to_milliseconds(sum) / static_cast<double>(count) : 0;

@@ -9,24 +9,27 @@
 namespace gnomon::client {
 
 // Sums over answers, by stage. The server states its own time and the device's with every slice, its queue's once a
-// second (Stats); what is left is that of encoding and sending there, and of the network and this program here.
+// second (Stats), of which the share in those answers' waiting stands for all; what is left is that of encoding and sending
+// there, and of the network and this program here.
 struct StageTimes {
   uint64_t answers = 0;
   Nanoseconds response{};  // from the camera's sending to the last slice's arrival
   Nanoseconds server{};    // of it, from the camera's arrival at the server to the frame's sending
   Nanoseconds device{};    // of that, on the device
-  uint64_t queued = 0;     // frames that `queue` is of
-  Nanoseconds queue{};     // of the server's time, from the camera's arrival to the start of rendering
+  Nanoseconds known{};     // of the server's time but the device's, that of answers whose queue is known
+  Nanoseconds queue{};     // of that, from the camera's arrival to the start of rendering
 
   StageTimes& operator+=(const StageTimes& other);
+  // Of the answers that have come since `before`, the queue took `mean` each.
+  void take_queue(const StageTimes& before, Nanoseconds mean);
 
   // Means, in milliseconds; 0 if there was no answer.
   double response_ms() const { return mean_ms(response, answers); }
-  double queue_ms() const { return mean_ms(queue, queued); }
+  double queue_ms() const;
   double device_ms() const { return mean_ms(device, answers); }
   double encode_ms() const;  // and sending; with the queue's where that is not known
   double network_ms() const { return mean_ms(response - server, answers); }
-  bool knows_queue() const { return queued > 0; }
+  bool knows_queue() const { return known > Nanoseconds(0); }
 
  private:
   static double mean_ms(Nanoseconds sum, uint64_t count);

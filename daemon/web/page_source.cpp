@@ -91,6 +91,15 @@ std::string with_preloads(std::string_view page, const std::vector<std::string>&
   return with_in_head(page, links);
 }
 
+std::string with_script(std::string_view page, const std::string& file, std::string_view script) {
+  std::string whole(page);
+  const std::string reference = "<script src=\"" + file + "\"></script>";
+  if (const size_t at = whole.find(reference); at != whole.npos) {
+    whole.replace(at, reference.size(), "<script>" + std::string(script) + "</script>");
+  }
+  return whole;
+}
+
 std::string with_fleet(std::string_view page, const std::string& name) {
   return with_in_head(page, "<meta name=\"gnomon-fleet\" content=\"" + name + "\">\n");
 }

@@ -24,6 +24,10 @@ std::vector<std::string> modules_of(const std::string& path, const ModuleAt& sou
 // the one that imports it has come.
 std::string with_preloads(std::string_view page, const std::vector<std::string>& modules);
 
+// A page that has a script in it in place of a reference to it (`<script src="start.js"></script>`), so that none comes
+// without the other.
+std::string with_script(std::string_view page, const std::string& file, std::string_view script);
+
 // A page whose head says of which fleet its server is. Precondition: the name has nothing that HTML would take for its own.
 std::string with_fleet(std::string_view page, const std::string& name);
 

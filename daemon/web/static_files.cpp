@@ -50,6 +50,11 @@ bool lists(std::string_view field, std::string_view tag) {
 
 constexpr const char* kPage = "/index.html";
 constexpr const char* kFirstModule = "/app.js";
+constexpr const char* kScript = "/start.js";  // is put into the page
+
+std::span<const uint8_t> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
 
 // The embedded files as they are served.
 std::map<std::string, std::string> served(std::span<const EmbeddedFile> files, const std::string& fleet) {
@@ -65,6 +70,9 @@ std::map<std::string, std::string> served(std::span<const EmbeddedFile> files, c
                         return found == all.end() ? std::nullopt : std::optional<std::string_view>(found->second);
                       }));
     if (!fleet.empty()) page->second = with_fleet(page->second, fleet);
+    if (const auto script = all.find(kScript); script != all.end()) {
+      page->second = with_script(page->second, kScript + 1, script->second);
+    }
   }
   return all;
 }
@@ -73,8 +81,9 @@ std::map<std::string, std::string> served(std::span<const EmbeddedFile> files, c
 
 StaticFiles StaticFiles::of(std::span<const EmbeddedFile> files, const std::string& fleet) {
   StaticFiles made;
-  for (const auto& [path, text] : served(files, fleet)) {
-    const std::span bytes(reinterpret_cast<const uint8_t*>(text.data()), text.size());
+  const auto texts = served(files, fleet);
+  for (const auto& [path, text] : texts) {
+    const std::span bytes = bytes_of(text);
     File file{type_of(path), etag_of(bytes),
               std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end()), nullptr};
     const auto packed = gnomon::brotli(std::as_bytes(bytes));
@@ -85,6 +94,9 @@ StaticFiles StaticFiles::of(std::span<const EmbeddedFile> files, const std::stri
     made.files_.emplace(path, std::move(file));
   }
   if (const auto index = made.files_.find(kPage); index != made.files_.end()) {
+    if (const auto script = texts.find(kScript); script != texts.end()) {
+      index->second.script = "'sha256-" + base64(sha256(bytes_of(script->second))) + "'";
+    }
     made.files_.emplace("/", index->second);
   }
   return made;
@@ -98,9 +110,11 @@ Response StaticFiles::answer(const Request& request) const {
   // The two codings are two representations, each with a tag of its own (RFC 9110, 8.8.3.3).
   std::string etag = file.etag;
   if (packed) etag.insert(etag.size() - 1, "-br");
-  Response response{
-      .fields = {
-          {"Content-Type", file.type}, {"ETag", etag}, {"Cache-Control", "no-cache"}, {"Vary", "Accept-Encoding"}}};
+  Response response{.fields = {{"Content-Type", file.type},
+                               {"ETag", etag},
+                               {"Cache-Control", "no-cache"},
+                               {"Vary", "Accept-Encoding"}},
+                    .script = file.script};
   if (lists(request.if_none_match, etag)) {
     response.status = 304;
     return response;

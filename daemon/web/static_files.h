@@ -32,6 +32,7 @@ class StaticFiles {
     const char* type = "";
     std::string etag;
     SharedBytes plain, brotli;  // brotli is nullptr if it is no shorter
+    std::string script = {};    // as in Response
   };
   std::map<std::string, File, std::less<>> files_;
 };

@@ -5,9 +5,11 @@
 namespace gnomon::daemon::web {
 namespace {
 
+constexpr const char* kScriptPolicy =
+    "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'";
 constexpr const char* kPolicy =
-    "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; "
-    "style-src 'self'; img-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'; "
+    "; worker-src 'self'; style-src 'self'; img-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; "
+    "form-action 'none'; "
     "connect-src 'self'";
 constexpr const char* kGuards =
     "X-Content-Type-Options: nosniff\r\n"
@@ -64,6 +66,8 @@ std::vector<uint8_t> header_of(const Response& response, const std::string& conn
   std::string text = "HTTP/1.1 " + std::to_string(response.status) + " " + reason(response.status) + "\r\n";
   for (const auto& [name, value] : response.fields) text += name + ": " + value + "\r\n";
   if (response.status != 101) {
+    text += kScriptPolicy;
+    if (!response.script.empty()) text += " " + response.script;
     text += kPolicy;
     if (!connects.empty()) text += " " + connects;
     text += "\r\n";

@@ -20,6 +20,7 @@ struct Response {
   std::vector<std::pair<std::string, std::string>> fields = {};  // beside those that every response has
   SharedBytes body = nullptr;                                    // nullptr: empty
   bool close = false;                                            // the connection, afterwards
+  std::string script = {};  // what is in the page, as a source of a content security policy: `'sha256-...'`
 };
 
 // A response of plain text, which no cache keeps.

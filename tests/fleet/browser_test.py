@@ -6,9 +6,11 @@ of real HAProxy, three gnomonds.
 """
 import pathlib
 import sys
+import threading
+import time
 import unittest
 
-from namespaces import enter_own_network
+from namespaces import enter_own_network, run
 
 enter_own_network()
 
@@ -20,6 +22,7 @@ from world import FLEET, World, eventually  # noqa: E402
 
 BUILD = sys.argv.pop(1)
 SCENES = 3
+PAUSE_S = 0.05  # between changes of the network
 
 
 class Browsers(unittest.TestCase):
@@ -76,6 +79,24 @@ class Browsers(unittest.TestCase):
             nodes |= used
         self.assertEqual(len(hosts), SCENES)
         print(f"{SCENES} scenes: {sorted(nodes)}")
+
+    def change_network(self, times):
+        """The machine of the browser gets another address and loses it; what is under way is ended by Chromium each time."""
+        for _ in range(times):
+            for act in ("add", "del"):
+                run("ip", "address", act, "10.78.0.1/32", "dev", "bridge")
+                time.sleep(PAUSE_S)
+
+    def test_it_comes_while_its_network_changes(self):
+        self.browser.call("Network.setCacheDisabled", cacheDisabled=True)
+        self.addCleanup(self.browser.call, "Network.setCacheDisabled", cacheDisabled=False)
+        self.browser.open("about:blank")
+        changes = threading.Thread(target=self.change_network, args=(20,))
+        changes.start()
+        self.addCleanup(changes.join)
+        self.browser.open(f"{self.url}#scene={self.world.scene(SCENES + 2)}", **SIZE)
+        self.shows("a picture")
+        self.assertTrue(any("ERR_NETWORK_CHANGED" in error for error in self.browser.errors), "it did not change")
 
     def test_it_moves_when_its_node_drains(self):
         scene = self.world.scene(SCENES + 1)

@@ -1,5 +1,5 @@
 // Runs in the page: the renderer's pictures beside those of the reference client (draw_inputs.cpp), as figures.
-import { loadPack } from '/pack/pack.js';
+import { fetchPack, ScenePack } from '/pack/pack.js';
 import { poseInstance } from '/pack/pose.js';
 import { Renderer } from '/render/renderer.js';
 import { viewOf } from '/render/view.js';
@@ -82,7 +82,8 @@ export class Checks {
     checks.inputs = inputs;
     checks.plan = await (await fetch(`${inputs}/views.json`)).json();
     const progress = [];
-    checks.pack = await loadPack(`${inputs}/scene.pack`, { onProgress: (done, total) => progress.push([done, total]) });
+    const onProgress = (done, total) => progress.push([done, total]);
+    checks.pack = new ScenePack(await fetchPack(`${inputs}/scene.pack`, { onProgress }));
     checks.progress = progress.at(-1);
     checks.canvas = document.createElement('canvas');
     document.body.append(checks.canvas);

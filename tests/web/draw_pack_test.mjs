@@ -1,7 +1,7 @@
 // The reader of scene packs: what is damaged is said in a sentence, whatever it is; the download says how far it is.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { loadPack, PackError, ScenePack } from '../../web/pack/pack.js';
+import { fetchPack, PackError, ScenePack } from '../../web/pack/pack.js';
 
 /** A pack of one triangle; `change` may break its JSON before it is written, `damage` its sections. */
 function pack({ change = () => {}, damage = () => {} } = {}) {
@@ -81,7 +81,8 @@ for (const [what, options] of Object.entries({
   test(`a download with ${what}`, async () => {
     const told = [];
     serving(pack(), options);
-    const read = await loadPack('/scene', { bytes: options.bytes, onProgress: (...step) => told.push(step) });
+    const whole = await fetchPack('/scene', { bytes: options.bytes, onProgress: (...step) => told.push(step) });
+    const read = new ScenePack(whole);
     assert.equal(read.triangleCount, 1);
     assert.equal(told.at(-1)[0], pack().byteLength);
     assert.ok(told.every(([done], i) => i === 0 || done > told[i - 1][0]));
@@ -90,5 +91,5 @@ for (const [what, options] of Object.entries({
 
 test('a refusal says its status', async () => {
   serving(pack(), { status: 404 });
-  await assert.rejects(loadPack('/scene'), (error) => error instanceof PackError && error.message.includes('404'));
+  await assert.rejects(fetchPack('/scene'), (error) => error instanceof PackError && error.message.includes('404'));
 });

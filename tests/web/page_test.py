@@ -190,6 +190,43 @@ class Viewer(unittest.TestCase):
         eventually(lambda: page.text("#news") == "", "no more news")
         self.assertEqual([url for url in page.browser.requests if url.endswith(".pack")], packs)
 
+    def test_what_the_network_took_away_is_asked_for_again(self):
+        """The browser ends requests as it does where its machine goes to another network."""
+        page = self.page("")
+        page.browser.call("Network.setCacheDisabled", cacheDisabled=True)
+        said = lambda: page.text("#poster-text")
+        for part in ("render/chunks.js", "scene/living_room", ".pack"):
+            with self.subTest(part=part):
+                page.browser.call("Network.setBlockedURLs", urls=["*" + part])
+                page.open("scene=living_room&tenant=studio")
+                eventually(lambda: "trying again" in said(), f"what the page says without {part}")
+                page.browser.call("Network.setBlockedURLs", urls=[])
+                page.wait_fresh()
+        page.browser.call("Network.setBlockedURLs", urls=["*render/chunks.js"])
+        page.evaluate("sessionStorage.setItem('gnomon-failed-starts', 8)")
+        page.open("scene=living_room&tenant=studio")
+        eventually(lambda: not page.evaluate("document.getElementById('again').hidden"), "a button, at last")
+        self.assertIn("did not come", said())
+        page.browser.call("Network.setBlockedURLs", urls=[])
+        page.click("#again")
+        page.wait_fresh()
+
+    def test_a_worker_that_does_not_come_is_asked_for_again(self):
+        """No request of a worker can be ended from here: the first one is sent where nothing is."""
+        page = self.page(before="""
+          const Real = Worker
+          window.workers = []
+          window.Worker = class extends Real {
+            constructor(url, options) {
+              const name = window.workers.length > 0 ? url : new URL('no_such_worker.js', url)
+              super(name, options)
+              window.workers.push(String(name))
+            }
+          }""")
+        page.wait_fresh()
+        names = [name.rsplit("/", 1)[1] for name in page.evaluate("window.workers")]
+        self.assertEqual(names[:2], ["no_such_worker.js", "worker.js"])
+
     def test_a_phone_held_upright(self):
         page = self.page(width=390, height=700, mobile=True)
         page.wait_fresh()

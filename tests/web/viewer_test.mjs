@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Renderer } from '../../web/render/renderer.js';
 import { Viewer } from '../../web/viewer.js';
+import { Timers } from './timers.mjs';
 
 const WANTED = { scene: 'temple', tenant: '', token: '' };
 const POSE = { position: [0, 0, 0], orientation: [0, 0, 0, 1], verticalFov: 0.9 };
@@ -45,9 +46,13 @@ function world(t) {
   const posted = [];
   const events = [];
   const renderers = []; // in the order in which they were begun; each is there once made() is called
+  let workers = 0;
   class Worker {
+    constructor() {
+      this.number = ++workers;
+    }
     postMessage(message) {
-      posted.push(message);
+      posted.push({ ...message, to: this.number });
     }
   }
   class ResizeObserver {
@@ -117,6 +122,22 @@ test('the lights of another scene are not those of a renderer that was made for 
   assert.equal(renderers[1].of, viewer.pack);
   assert.deepEqual(renderers[1].lights, [lamp(9)]);
   assert.equal(scenes().length, 1);
+});
+
+test('a worker whose modules did not come is started again, and opens what was wanted', (t) => {
+  const timers = new Timers();
+  t.after(() => timers.restore());
+  const { viewer, posted, events } = world(t);
+  viewer.open(WANTED);
+  viewer.eye.worker.onerror({});
+  const { againInMs } = events.find((event) => event.is === 'closed');
+  assert.equal(posted.length, 1);
+  timers.pass(againInMs);
+  assert.deepEqual(posted[1], { ...posted[0], to: 2 });
+  viewer.eye.worker.onerror({ message: 'x is not defined' });
+  assert.equal(events.at(-1).is, 'failed');
+  timers.pass(100_000);
+  assert.equal(posted.length, 2, 'an error in a module would come again');
 });
 
 test('a scene that changed before its renderer was made is loaded anew', async (t) => {

@@ -16,7 +16,11 @@ export class Backoff {
    * @param {{code: number} | null} refusal the server's, if it refused
    */
   waitAfter(refusal) {
-    if (refusal && !MAY_PASS.has(refusal.code)) return null;
+    return refusal && !MAY_PASS.has(refusal.code) ? null : this.wait();
+  }
+
+  /** Milliseconds to wait after a failure of the network. */
+  wait() {
     const wait = this.next;
     this.next = Math.min(2 * wait, LONGEST);
     return wait;

@@ -114,18 +114,18 @@ function text(buffer, offset, bytes) {
 }
 
 /**
- * Downloads a pack. `bytes`, if it is known, is the pack's unpacked length: a compressed answer does not say it.
+ * Downloads a pack: its bytes, for ScenePack. `bytes`, if it is known, is the pack's unpacked length: a compressed answer does not say it.
  * @param {string} url
  * @param {{headers?: HeadersInit, bytes?: number, signal?: AbortSignal,
  *   onProgress?: (done: number, total: number) => void}} options `total` is 0 where it is unknown
- * @returns {Promise<ScenePack>}
+ * @returns {Promise<ArrayBuffer>}
  */
-export async function loadPack(url, { headers, bytes = 0, signal, onProgress = () => {} } = {}) {
+export async function fetchPack(url, { headers, bytes = 0, signal, onProgress = () => {} } = {}) {
   const response = await fetch(url, { headers, signal });
   if (!response.ok) throw new PackError(`The scene cannot be had: the server answered ${response.status}.`);
   const packed = response.headers.has('Content-Encoding');
   const total = bytes || (packed ? 0 : Number(response.headers.get('Content-Length')) || 0);
-  return new ScenePack(await readAll(response, total, onProgress));
+  return readAll(response, total, onProgress);
 }
 
 /**

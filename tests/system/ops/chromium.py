@@ -112,7 +112,14 @@ class Chromium:
             self.receive()
 
     def evaluate(self, script):
-        result = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        """What the script says. If its page goes while it is asked, the next page is."""
+        for attempt in range(10):
+            try:
+                result = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+                break
+            except AssertionError as error:
+                if "navigated or closed" not in str(error) or attempt == 9:
+                    raise
         if "exceptionDetails" in result:
             raise AssertionError(f"{script}: {result['exceptionDetails']}")
         return result["result"].get("value")

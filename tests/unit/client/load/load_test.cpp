@@ -59,7 +59,7 @@ LoadRow some_row() {
   row.figures.counters.incomplete = 1;
   row.figures.pending = 1;
   row.figures.times = {
-      .answers = 6, .response = 600ms, .server = 300ms, .device = 120ms, .queued = 3, .queue = 30ms};
+      .answers = 6, .response = 600ms, .server = 300ms, .device = 120ms, .known = 90ms, .queue = 30ms};
   return row;
 }
 
@@ -81,6 +81,19 @@ TEST(LoadFigures, TheMeanAnswersTimeIsTheSumOfItsStages) {
   EXPECT_EQ(
       load_remarks(some_row()).front(),
       "the mean answer took 100.0 ms: queue 10.0, device 20.0, encoding and sending 20.0, network and client 50.0");
+}
+
+TEST(LoadFigures, WhatStatsSayOfAnotherSecondMovesNoOtherStage) {
+  StageTimes times{.answers = 2, .response = 100ms, .server = 80ms, .device = 20ms};
+  times.take_queue({}, 500ms);  // of a second that was slower than these answers
+  EXPECT_DOUBLE_EQ(times.queue_ms(), 30);
+  EXPECT_DOUBLE_EQ(times.encode_ms(), 0);
+  const StageTimes before = times;
+  times += {.answers = 2, .response = 100ms, .server = 80ms, .device = 20ms};
+  times.take_queue(before, 10ms);
+  EXPECT_DOUBLE_EQ(times.queue_ms(), 20);
+  EXPECT_DOUBLE_EQ(times.queue_ms() + times.device_ms() + times.encode_ms() + times.network_ms(),
+                   times.response_ms());
 }
 
 TEST(LoadFigures, CsvHasALineForEachRowAndQuotesWhatNeedsIt) {

@@ -142,6 +142,29 @@ TEST(WebFiles, AreServedOnceAndThenFromTheCache) {
   EXPECT_EQ(in_fleet.answer({.target = "/main.js"}).body->size(), 1000u);
 }
 
+TEST(WebFiles, ThePageMayRunTheScriptThatIsInItAndNoOther) {
+  const std::string page = "<body><script src=\"start.js\"></script></body>", script = "begin();";
+  const auto file = [](const char* path, const std::string& text) {
+    return EmbeddedFile{path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}};
+  };
+  const EmbeddedFile files[] = {file("/index.html", page), file("/start.js", script)};
+  const StaticFiles served = StaticFiles::of(files);
+  const Response answer = served.answer({.target = "/"});
+  EXPECT_EQ(std::string(answer.body->begin(), answer.body->end()), "<body><script>begin();</script></body>");
+  const auto policy = [](const Response& response) {
+    const std::vector<uint8_t> header = header_of(response);
+    const std::string text(header.begin(), header.end());
+    const size_t at = text.find("script-src");
+    return text.substr(at, text.find(';', at) - at);
+  };
+  // printf 'begin();' | openssl dgst -sha256 -binary | base64
+  const std::string hash = " 'sha256-RGdiNHrz6SleHp86rY1Pe6UYC/Z2F6aw/rzfvgFU15Q='";
+  EXPECT_EQ(policy(answer), "script-src 'self' 'wasm-unsafe-eval'" + hash);
+  EXPECT_EQ(policy(served.answer({.target = "/index.html", .if_none_match = "*"})), policy(answer))
+      << "also of a 304";
+  EXPECT_EQ(policy(served.answer({.target = "/start.js"})), "script-src 'self' 'wasm-unsafe-eval'");
+}
+
 TEST(WebScenes, AreAddressedByNameAndByTheHashOfTheirPack) {
   const std::string hash(64, 'a');
   EXPECT_FALSE(scene_target("/scenes/room"));

@@ -61,6 +61,12 @@ TEST(PageSource, NamesModulesInTheHead) {
             "</head><body>");
 }
 
+TEST(PageSource, HasItsScriptInIt) {
+  EXPECT_EQ(with_script("<body><script src=\"start.js\"></script>\n</body>", "start.js", "a(1);\n"),
+            "<body><script>a(1);\n</script>\n</body>");
+  EXPECT_EQ(with_script("<body></body>", "start.js", "a(1);"), "<body></body>");
+}
+
 TEST(PageSource, SaysOfWhichFleetItsServerIs) {
   EXPECT_EQ(with_fleet("<head>\n</head><body>", "gnomon.example"),
             "<head>\n<meta name=\"gnomon-fleet\" content=\"gnomon.example\">\n</head><body>");
