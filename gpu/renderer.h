@@ -149,9 +149,9 @@ class Renderer {
   // How many submits the device runs at the same time; constant.
   virtual uint32_t overlapping() const { return 1; }
 
-  // `freed` is called once for each frame whose last submit was delivered, when its lease was dropped and free_slots()
-  // has grown. It is called on the thread that dropped the lease, possibly after the renderer's destruction. Abandoned
-  // frames are not reported. Precondition: nothing was submitted yet.
+  // `freed` is called once for each frame, when free_slots() has grown: its lease was dropped, or it was abandoned and the
+  // device has passed its bands. It is called on the thread that dropped the lease, possibly after the renderer's
+  // destruction, or on a completion thread. Precondition: nothing was submitted yet.
   virtual void on_slot_freed(std::function<void()> freed) = 0;
 
   // Uploads a scene and builds what the tracer needs before it can trace; blocking. Idempotent.

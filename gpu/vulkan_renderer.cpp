@@ -148,7 +148,7 @@ class VulkanRenderer : public Renderer {
     const auto found = partial_frames_.find(id);
     if (found == partial_frames_.end()) return;
     start_pending();  // the frame's pending submits refer to its slot
-    queues_[found->second.queue]->give_back_later(found->second.slot);
+    queues_[found->second.queue]->free_later(found->second.slot);
     partial_frames_.erase(found);
   }
 

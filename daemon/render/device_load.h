@@ -10,17 +10,15 @@ namespace gnomon::daemon {
 
 class DeviceLoad {
  public:
-  // A frame begins with its first submit, is partial until its last submit, and is out until its lease is dropped.
+  // A frame begins with its first submit, is partial until its last submit or until it is abandoned, and is out until its slot
+  // is free.
   void frame_begun() {
     ++frames_;
     ++partial_;
   }
   void frame_submitted() { --partial_; }
-  void frame_abandoned() {
-    --partial_;
-    --frames_;
-  }
-  void lease_dropped() { --frames_; }
+  void frame_abandoned() { --partial_; }
+  void slot_freed() { --frames_; }
 
   void job_started(Nanoseconds predicted, TimePoint now) {
     ++jobs_;
@@ -60,7 +58,7 @@ class DeviceLoad {
   // How long before the device runs dry a job is submitted: the time to wake up, record and submit.
   static constexpr Nanoseconds kLead = std::chrono::milliseconds(1);
 
-  uint32_t frames_ = 0;      // frames whose lease is not dropped, partial ones included
+  uint32_t frames_ = 0;      // frames whose slot is not free, partial ones included
   uint32_t partial_ = 0;     // of these, frames that are not submitted completely
   uint32_t jobs_ = 0;        // submitted and not finished
   Nanoseconds predicted_{};  // cost of these jobs

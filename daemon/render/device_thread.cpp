@@ -72,7 +72,7 @@ void DeviceThread::render() {
 // With frames in flight, progress means that a frame was completed. Rebuilding a device takes as long as its scenes.
 void DeviceThread::show_life(const std::vector<RenderEvent>& done) {
   const bool moved = std::any_of(done.begin(), done.end(), [](const RenderEvent& event) {
-    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<LeaseDropped>(event);
+    return std::holds_alternative<JobFinished>(event) || std::holds_alternative<SlotFreed>(event);
   });
   if (moved || loop_->frames_out() == 0) heartbeat_.beat();
   if (!loop_->device_up()) heartbeat_.excuse_until(Clock::now() + kLongestBuild);

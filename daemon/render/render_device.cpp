@@ -18,7 +18,7 @@ Result<void> RenderDevice::make_renderer() {
   auto made = factory_();
   if (!made) return made.error();
   renderer_ = std::move(*made);
-  renderer_->on_slot_freed([&inbox = *inbox_] { inbox.push(LeaseDropped{}); });
+  renderer_->on_slot_freed([&inbox = *inbox_] { inbox.push(SlotFreed{}); });
   return {};
 }
 

@@ -25,7 +25,7 @@ inline constexpr std::chrono::seconds kLossWindow{60};
 class RenderDevice {
  public:
   // `inbox` outlives the device and its leases. It receives BackgroundDone when Renderer::finish_background has
-  // something to do, and LeaseDropped when a slot is free again. `number`: among the daemon's devices.
+  // something to do, and SlotFreed when a slot is free again. `number`: among the daemon's devices.
   static Result<std::unique_ptr<RenderDevice>> open(RendererFactory factory, RenderInbox& inbox,
                                                     uint32_t number = 0);
 

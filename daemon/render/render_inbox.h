@@ -113,7 +113,7 @@ struct BytesSent {
   SampleCounts samples = {};
 };
 
-struct LeaseDropped {};  // a frame slot may be free again
+struct SlotFreed {};  // that of a frame whose lease was dropped, or that was abandoned and has left the device
 
 // The device is shared by this policy from now on. There are at least as many tenants as before.
 struct SharingPolicyChanged {
@@ -124,7 +124,7 @@ struct StopRendering {};  // no further views are taken; the loop ends when the 
 
 using RenderEvent =
     std::variant<ViewRequest, CapacityRequested, SessionOpened, SessionClosed, SessionMoved, SceneLoaded,
-                 SceneUnloaded, JobFinished, LeaseDropped, BytesSent, LightChanged, BackgroundDone, LinkReviewed,
+                 SceneUnloaded, JobFinished, SlotFreed, BytesSent, LightChanged, BackgroundDone, LinkReviewed,
                  SharingPolicyChanged, TenantDeviceShare, StopRendering>;
 
 // Any thread pushes, the render thread takes. The number of views is bounded, as clients decide how fast they come;

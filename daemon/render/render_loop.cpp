@@ -56,7 +56,7 @@ void RenderLoop::handle(RenderEvent event, TimePoint now) {
       [&](const SceneUnloaded& leaves) { remove_scene(leaves.scene); },
       [&](const LightChanged& changed) { change_light(changed, now); },
       [&](const JobFinished& job) { settle_job(job, now); },
-      [&](const LeaseDropped&) { jobs_.load().lease_dropped(); },
+      [&](const SlotFreed&) { jobs_.load().slot_freed(); },
       [&](const BytesSent& sent) {
         queue_.account().sent(sent.tenant, sent.bytes, now);
         costs_.learn_bytes(sent);

@@ -50,7 +50,7 @@ std::vector<JobId> QueueState::start() {
   return refused;
 }
 
-void QueueState::give_back_later(size_t slot) {
+void QueueState::free_later(size_t slot) {
   InFlight nothing;
   nothing.slot = slot;
   started_.push_surely({std::move(nothing), 0, false});
@@ -65,7 +65,7 @@ void QueueState::complete() {
         in_flight_.fetch_sub(1, std::memory_order_relaxed);
         started.submit.on_done(std::move(done));
       } else {
-        pool_->give_back(started.submit.slot);
+        pool_->free(started.submit.slot);
       }
     }
   }

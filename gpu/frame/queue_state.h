@@ -20,7 +20,7 @@ struct InFlight {
   RecordedBand band;
   bool first = true, last = true;  // of the frame's bands
   TileGrid grid;
-  std::function<void(FrameDone)> on_done;  // null: the frame was abandoned, and only its slot is given back
+  std::function<void(FrameDone)> on_done;  // null: the frame was abandoned, and only its slot is freed
 };
 
 // All calls: the render loop's thread; `on_done` is called on the completion thread inside. All bands of a frame use the
@@ -38,8 +38,8 @@ class QueueState {
   // Starts all pending submits with one call of the driver. Returns the frames of which a submit could not be started;
   // these submits are delivered as lost or out of memory.
   std::vector<JobId> start();
-  // The slot is given back when the device has passed all submits that were started before.
-  void give_back_later(size_t slot);
+  // The slot is free when the device has passed all submits that were started before.
+  void free_later(size_t slot);
 
  private:
   struct Started {

@@ -27,8 +27,7 @@ class SlotPool {
   PlanVariants& variants() { return variants_; }
   const PlanVariants& variants() const { return variants_; }
 
-  // `freed` is called whenever a lease has given its slot back, on the thread that dropped the lease. Precondition: no
-  // lease was made yet.
+  // `freed` is called whenever free() has given a slot back, on its thread. Precondition: no frame was submitted yet.
   void on_freed(std::function<void()> freed) { freed_ = std::move(freed); }
 
   // Any thread. The device time of what ran between these times on one of its queues; see Overlap.
@@ -53,12 +52,14 @@ class SlotPool {
     std::lock_guard lock(mutex_);
     free_.push_back(slot);
   }
-  // A lease that gives the slot back when it is dropped. Precondition: as give_back.
+  // Gives back the slot of a frame that was submitted, and says so. Precondition: as give_back.
+  void free(size_t slot) {
+    give_back(slot);
+    if (freed_) freed_();
+  }
+  // A lease that frees the slot when it is dropped. Precondition: as give_back.
   static FrameLease lease(std::shared_ptr<SlotPool> pool, size_t slot, const PackedMaskView& mask) {
-    return FrameLease(mask, [pool = std::move(pool), slot] {
-      pool->give_back(slot);
-      if (pool->freed_) pool->freed_();
-    });
+    return FrameLease(mask, [pool = std::move(pool), slot] { pool->free(slot); });
   }
 
  private:

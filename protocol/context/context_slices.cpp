@@ -177,12 +177,14 @@ struct UnitEncoder::Memory {
     }
   }
 
-  // Encodes as many tiles of one light as fit, from the range's first on, and returns their number.
+  // Encodes as many tiles of one light as fit, from the range's first on, and returns their number. That is 0 only within
+  // a limit below kMinPayloadBytes.
   template <bool Referenced>
   uint32_t encode_some(const SliceRange& range, Kit<Referenced>& kit) {
     const size_t begin = out->bytes.size();
     const uint32_t end = range.first_tile + range.tile_count;
-    for (uint32_t most = kSegment;; most /= 2) {  // tiles of the first segment, which may not fit a payload
+    // `most`: tiles of the first segment, which may not fit a payload.
+    for (uint32_t most = kSegment; most > 0; most /= 2) {
       begin_payload<Referenced>();
       kit.fit(frame->grid);
       BinaryEncoder coder(out->bytes);
@@ -207,6 +209,7 @@ struct UnitEncoder::Memory {
       }
       out->bytes.resize(begin);
     }
+    return 0;
   }
 
   // Encodes all tiles of several lights as one slice. False if they do not fit; nothing is then appended.

@@ -134,6 +134,8 @@ TEST(RendererTest, UntracedLightsAreLit) {
 
 TEST(RendererTest, AnAbandonedFrameGivesItsSlotBack) {
   auto renderer = renderer_with_scene(1);
+  std::atomic<int> freed = 0;
+  renderer->on_slot_freed([&] { ++freed; });
   Frames frames;
   RenderJob begun = job(1, 128, 72);
   begun.tile_rows = 2;
@@ -142,7 +144,8 @@ TEST(RendererTest, AnAbandonedFrameGivesItsSlotBack) {
   renderer->abandon(JobId(1));
   frames.wait_for(1);
   EXPECT_FALSE(renderer->resume(JobId(1), 2, frames.take()));
-  while (renderer->free_slots() == 0) std::this_thread::yield();
+  while (freed == 0) std::this_thread::yield();  // who waits for a slot is told
+  EXPECT_EQ(renderer->free_slots(), 1u);
   ASSERT_TRUE(renderer->submit(job(2, 128, 72), frames.take()));
   EXPECT_TRUE(frames.wait_for(2).back().complete);
 }

@@ -191,6 +191,20 @@ CameraView turned_left(double angle) {
           .tan_down = 0.5f};
 }
 
+TEST(Context, NoiseThatItsReferenceHasIsTriedAlone) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    for (const TileGrid& grid :
+         {TileGrid{8, 8, 1}, TileGrid{256, 8, 1}, TileGrid{264, 40, 1}, TileGrid{520, 8, 2}}) {
+      const Mask mask = tests::noise(grid, seed);
+      const ReferenceShelf shelf = shelf_of(mask);
+      for (const size_t most : {kMinPayloadBytes, kMaxSlicePayloadBytes}) {
+        const EncodedMask frame = encoded(all_matters(mask).view(), shelf.find(kBefore), most);
+        EXPECT_EQ(decoded(frame, grid, &shelf), mask.words);
+      }
+    }
+  }
+}
+
 TEST(CameraMotion, WhatACameraSeesIsFoundInTheOthersPicture) {
   const TileGrid grid{800, 400, 1};
   const context::CameraMotion turn(turned_left(0.1), turned_left(0), grid);

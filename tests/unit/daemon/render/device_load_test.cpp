@@ -52,7 +52,7 @@ TEST_F(DeviceLoadTest, HalfAQuantumOfWorkIsEnough) {
 TEST_F(DeviceLoadTest, FramesInFlightAndFreeSlotsAreLimits) {
   for (uint32_t frame = 0; frame < kInFlight; ++frame) start(1us);
   EXPECT_FALSE(room(16));
-  load_.lease_dropped();
+  load_.slot_freed();
   EXPECT_TRUE(room(16));
   EXPECT_FALSE(load_.look_for_room(0, kInFlight, 16, kQuantum, now_));
 }

@@ -125,8 +125,11 @@ class FakeRenderer : public gpu::Renderer {
     return {};
   }
   void abandon(JobId id) override {
-    std::lock_guard lock(mutex_);
-    free_ += static_cast<uint32_t>(begun_.erase(id));
+    {
+      std::lock_guard lock(mutex_);
+      if (begun_.erase(id) == 0) return;
+    }
+    free_slot();
   }
   size_t begun() const {
     std::lock_guard lock(mutex_);
