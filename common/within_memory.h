@@ -11,13 +11,14 @@
 
 namespace gnomon {
 
-// Calls `work`, which returns a Result. Error: what it returns, or that there was not enough memory.
+// Calls `work`, which returns a Result. Error: what it returns, or that there was no memory, in so few letters that the error
+// and its copies allocate nothing.
 template <class Work>
 auto within_memory(Work work) -> decltype(work()) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    return Error{"there is not enough memory for it"};
+    return Error{"no memory"};
   }
 }
 

@@ -26,7 +26,10 @@ class RequestGate {
     return now + Nanoseconds(static_cast<int64_t>(std::max(kLeastWait, excess) * 1e9));
   }
 
-  void on_request(FrameId frame, TimePoint now) { asked_.push_back({frame, now}); }
+  void on_request(FrameId frame, TimePoint now) {
+    asked_.push_back({frame, now});
+    if (asked_.size() > kMostAsked) asked_.pop_front();
+  }
 
   // The frame is ready, as `bytes` to send. Views that were asked for before it will not be answered any more.
   void on_answer(FrameId frame, size_t bytes, TimePoint now) {
@@ -41,6 +44,7 @@ class RequestGate {
   static constexpr Nanoseconds kSlack = std::chrono::milliseconds(5);
   static constexpr Nanoseconds kForgotten = std::chrono::milliseconds(500);
 
+  static constexpr size_t kMostAsked = 256;   // a client may ask faster than any is answered
   static constexpr double kLeastWait = 1e-3;  // seconds; the wait may be for the renderer, whose time is unknown
 
   struct Asked {

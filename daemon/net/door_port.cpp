@@ -86,7 +86,7 @@ asio::awaitable<void> DoorPort::answer(std::shared_ptr<tcp::socket> socket) {
   asio::steady_timer deadline(io_, kPatience);
   deadline.async_wait([socket](asio::error_code cancelled) {
     asio::error_code ignored;
-    if (!cancelled) socket->cancel(ignored);
+    if (!cancelled) socket->close(ignored);  // what is read next ends, too
   });
   asio::error_code error;
   auto when_done = asio::redirect_error(asio::use_awaitable, error);

@@ -63,10 +63,10 @@ class Greeting : public std::enable_shared_from_this<Greeting> {
     greeted_(std::move(socket_), client);
   }
 
-  // The read that is under way ends with an error.
+  // The read that is under way ends with an error, and so does the next if that one has just ended.
   void give_up() {
     asio::error_code ignored;
-    socket_.cancel(ignored);
+    socket_.close(ignored);
   }
 
   tcp::socket socket_;

@@ -55,7 +55,7 @@ void DeviceThread::render() {
     }
     done_or_dropped("the start of frames", [&] {
       loop_->start(Clock::now());
-      if (scenes_may_differ(batch)) scenes_.publish(loop_->motion().report());
+      if (!loop_->failure() && scenes_may_differ(batch)) scenes_.publish(loop_->motion().report());
     });
     tell_change();
     if (loop_->finished()) break;

@@ -51,6 +51,11 @@ struct SessionMoved {
   RenderInbox* to = nullptr;  // of the other device; receives the view that waits
 };
 
+// Of a session that has moved here: its client was told last, by the device before, of less than it was granted.
+struct OtherwiseServed {
+  SessionId session;
+};
+
 // The share of a tenant's limits, which hold for all devices together, that applies to this device: 0 to 1.
 struct TenantDeviceShare {
   TenantId tenant;
@@ -123,9 +128,9 @@ struct SharingPolicyChanged {
 struct StopRendering {};  // no further views are taken; the loop ends when the last lease is dropped
 
 using RenderEvent =
-    std::variant<ViewRequest, CapacityRequested, SessionOpened, SessionClosed, SessionMoved, SceneLoaded,
-                 SceneUnloaded, JobFinished, SlotFreed, BytesSent, LightChanged, BackgroundDone, LinkReviewed,
-                 SharingPolicyChanged, TenantDeviceShare, StopRendering>;
+    std::variant<ViewRequest, CapacityRequested, SessionOpened, SessionClosed, SessionMoved, OtherwiseServed,
+                 SceneLoaded, SceneUnloaded, JobFinished, SlotFreed, BytesSent, LightChanged, BackgroundDone,
+                 LinkReviewed, SharingPolicyChanged, TenantDeviceShare, StopRendering>;
 
 // Any thread pushes, the render thread takes. The number of views is bounded, as clients decide how fast they come;
 // other events are not limited.

@@ -49,6 +49,7 @@ void RenderLoop::handle(RenderEvent event, TimePoint now) {
       [&](const SessionOpened& opened) { queue_.open(opened); },
       [&](const SessionClosed& closed) { close(closed.session); },
       [&](const SessionMoved& leaves) { move_away(leaves); },
+      [&](const OtherwiseServed& before) { tell_anew(before.session); },
       [&](const LinkReviewed& reviewed) {
         if (RenderSession* session = queue_.find(reviewed.session)) session->quality.review_link(reviewed.window);
       },
@@ -87,7 +88,12 @@ void RenderLoop::take_view(const ViewRequest& view, TimePoint now) {
   }
   // After a move the previous device may pass on a view that is older than the newest one here.
   if (!session->newest || !is_newer(session->newest->frame, view.frame)) session->newest = view;
-  if (!session->partial && !session->held) queue_.enqueue_when_allowed(*session, now);
+  if (session->partial) return;
+  if (session->queued) {
+    queue_.enqueue(*session, now);  // it keeps its place, with the deadline of its new view
+  } else if (!session->held) {
+    queue_.enqueue_when_allowed(*session, now);
+  }
 }
 
 // Asks for the least size that the tenant allows: an applicant without room at that size may try another server, while
@@ -116,7 +122,13 @@ void RenderLoop::move_away(const SessionMoved& leaves) {
   RenderSession* session = queue_.find(leaves.session);
   if (!session) return;
   if (session->newest) leaves.to->push_view(*session->newest);
+  if (!session->quality.is_as_granted()) leaves.to->push(OtherwiseServed{leaves.session});
   forget(*session);
+}
+
+// A client that was told of a smaller size or fewer samples would take no frame that has as many as it was granted.
+void RenderLoop::tell_anew(SessionId id) {
+  if (const RenderSession* session = queue_.find(id)) session->quality.tell_client();
 }
 
 void RenderLoop::forget(RenderSession& session) {

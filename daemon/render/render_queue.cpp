@@ -67,8 +67,8 @@ void RenderQueue::enqueue(RenderSession& session, TimePoint now) {
 void RenderQueue::enqueue_when_allowed(RenderSession& session, TimePoint now) {
   const TimePoint from = std::max(account_.eligible_at(session.grant().tenant), session.quality.eligible_at());
   if (from <= now) return enqueue(session, now);
-  session.held = true;
   held_.emplace(from, session.opened.session);
+  session.held = true;
 }
 
 void RenderQueue::release_held(TimePoint now) {

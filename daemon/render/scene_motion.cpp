@@ -1,8 +1,18 @@
 #include "daemon/render/scene_motion.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace gnomon::daemon {
+namespace {
+
+// A build that failed may have been ended for want of memory, or for the time that it took on a busy machine.
+Nanoseconds rest_after(uint32_t failures) {
+  constexpr uint32_t kMostDoublings = 6;
+  return std::chrono::minutes(1) * (1 << std::min(failures - 1, kMostDoublings));
+}
+
+}  // namespace
 
 void SceneMotion::add(SceneId id, const std::string& name, const scenes::LoadedScene& scene) {
   if (scenes_.contains(id)) return;
@@ -117,6 +127,8 @@ void SceneMotion::apply(SceneId id, State& state) {
 
 void SceneMotion::settle(SceneId id, State& state) {
   state.settling = true;
+  state.failed = false;
+  state.again_at.reset();
   const auto done = [this, id, scene = state.loaded.scene,
                      changed_at = state.changed_at](const Result<void>& built) {
     const auto found = scenes_.find(id);
@@ -130,6 +142,7 @@ void SceneMotion::settle(SceneId id, State& state) {
 void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {
   state.settling = false;
   state.failed = !done;
+  state.failures = done ? 0 : state.failures + 1;
   if (!done) return log::error("light buffers not built", {{"scene", state.name}, {"why", done.error().message}});
   if (std::exchange(state.unbuilt, false)) {
     built_.push_back(id);
@@ -142,8 +155,10 @@ void SceneMotion::settled(SceneId id, State& state, const Result<void>& done) {
 std::vector<SceneId> SceneMotion::step(TimePoint now) {
   device_.renderer().finish_background();
   for (auto& [id, state] : scenes_) {
-    const bool due = state.changed_at && now - *state.changed_at >= settings_.light_rest;
-    if (due && !state.applying && !state.settling) settle(id, state);
+    if (state.failed && !state.again_at) state.again_at = now + rest_after(state.failures);
+    const bool rested = state.changed_at && now - *state.changed_at >= settings_.light_rest;
+    const bool again = state.again_at && now >= *state.again_at;
+    if ((rested || again) && !state.applying && !state.settling) settle(id, state);
   }
   return std::exchange(built_, {});
 }

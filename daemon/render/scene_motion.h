@@ -74,6 +74,8 @@ class SceneMotion {
     bool unbuilt = false, failed = false;
     std::vector<std::function<void()>> waiting;  // until `applying` is over
     std::optional<TimePoint> changed_at;         // of the last change for which no light buffers are built yet
+    uint32_t failures = 0;                       // of builds, in turn
+    std::optional<TimePoint> again_at;           // when the build that has failed is tried again
   };
 
   void apply(SceneId id, State& state);

@@ -40,8 +40,15 @@ SessionQuality::SessionQuality(const SessionOpened& opened, FrameSink& sink, Met
 }
 
 void SessionQuality::set_limits(const scheduler::DegradationLimits& limits) {
+  const double before = rate_hz();
   degradation_.set_limits(limits, opened_.grant.samples);
   link_.set_limits(limits, opened_.grant.dense_codec != opened_.grant.codec);
+  if (rate_hz() != before) adopt_rate();
+}
+
+void SessionQuality::adopt_rate() {
+  rate_ = limit_to(rate_hz());
+  tell_client();
 }
 
 void SessionQuality::frame_begun(TimePoint now) {
@@ -108,8 +115,7 @@ void SessionQuality::review(Nanoseconds since_last) {
              {"samples", degradation_.samples().per_light},
              {"size_percent", std::lround(after.size * 100)},
              {"lights_percent", std::lround(after.lights * 100)}});
-  rate_ = limit_to(rate_hz());
-  if (after.rate != before.rate) tell_client();
+  if (after.rate != before.rate) adopt_rate();
 }
 
 void SessionQuality::review_link(const LinkWindow& window) {
@@ -122,6 +128,10 @@ TileGrid SessionQuality::wanted_grid() const {
   const double size = std::min({degradation_.point().size, link_.size(), memory_.size()});
   return {shrunk(opened_.grant.width, size), shrunk(opened_.grant.height, size),
           opened_.grant.planes(degradation_.samples())};
+}
+
+bool SessionQuality::is_as_granted() const {
+  return has_granted_size() && has_granted_samples() && untraced_.none() && degradation_.point().rate >= 1;
 }
 
 uint64_t SessionQuality::traced_bits(uint64_t pixels) const {

@@ -22,11 +22,13 @@ class SessionQuality {
   // At first all that was granted. References outlive this.
   SessionQuality(const SessionOpened& opened, FrameSink& sink, Metrics& metrics);
 
-  // Other limits from the next step on.
+  // Other limits: the rate follows at once, the rest with the next frame.
   void set_limits(const scheduler::DegradationLimits& limits);
 
   // In force now.
   TileGrid grid() const { return {width_, height_, opened_.grant.planes(samples_)}; }
+  // All that was granted, and so what a client expects that was told of nothing else.
+  bool is_as_granted() const;
   bool has_granted_size() const { return width_ == opened_.grant.width && height_ == opened_.grant.height; }
   SampleCounts samples() const { return samples_; }
   bool has_granted_samples() const { return samples_ == opened_.grant.samples; }
@@ -46,6 +48,9 @@ class SessionQuality {
   // The device has no memory for a frame of this size. Returns true if the next frame is smaller, false if it can't be.
   bool shrink(TimePoint now, const Error& why);
 
+  // Says again what is served. Called by itself where that changes.
+  void tell_client() const;
+
   // Once in a while: the session gets less if the device did not keep up with it, or more again.
   void review(Nanoseconds since_last);
   // Once in a while: the session gets less if its link did not keep up with it, or more again.
@@ -57,7 +62,7 @@ class SessionQuality {
   uint32_t wanted_lights() const;
   bool adopt_size();
   bool choose_lights(std::span<const scenes::Light> lights, const glm::vec3& eye);
-  void tell_client() const;
+  void adopt_rate();
 
   const SessionOpened& opened_;
   FrameSink& sink_;

@@ -111,7 +111,8 @@ void SceneHost::serve(const Request& request, const PlacePtr& place) {
   // Who asked after the reader had been stopped has it read anew.
   const bool again = !loaded && stop.stop_requested() && !ending_;
   if (loaded) {  // at once, so that it is under way until it is resident
-    for (const Request& waiting : reading.mapped().waiting) on_the_way_.insert(waiting.name);
+    for (const Request& waiting : reading.mapped().waiting)
+      until_memory_suffices([&] { on_the_way_.insert(waiting.name); });
   }
   lock.unlock();
   for (const Request& waiting : reading.mapped().waiting) {
@@ -218,15 +219,21 @@ void SceneHost::bring(Request request, const Result<scenes::LoadedScene>& loaded
     }
     return request.ready(room.error());
   }
-  SceneLoaded arrived;
-  arrived.scene = *loaded;
-  arrived.name = request.name;
-  arrived.owner = owner_for(request.asker);
-  arrived.resident = [this, scene = *loaded, request, place](Result<gpu::SceneFootprint> on_device) {
-    if (place) place->give_back();
-    arrive(request, scene, on_device);
-  };
-  lights_.bring(arrived);
+  const auto asked = within_memory([&]() -> Result<void> {
+    SceneLoaded arrived;
+    arrived.scene = *loaded;
+    arrived.name = request.name;
+    arrived.owner = owner_for(request.asker);
+    arrived.resident = [this, scene = *loaded, request, place](Result<gpu::SceneFootprint> on_device) {
+      if (place) place->give_back();
+      arrive(request, scene, on_device);
+    };
+    lights_.bring(arrived);
+    return {};
+  });
+  if (asked) return;
+  if (place) place->give_back();
+  arrive(request, *loaded, asked.error());
 }
 
 // Enters the scene into the account, and takes away those that leave for it. Error: there is no room.
@@ -271,11 +278,10 @@ void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
   const std::string& name = request.name;
   std::unique_lock lock(mutex_);
   on_the_way_.erase(on_the_way_.find(name));
-  LightsUpdate lights{name, 0, scene.scene->lights};
-  if (const auto early = early_lights_.find(name); early != early_lights_.end()) lights = early->second;
-  if (!on_the_way_.contains(name)) early_lights_.erase(name);
+  const bool last = !on_the_way_.contains(name);
   if (!on_device) {
-    if (!resident_.contains(name) && !on_the_way_.contains(name)) {
+    if (last) early_lights_.erase(name);
+    if (last && !resident_.contains(name)) {
       account_.remove(name);
       devices_.take_away(scene.id);  // from those that could take it
       registry_.forget(name);
@@ -286,7 +292,9 @@ void SceneHost::arrive(const Request& request, const scenes::LoadedScene& scene,
   HostedScene hosted;
   hosted.loaded = scene;
   hosted.on_device = *on_device;
-  hosted.lights = std::move(lights);
+  const auto early = early_lights_.find(name);
+  hosted.lights = early != early_lights_.end() ? early->second : LightsUpdate{name, 0, scene.scene->lights};
+  if (last) early_lights_.erase(name);
   const Resident& kept = resident_.try_emplace(name, Resident{std::move(hosted)}).first->second;
   SceneForUse for_use{kept.scene.loaded, SceneUse(kept.uses), kept.pack};
   lock.unlock();

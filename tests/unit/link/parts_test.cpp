@@ -272,6 +272,14 @@ TEST(RequestGate, ViewsThatAreNeverAnsweredAreForgotten) {
   EXPECT_TRUE(gate.open(0, 1e6, kStart + 600ms));
 }
 
+TEST(RequestGate, OfViewsThatComeFasterThanAnyIsAnsweredItKeepsTheNewest) {
+  RequestGate gate;
+  gate.on_request(FrameId{1}, kStart);
+  gate.on_answer(FrameId{1}, 1000, kStart);
+  for (uint32_t i = 2; i < 100'000; ++i) gate.on_request(FrameId{i}, kStart);
+  EXPECT_LT(gate.opens_at(0, 1e6, kStart), kStart + 1s) << "of 1 ms each";
+}
+
 TEST(ArrivalReport, SpeaksOfEveryDatagramThreeTimes) {
   client::ArrivalReport report;
   EXPECT_EQ(report.due_at(), TimePoint::max());

@@ -261,6 +261,32 @@ TEST_F(OverloadTest, LessIsToldAndMoreAgain) {
   EXPECT_EQ(last_.width, 160u);
 }
 
+TEST_F(OverloadTest, ARateThatMayNoLongerFallRisesAtOnce) {
+  for (int i = 0; i < 20; ++i) second(8);
+  ASSERT_LT(degraded_.back().message.rate_hz, 40);
+  SharingPolicy sharing = sharing_policy_of({});
+  sharing.tenants[0].degradation = {.least_rate = 1, .least_size = 0.5};
+  loop_->handle(SharingPolicyChanged{sharing}, now_);
+  EXPECT_EQ(degraded_.back().message.rate_hz, 40);
+}
+
+TEST_F(OverloadTest, AfterAMoveTheClientIsToldWhatItIsServedThere) {
+  for (int i = 0; i < 20; ++i) second(8);
+  RenderInbox there;
+  std::vector<RenderEvent> events;
+  loop_->handle(SessionMoved{kSilent, &there}, now_);
+  there.take(events, TimePoint::min());
+  EXPECT_TRUE(events.empty()) << "its client expects what was granted";
+  loop_->handle(SessionMoved{kBusy, &there}, now_);
+  there.take(events, TimePoint::min());
+  open(kBusy, {.width = 160, .height = 96, .rate_hz = 40});  // the same loop stands for the other device's
+  degraded_.clear();
+  for (RenderEvent& event : events) loop_->handle(std::move(event), now_);
+  ASSERT_EQ(degraded_.size(), 1u);
+  EXPECT_EQ(degraded_[0].message.width, 160);
+  EXPECT_EQ(degraded_[0].message.rate_hz, 40);
+}
+
 TEST_F(OverloadTest, LightsGoLastAndTheNearestStay) {
   constexpr SceneId kLit{7};
   auto scene = std::make_shared<scenes::Scene>();
