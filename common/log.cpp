@@ -15,6 +15,7 @@
 #include "common/audit_file.h"
 #include "common/log_line.h"
 #include "common/log_rate_limiter.h"
+#include "common/patient_stream.h"
 #include "common/printable.h"
 #include "common/published.h"
 
@@ -32,8 +33,28 @@ std::atomic<spdlog::level::level_enum> least_level{spdlog::level::warn};
 
 constexpr const char* kJsonPattern = R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l",%v)";
 
+// Standard error where it is no terminal.
+class PatientSink final : public spdlog::sinks::base_sink<std::mutex> {
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    if (!stream_.write({line.data(), line.size()})) count_unwritten_log_line();
+  }
+  void flush_() override {}
+
+  PatientStream stream_{STDERR_FILENO};
+};
+
+std::atomic<bool> waits_for_readers{true};
+
+spdlog::sink_ptr standard_error() {
+  if (waits_for_readers || isatty(STDERR_FILENO)) return std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  return std::make_shared<PatientSink>();
+}
+
 Output output_to_stderr(Format format) {
-  auto made = std::make_shared<spdlog::logger>("gnomon", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  auto made = std::make_shared<spdlog::logger>("gnomon", standard_error());
   made->set_pattern(format == Format::json ? kJsonPattern : "%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
   made->set_level(spdlog::level::trace);  // least_level decides
   return {std::move(made), format};
@@ -153,7 +174,9 @@ void write(spdlog::level::level_enum level, std::string_view event, Fields field
 // What the file does not take, as on a full disk, goes where it would go without a file, so that it is not lost.
 class AuditFileSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
-  explicit AuditFileSink(const std::string& file) : name_(file), file_(file) {}
+  explicit AuditFileSink(const std::string& file) : name_(file), file_(file) {
+    if (!waits_for_readers) stderr_.emplace(STDERR_FILENO);
+  }
 
  private:
   void sink_it_(const spdlog::details::log_msg& message) override {
@@ -163,13 +186,18 @@ class AuditFileSink final : public spdlog::sinks::base_sink<std::mutex> {
     const int error = file_.append(line);
     count_audit_line(error);
     if (error == 0) return;
-    std::fwrite(line.data(), 1, line.size(), stderr);
+    if (!stderr_) {
+      std::fwrite(line.data(), 1, line.size(), stderr);
+    } else if (!stderr_->write(line)) {
+      count_unwritten_log_line();
+    }
     log::error("audit log not written", {{"file", name_}, {"why", std::strerror(error)}});
   }
   void flush_() override {}
 
   const std::string name_;
   AuditFile file_;
+  std::optional<PatientStream> stderr_;
 };
 
 // `file`: '' for standard error.
@@ -177,7 +205,7 @@ Output audit_output(const std::string& file, Format format) {
   spdlog::sink_ptr sink;
   forget_audit_error();
   if (file.empty()) {
-    sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+    sink = standard_error();
   } else {
     sink = std::make_shared<AuditFileSink>(file);
   }
@@ -210,6 +238,14 @@ void configure(Level level, Format format) {
   std::lock_guard lock(audit.changing);
   if (audit.output.get()->format == format) return;
   audit.output.publish(audit_output(audit.file, format));
+}
+
+void leave_out_what_nobody_reads() {
+  waits_for_readers = false;
+  output().publish(output_to_stderr(output().get()->format));
+  Audit& audit = the_audit();
+  std::lock_guard lock(audit.changing);
+  audit.output.publish(audit_output(audit.file, audit.output.get()->format));
 }
 
 void set_level(Level level) { least_level = to_spdlog(level); }

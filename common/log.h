@@ -42,6 +42,9 @@ enum class Format { key_value, json };
 // Until it is called, warnings and errors are written as key=value.
 void configure(Level level, Format format);
 void set_level(Level level);
+// From now on no line waits for who reads standard error, where that is no terminal, longer than 100 ms, and none while the
+// last one has waited for nothing. For daemons: a reader that stops must not stop them. To be called once.
+void leave_out_what_nobody_reads();
 
 void debug(std::string_view event, Fields fields = {});
 void info(std::string_view event, Fields fields = {});

@@ -173,6 +173,20 @@ void reload_on_hangup(asio::signal_set& hangup, Daemon& daemon, const Arguments&
   });
 }
 
+// A start takes as long as its scenes. A stop ends it at once, also that of a container's first process, which no signal
+// ends that it does not take; a reload is done once it is over.
+volatile std::sig_atomic_t hung_up_early = 0;
+void take_early_signals() {
+  for (const int stop : {SIGTERM, SIGINT}) std::signal(stop, [](int) { std::_Exit(EXIT_SUCCESS); });
+  std::signal(SIGHUP, [](int) { hung_up_early = 1; });
+}
+
+// Reloads the configuration at each SIGHUP from now on, and at once if one came before.
+void take_hangups(asio::signal_set& hangup, Daemon& daemon, const Arguments& arguments) {
+  reload_on_hangup(hangup, daemon, arguments);
+  if (hung_up_early != 0) std::raise(SIGHUP);
+}
+
 void remind_daily(asio::steady_timer& timer, Daemon& daemon) {
   done_or_dropped("a look at certificates", [&] { daemon.remind(wall_now()); });
   until_memory_suffices([&] {
@@ -226,10 +240,10 @@ int serve(const Config& config, const Arguments& arguments) {
                                reader_in_worker(beside.worker), [&](const Config& next) { beside.take(next); }});
   if (!daemon) return fail(placed(config, daemon.error()));
   running = daemon->get();
-  asio::signal_set signals(events, SIGTERM, SIGINT);  // a signal before this, while scenes load, ends the process
+  asio::signal_set signals(events, SIGTERM, SIGINT);
   signals.async_wait([&](asio::error_code, int) { events.stop(); });
   asio::signal_set hangup(events, SIGHUP);
-  reload_on_hangup(hangup, **daemon, arguments);
+  take_hangups(hangup, **daemon, arguments);
   asio::steady_timer reminders(events);
   remind_daily(reminders, **daemon);
   if (const int left = supervisor::close_untaken(); left > 0) {
@@ -267,6 +281,8 @@ int serve(const Config& config, const Arguments& arguments) {
 int run(const Arguments& arguments) {
   if (!arguments.check_scene.empty()) return check_scene(arguments.check_scene);
   if (arguments.check_config) return print_check(arguments);
+  take_early_signals();
+  log::leave_out_what_nobody_reads();
   const CheckedConfig checked = check_config(arguments, Purpose::start);
   if (!checked.mistakes.empty() || !checked.found.errors.empty()) {
     fail(checked.mistakes);

@@ -1,5 +1,7 @@
 #include "daemon/start_check.h"
 
+#include <sys/un.h>
+
 #include <algorithm>
 
 #include "common/wall_clock.h"
@@ -65,8 +67,10 @@ void check_demo_certificate(Findings& findings, const ServerConfig& server) {
 // was just turned on may be wrong; the start logs both.
 void check_dates(Findings& findings, const ServerConfig& server, const Tls& tls, bool for_start) {
   const FirstExpiry first = first_expiry(tls);
-  if (first.at <= wall_now())
-    return findings.warn(std::string(first.key) + ": a certificate has expired: it is of no use to clients");
+  if (first.at <= wall_now()) {
+    const std::string why = std::string(first.key) + ": a certificate has expired: it is of no use to clients";
+    return for_start ? findings.warn(why) : findings.add(Error{why});
+  }
   const std::string why = out_of_date(server.tls.certificate, tls, wall_now());
   if (!why.empty() && !for_start) findings.add(Error{why});
 }
@@ -124,6 +128,9 @@ void check_admin_server(Findings& findings, const Config& config) {
     const fs::path folder = admin.socket.parent_path();
     if (!fs::exists(folder, none))
       return findings.add(Error{"admin.socket: " + folder.string() + ": No such file or directory"});
+    if (admin.socket.string().size() >= sizeof(sockaddr_un::sun_path))
+      findings.add(Error{"admin.socket: the path has " + std::to_string(admin.socket.string().size()) +
+                         " bytes; allowed: " + std::to_string(sizeof(sockaddr_un::sun_path) - 1)});
     findings.add("admin.socket", check_writable_folder(folder));
   }
 }
@@ -155,13 +162,15 @@ void check_folders(Findings& findings, const Config& config) {
   const fs::path& cache = config.render.cache_folder;
   if (!cache.empty()) findings.add("render.cache_folder", check_writable_folder(cache));
   const fs::path& lights = config.scenes.lights_file;
-  if (!lights.empty()) {
+  std::error_code none;
+  if (!lights.empty() && !fs::exists(lights.parent_path(), none)) {
+    findings.add(Error{"scenes.lights_file: " + lights.parent_path().string() + ": No such file or directory"});
+  } else if (!lights.empty()) {
     findings.add("scenes.lights_file", check_writable_folder(lights.parent_path()));
     if (const auto read = ChangedLights::read(lights); !read) findings.add("scenes.lights_file", read.error());
   }
   const fs::path& audit = config.log.audit_file;
   if (audit.empty()) return;
-  std::error_code none;
   if (fs::exists(audit, none)) return findings.add("log.audit_file", log::check_audit_file(audit));
   if (!fs::exists(audit.parent_path(), none)) {
     return findings.add(Error{"log.audit_file: " + audit.parent_path().string() + ": No such file or directory"});

@@ -82,7 +82,9 @@ Page Operations::change_light(const std::string& asked, const std::string& light
   }
   const auto done = parts_.lights.change(name, static_cast<uint32_t>(index), asked_for->change, asked_for->at_ms);
   if (!done) return {409, kText, done.error().message + "\n"};
-  return {202, kText, is_resident ? "accepted\n" : "accepted, for when the scene is loaded\n"};
+  std::string said = is_resident ? "accepted" : "accepted, for when the scene is loaded";
+  if (*done) said += "; not kept for the next start: " + (*done)->message;
+  return {202, kText, said + "\n"};
 }
 
 Page Operations::take_lights(const std::string& body) {

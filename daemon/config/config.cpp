@@ -138,6 +138,16 @@ void check_together(ConfigReading& reading) {
         same_address && server.control_port != 0 && server.control_port == config.admin.port,
         "admin.port: " + std::to_string(config.admin.port) +
             " is server.control_port too; allowed: another port, or 0 for a free one");
+  const FleetConfig& fleet = config.fleet;
+  const auto check_door = [&](const char* key, const std::string& listen, uint16_t port) {
+    const bool same =
+        !fleet.door_listen.empty() && (fleet.door_listen == listen || is_any(fleet.door_listen) || is_any(listen));
+    check({"fleet.door_listen", "fleet.door_port", key}, same && port != 0 && port == fleet.door_port,
+          "fleet.door_port: " + std::to_string(port) + " is " + key +
+              " too; allowed: another port, or 0 for a free one");
+  };
+  check_door("server.control_port", server.listen, server.control_port);
+  check_door("admin.port", config.admin.listen, config.admin.port);
 }
 
 // A path that begins with ${CREDENTIALS_DIRECTORY} lies where systemd puts what a unit's LoadCredential= names. Where it

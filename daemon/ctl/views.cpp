@@ -62,7 +62,8 @@ std::string light_buffers_of(const json& scene) {
   if (state != "building") return state;
   const json& lights = list(*found, "lights_percent");
   const auto done = std::count_if(lights.begin(), lights.end(), [](const json& share) { return share >= 100; });
-  return fixed(number(*found, "percent"), 0) + "%, light " + std::to_string(done + 1) + " of " +
+  const size_t at = std::min(static_cast<size_t>(done) + 1, lights.size());
+  return fixed(number(*found, "percent"), 0) + "%, light " + std::to_string(at) + " of " +
          std::to_string(lights.size());
 }
 

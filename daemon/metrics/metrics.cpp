@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "common/audit_file.h"
+#include "common/patient_stream.h"
 #include "daemon/config/tenant_directory.h"
 #include "daemon/metrics/metric_families.h"
 #include "daemon/metrics/process_metrics.h"
@@ -162,6 +163,7 @@ std::string Metrics::text() const {
   auto families = families_->registry.Collect();
   std::ranges::move(process_families(process_stats()), std::back_inserter(families));
   families.push_back(audit_family(log::unwritten_audit().lines));
+  families.push_back(log_family(log::unwritten_log_lines()));
   return prometheus::TextSerializer().Serialize(families);
 }
 

@@ -50,4 +50,10 @@ MetricFamily audit_family(uint64_t unwritten) {
                 MetricType::Counter, static_cast<double>(unwritten));
 }
 
+MetricFamily log_family(uint64_t unwritten) {
+  return family("gnomon_log_lines_unwritten_total",
+                "Lines of the log that nobody took from standard error in time.", MetricType::Counter,
+                static_cast<double>(unwritten));
+}
+
 }  // namespace gnomon::daemon

@@ -15,5 +15,6 @@ std::vector<prometheus::MetricFamily> process_families(const ProcessStats& figur
 
 // Of the audit log, which is written beside everything else; `unwritten`: lines since the start.
 prometheus::MetricFamily audit_family(uint64_t unwritten);
+prometheus::MetricFamily log_family(uint64_t unwritten);
 
 }  // namespace gnomon::daemon

@@ -49,7 +49,10 @@ void RenderLoop::handle(RenderEvent event, TimePoint now) {
       [&](const SessionOpened& opened) { queue_.open(opened); },
       [&](const SessionClosed& closed) { close(closed.session); },
       [&](const SessionMoved& leaves) { move_away(leaves); },
-      [&](const OtherwiseServed& before) { tell_anew(before.session); },
+      [&](const OtherwiseServed& before) {
+        // A client that was told of a smaller size or fewer samples would take no frame as large as it was granted.
+        if (const RenderSession* session = queue_.find(before.session)) session->quality.tell_client();
+      },
       [&](const LinkReviewed& reviewed) {
         if (RenderSession* session = queue_.find(reviewed.session)) session->quality.review_link(reviewed.window);
       },
@@ -124,11 +127,6 @@ void RenderLoop::move_away(const SessionMoved& leaves) {
   if (session->newest) leaves.to->push_view(*session->newest);
   if (!session->quality.is_as_granted()) leaves.to->push(OtherwiseServed{leaves.session});
   forget(*session);
-}
-
-// A client that was told of a smaller size or fewer samples would take no frame that has as many as it was granted.
-void RenderLoop::tell_anew(SessionId id) {
-  if (const RenderSession* session = queue_.find(id)) session->quality.tell_client();
 }
 
 void RenderLoop::forget(RenderSession& session) {

@@ -38,7 +38,6 @@ class RenderLoop {
   void answer_room(const CapacityRequested& asked, TimePoint now);
   void close(SessionId id);
   void move_away(const SessionMoved& leaves);
-  void tell_anew(SessionId id);
   void bring_scene(const SceneLoaded& arrived);
   void remove_scene(SceneId scene);
   void change_light(const LightChanged& changed, TimePoint now);

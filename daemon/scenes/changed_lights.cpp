@@ -76,10 +76,12 @@ Result<void> ChangedLights::write(const fs::path& file) const {
   // On the disk before it has the name: else it may be empty after a loss of power, and an empty one stops a start.
   const int written = open(unfinished.c_str(), O_RDWR | O_CLOEXEC);
   const bool whole = written >= 0 && fs::file_size(unfinished) == text().size() && fsync(written) == 0;
+  const int why = errno;
   if (written >= 0) close(written);
-  std::error_code failed;
+  std::error_code failed(written < 0 ? why : 0, std::generic_category());
   if (whole) fs::rename(unfinished, file, failed);
-  return whole && !failed ? Result<void>() : Error{file.string() + ": cannot be written"};
+  if (whole && !failed) return {};
+  return Error{file.string() + ": cannot be written: " + (failed ? failed.message() : "the disk takes no more")};
 }
 
 Result<void> ChangedLights::add(const Place& place, const LightChange& change, int64_t at_ms) {

@@ -9,15 +9,15 @@ SceneLights::SceneLights(DevicePool& devices, ChangedLights known, std::filesyst
   for (const auto& [place, light] : changed_.lights()) scenes_[place.first].version = 1;
 }
 
-Result<void> SceneLights::change(const std::string& scene, uint32_t light, const LightChange& change,
-                                 int64_t at_ms) {
+Result<std::optional<Error>> SceneLights::change(const std::string& scene, uint32_t light,
+                                                 const LightChange& change, int64_t at_ms) {
   {
     std::lock_guard lock(mutex_);
-    if (auto added = changed_.add({scene, light}, change, at_ms); !added) return added;
+    if (auto added = changed_.add({scene, light}, change, at_ms); !added) return added.error();
     tell(scene, light, change);
   }
-  keep();
-  return {};
+  if (const auto kept = keep(); !kept) return std::optional(kept.error());
+  return std::optional<Error>();
 }
 
 size_t SceneLights::take(const ChangedLights& others) {
@@ -31,7 +31,7 @@ size_t SceneLights::take(const ChangedLights& others) {
       tell(place.first, place.second, whole);
     }
   }
-  if (!newer.empty()) keep();
+  if (!newer.empty()) (void)keep();  // it has logged its error
   return newer.size();
 }
 
@@ -49,16 +49,17 @@ void SceneLights::tell(const std::string& name, uint32_t light, const LightChang
 }
 
 // A render thread may wait for the changes, and must not wait for a disk. The last to write has the newest ones.
-void SceneLights::keep() {
-  if (file_.empty()) return;
+Result<void> SceneLights::keep() {
+  if (file_.empty()) return {};
   std::lock_guard writing(file_mutex_);
   ChangedLights now;
   {
     std::lock_guard lock(mutex_);
     now = changed_;
   }
-  if (const auto written = now.write(file_); !written)
-    log::error("changed lights are not kept for the next start", {{"why", written.error().message}});
+  auto written = now.write(file_);
+  if (!written) log::error("changed lights are not kept for the next start", {{"why", written.error().message}});
+  return written;
 }
 
 LightsUpdate SceneLights::lights_of(const std::string& scene, const std::vector<scenes::Light>& in_file) const {

@@ -21,8 +21,10 @@ class SceneLights {
   // `devices` outlives this object. `file`: of what is changed from now on; if empty, it is kept as long as this object.
   SceneLights(DevicePool& devices, ChangedLights known, std::filesystem::path file);
 
-  // Precondition: the change fits the light, if the scene is resident. Error if so many lights are changed already.
-  Result<void> change(const std::string& scene, uint32_t light, const LightChange& change, int64_t at_ms);
+  // Precondition: the change fits the light, if the scene is resident. Error if so many lights are changed already. The error
+  // within a success: the change is in force, and could not be kept for the next start.
+  Result<std::optional<Error>> change(const std::string& scene, uint32_t light, const LightChange& change,
+                                      int64_t at_ms);
   // Takes over what is newer in `others`. Returns how many lights that are.
   size_t take(const ChangedLights& others);
   std::string text() const;
@@ -37,7 +39,7 @@ class SceneLights {
   };
 
   void tell(const std::string& scene, uint32_t light, const LightChange& change);  // with mutex_ held
-  void keep();
+  Result<void> keep();
   LightsUpdate lights_of(const std::string& scene, const std::vector<scenes::Light>& in_file) const;
 
   DevicePool& devices_;

@@ -227,6 +227,8 @@ class Node:
         if self.process and self.process.poll() is None:
             self.process.kill()
             self.process.wait()
+        if self.process:
+            self.log.close()
         self.temporary.cleanup()
 
 

@@ -5,6 +5,8 @@
 """
 import fcntl
 import os
+import pathlib
+import re
 import signal
 import socket
 import sys
@@ -92,6 +94,32 @@ class Notify(unittest.TestCase):
         self.assertEqual(node.stop(), 0)
         eventually(lambda: "STOPPING=1" in manager.lines(seen), "STOPPING=1")
 
+    def begin(self):
+        """Returns when gnomond takes signals itself, long before it serves."""
+        self.node.start(wait=False)
+        status = pathlib.Path(f"/proc/{self.node.process.pid}/status")
+
+        def taken():
+            mask = int(re.search(r"SigCgt:\s*(\w+)", status.read_text()).group(1), 16)
+            return all(mask >> (number - 1) & 1 for number in (signal.SIGHUP, signal.SIGTERM))
+        eventually(taken, "handlers of signals")
+        self.assertIsNone(self.node.ready_line())
+
+    def test_a_reload_that_is_asked_for_while_it_starts_is_done_then(self):
+        self.begin()
+        self.node.signal(signal.SIGHUP)
+        self.node.wait_until_ready()
+        eventually(lambda: self.node.metric("gnomon_config_reloads_total", result="unchanged") == 1 or
+                   self.node.metric("gnomon_config_reloads_total", result="done") == 1, "a reload")
+        self.assertEqual(self.node.stop(), 0)
+
+    def test_a_stop_ends_a_start(self):
+        """Also of the first process of a container, which no signal ends that it does not take."""
+        self.begin()
+        self.node.signal(signal.SIGTERM)
+        self.assertEqual(self.node.process.wait(60), 0)
+        self.assertIsNone(self.node.ready_line())
+
     def test_signs_of_life_end_with_the_device(self):
         node, manager = self.node, self.manager
         node.start()
@@ -113,8 +141,8 @@ class Notify(unittest.TestCase):
         control, data = socket.create_server(("127.0.0.1", 0)), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         data.bind(("127.0.0.1", 0))
         node.config["server"].update(control_port=control.getsockname()[1], data_port=data.getsockname()[1])
-        given = ["sh", "-c", f'export LISTEN_PID=$$ LISTEN_FDS=2; exec "$@" 3<&{control.fileno()} 4<&{data.fileno()}',
-                 "sh"]
+        given = ["bash", "-c", f'export LISTEN_PID=$$ LISTEN_FDS=2; exec "$@" 3<&{control.fileno()} 4<&{data.fileno()}',
+                 "bash"]
         descriptors = (control.fileno(), data.fileno())
         node.start(wrapper=given, pass_fds=descriptors)
         node.process.kill()
@@ -180,7 +208,7 @@ class Notify(unittest.TestCase):
         node = self.node
         control = socket.create_server(("127.0.0.2", 0))
         node.config["server"]["control_port"] = control.getsockname()[1]
-        given = ["sh", "-c", f'export LISTEN_PID=$$ LISTEN_FDS=1; exec "$@" 3<&{control.fileno()}', "sh"]
+        given = ["bash", "-c", f'export LISTEN_PID=$$ LISTEN_FDS=1; exec "$@" 3<&{control.fileno()}', "bash"]
         node.start(wait=False, wrapper=given, pass_fds=(control.fileno(),))
         self.assertEqual(node.wait(), 1)
         self.assertIn("server.control_port", node.log_text())
