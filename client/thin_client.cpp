@@ -18,7 +18,7 @@ ThinClient::~ThinClient() { close(""); }
 
 void ThinClient::connect() {
   if (stream_) {
-    counters_before_ += stream_->counters();
+    counters_before_ += stream_->counters_at_end();
     bytes_before_ += stream_->received_bytes();
   }
   stream_ = std::make_unique<MovingStream>(

@@ -11,10 +11,7 @@
 namespace gnomon::protocol {
 namespace {
 
-// WIRE.md's limits of texts (bytes) and lists (items).
-constexpr size_t kMaxName = 256;
-constexpr size_t kMaxToken = 512;
-constexpr size_t kMaxScene = 1024;
+// WIRE.md's limits of texts (bytes) and lists (items), beside those of messages.h.
 constexpr size_t kMaxSentence = 1024;
 constexpr size_t kMaxCiphers = 16;
 constexpr size_t kMaxCodecs = 16;

@@ -21,6 +21,9 @@ namespace gnomon::protocol {
 // a server of another protocol that shares a certificate with ours does not accept our clients, nor the reverse.
 inline constexpr std::array<uint8_t, 7> kAlpn{6, 'g', 'n', 'o', 'm', 'o', 'n'};
 
+// The most bytes of a name, a token and a scene's name. What is written is cut to them.
+inline constexpr size_t kMaxName = 256, kMaxToken = 512, kMaxScene = 1024;
+
 struct Hello {
   uint16_t version_min = kVersion;
   uint16_t version_max = kVersion;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/messages.h"
+#include "protocol/text.h"
+
 namespace gnomon::client::c {
 namespace {
 
@@ -24,6 +27,16 @@ Result<Transport> to_transport(gnomon_transport transport) {
   return Error{"transport: there is no number " + std::to_string(static_cast<int>(transport))};
 }
 
+// A text that would be sent otherwise than it was given could name another scene, or no token.
+Result<void> check_text(const char* name, const std::string& text, size_t most) {
+  if (text.size() > most)
+    return Error{std::string(name) + ": it has " + std::to_string(text.size()) +
+                 " bytes; allowed: " + std::to_string(most)};
+  if (!protocol::is_wire_text(text))
+    return Error{std::string(name) + ": it is not UTF-8 or has control characters"};
+  return {};
+}
+
 Result<protocol::Hello> to_hello(const gnomon_options& options) {
   protocol::Hello hello;
   hello.client = options.program ? options.program : "libgnomon " GNOMON_VERSION_TEXT;
@@ -31,6 +44,10 @@ Result<protocol::Hello> to_hello(const gnomon_options& options) {
   hello.token = text_of(options.token);
   hello.scene = text_of(options.scene);
   if (hello.scene.empty()) return Error{"scene: none is given"};
+  if (auto fits = check_text("program", hello.client, protocol::kMaxName); !fits) return fits.error();
+  if (auto fits = check_text("tenant", hello.tenant, protocol::kMaxName); !fits) return fits.error();
+  if (auto fits = check_text("token", hello.token, protocol::kMaxToken); !fits) return fits.error();
+  if (auto fits = check_text("scene", hello.scene, protocol::kMaxScene); !fits) return fits.error();
   const auto width = traced("width", options.width, options.border_x);
   if (!width) return width.error();
   const auto height = traced("height", options.height, options.border_y);
@@ -112,6 +129,9 @@ Result<ThinClientOptions> to_options(const gnomon_options& options) {
                    .certificate = text_of(options.certificate),
                    .key = text_of(options.key),
                    .fleet = text_of(options.fleet)};
+  if (connect.trust.certificate.empty() != connect.trust.key.empty())
+    return Error{connect.trust.key.empty() ? "key: none is given for the certificate"
+                                           : "certificate: none is given for the key"};
   const auto transport = to_transport(options.transport);
   if (!transport) return transport.error();
   connect.transport = *transport;

@@ -39,9 +39,7 @@ void LoadClient::on_closed() {
 }
 
 void LoadClient::reopen() {
-  StreamCounters ended = stream_->counters();
-  ended.unanswered += pending();
-  lost_counters_ += ended;
+  lost_counters_ += stream_->counters_at_end();
   lost_bytes_ += stream_->received_bytes();
   stream_ = connect();
 }

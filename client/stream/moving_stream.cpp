@@ -146,6 +146,16 @@ void MovingStream::retire(std::unique_ptr<VisibilityStream> stream) {
   retire_timer_.arm(Clock::now());
 }
 
+StreamCounters MovingStream::counters_at_end() const {
+  StreamCounters sum = counters();
+  const uint64_t settled = sum.complete + sum.incomplete + sum.superseded + sum.unanswered;
+  const uint64_t waiting = sum.asked - std::min(sum.asked, settled);
+  const uint64_t newer_than_answered = std::min<uint64_t>(in_flight(), waiting);
+  sum.unanswered += newer_than_answered;
+  sum.superseded += waiting - newer_than_answered;
+  return sum;
+}
+
 StreamCounters MovingStream::counters() const {
   StreamCounters sum = before_;
   sum += stream_->counters();

@@ -45,6 +45,8 @@ class MovingStream {
   void ask(const protocol::CameraView& camera, Nanoseconds display_deadline, uint32_t index);
 
   StreamCounters counters() const;  // of all sessions; a camera that two were asked for counts once
+  // The same when no answer will come any more: every camera is in one of them.
+  StreamCounters counters_at_end() const;
   uint64_t received_bytes() const;  // of all sessions
   bool is_moving() const { return next_ != nullptr; }
 

@@ -40,10 +40,11 @@ void SessionControl::on_control_message(SessionId id, const Result<protocol::Mes
   if (!message) return close(id, message.error().message);
   if (std::holds_alternative<protocol::Bye>(*message)) {
     if (moving_.erase(id) > 0) shared_.metrics.operation().moved(SessionMove::left);
-    return close(id, "the client said Bye");
+    sessions_.find(id)->forget();
+    return leave(id, "the client said Bye");  // nothing is said after it
   }
   if (const auto* data = std::get_if<protocol::Data>(&*message)) return links_.receive(*sessions_.find(id), *data);
-  close(id, "the client sent a message that only servers send");
+  close(id, "the client sent a message that has no place in a session");
 }
 
 // A session that can be resumed is served without its control connection for server.silence_timeout.
@@ -77,7 +78,7 @@ void SessionControl::close(SessionId id, const std::string& why, std::chrono::mi
   pending_.close_gracefully(stream, Clock::now());
 }
 
-// Ends the session here so that it can be resumed elsewhere.
+// Ends the session here without a word; where it was not forgotten, it can be resumed elsewhere.
 void SessionControl::leave(SessionId id, const std::string& why) {
   if (!sessions_.find(id)) return;
   if (const auto stream = drop(id, why)) pending_.close_gracefully(stream, Clock::now());

@@ -155,7 +155,8 @@ GNOMON_API const char* gnomon_last_error(const gnomon_client* client);
 // ---- Cameras out, masks in
 
 // Sends the camera of this frame. `index`, which may be NULL, receives its number, counted from 0, by which its mask is
-// identified. The newest camera wins: a busy server answers it and skips those that it replaced. GNOMON_NOT_OPEN: the
+// identified. The newest camera wins: a busy server answers it and skips those that it replaced. Call it no more often than
+// the session's rate_hz, if that is not 0: what comes faster is sent and mostly skipped. GNOMON_NOT_OPEN: the
 // camera was not sent, as there is no session now.
 GNOMON_API gnomon_result gnomon_look(gnomon_client* client, const gnomon_camera* camera, uint32_t* index);
 
@@ -283,7 +284,9 @@ GNOMON_API gnomon_result gnomon_mask_get_light(const gnomon_mask* mask, uint32_t
 typedef enum gnomon_state {
   GNOMON_CONNECTING = 0,
   GNOMON_OPEN = 1,
-  GNOMON_LOST = 2,  // it was open; it is being reopened
+  // It was open; it is being reopened. A server that ends says so at once; one that vanishes is given up when it has been
+  // silent for its own patience, some 5 s, as its session may be resumed until then: meanwhile cameras are still sent.
+  GNOMON_LOST = 2,
   GNOMON_ENDED = 3  // failed, refused or closed
 } gnomon_state;
 
@@ -321,8 +324,9 @@ typedef struct gnomon_statistics {
   uint64_t masks;          // that arrived complete
   uint64_t partial_masks;  // that arrived with tiles missing
   uint64_t not_given;      // of both, those that gnomon_poll did not give, as a newer one arrived first
-  uint64_t superseded;     // cameras without an answer while a newer one was answered
-  uint64_t unanswered;     // other cameras without an answer
+  // Both are counted once no answer is waited for any more: 10 s after the camera, or when its session ends.
+  uint64_t superseded;  // cameras without an answer while a newer one was answered
+  uint64_t unanswered;  // other cameras without an answer
   uint64_t lost_slices, rebuilt_slices;
   uint64_t received_bytes;
   uint64_t reconnects;  // sessions after the first

@@ -4,6 +4,7 @@ strangers may not do.
 
     browser_test.py BUILD
 """
+import base64
 import ctypes
 import gzip
 import hashlib
@@ -95,10 +96,13 @@ class Browsers(unittest.TestCase):
         page = browser.ask("/")
         self.assertEqual((page.status, page.fields["content-type"]), (200, "text/html; charset=utf-8"))
         preloads = b"".join(b'<link rel="modulepreload" href="%s">\n' % each.encode() for each in preloads_of(page))
-        self.assertEqual(page.body.replace(preloads, b""), (ROOT / "web/index.html").read_bytes())
+        (script,) = re.findall(rb"<script>(.*?)</script>", page.body, re.S)
+        source = page.body.replace(preloads, b"").replace(b">" + script + b"<", b' src="start.js"><')
+        self.assertEqual(source, (ROOT / "web/index.html").read_bytes())
         self.assertEqual(page.fields["cache-control"], "no-cache")
         policy = page.fields["content-security-policy"]
         self.assertNotIn("unsafe-inline", policy)
+        self.assertIn(f"'sha256-{base64.b64encode(hashlib.sha256(script).digest()).decode()}'", policy)
         for rule in ("default-src 'none'", "connect-src 'self'", "frame-ancestors 'none'", "base-uri 'none'"):
             self.assertIn(rule, policy)
         self.assertEqual(page.fields["x-content-type-options"], "nosniff")

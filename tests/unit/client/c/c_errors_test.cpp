@@ -127,6 +127,18 @@ TEST(CErrors, OptionsThatCannotBeMeantNameTheMember) {
   EXPECT_TRUE(error_of([](Options& o) { o.rate_hz = -1; }).starts_with("rate_hz"));
   EXPECT_TRUE(error_of([](Options& o) { o.codec = "mpeg"; }).starts_with("no codec 'mpeg'"));
   EXPECT_TRUE(error_of([](Options& o) { o.flags = 2; }).starts_with("flags"));
+  EXPECT_TRUE(error_of([](Options& o) { o.certificate = "own.pem"; }).starts_with("key"));
+  EXPECT_TRUE(error_of([](Options& o) { o.key = "own.key"; }).starts_with("certificate"));
+  // What would be sent otherwise than it was given.
+  static const std::string long_token(protocol::kMaxToken + 1, 'a');
+  EXPECT_TRUE(error_of([](Options& o) { o.token = long_token.c_str(); }).starts_with("token"));
+  EXPECT_TRUE(error_of([](Options& o) { o.token = "abc\n"; }).starts_with("token"));
+  EXPECT_TRUE(error_of([](Options& o) {
+                o.tenant =
+                    "st\xfc"
+                    "dio";
+              }).starts_with("tenant"));
+  EXPECT_TRUE(error_of([](Options& o) { o.scene = "a\tb"; }).starts_with("scene"));
 }
 
 TEST(CErrors, CamerasThatAreNone) {

@@ -252,6 +252,8 @@ TEST(C, FindsALostServerAgainAndCountsCamerasOn) {
   figures.size = sizeof figures;
   ASSERT_EQ(gnomon_get_statistics(client.handle, &figures), GNOMON_OK);
   EXPECT_EQ(figures.reconnects, 1u);
+  EXPECT_EQ(figures.masks, 1u);
+  EXPECT_EQ(figures.unanswered, 1u) << "the camera whose session ended";
   gnomon_scene scene{};
   scene.size = sizeof scene;
   ASSERT_EQ(gnomon_get_scene(client.handle, &scene), GNOMON_OK);

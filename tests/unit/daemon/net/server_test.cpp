@@ -182,6 +182,7 @@ TEST_F(Served, LimitsSessionsAndGivesSeatsBack) {
 
   first.send(protocol::Bye{"done"});
   ASSERT_TRUE(eventually([&] { return metrics_say("gnomon_sessions{tenant=\"small\"} 0"); }));
+  EXPECT_FALSE(first.receive_a<protocol::Bye>()) << "nothing is said after a Bye";
   TestClient sixth = client();
   EXPECT_TRUE(sixth.join(small));
 }
