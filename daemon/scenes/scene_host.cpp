@@ -22,15 +22,6 @@ const Error kNoMemory{"no memory"};  // so short that copies allocate nothing
 
 }  // namespace
 
-const char* to_string(SceneUnderWay::Stage stage) {
-  switch (stage) {
-    case SceneUnderWay::Stage::queued: return "queued";
-    case SceneUnderWay::Stage::reading: return "reading";
-    case SceneUnderWay::Stage::preparing: return "preparing";
-  }
-  return "";
-}
-
 SceneMemoryLimits scene_memory_limits(const Config& config) {
   SceneMemoryLimits limits;
   limits.all_bytes = scene_memory_bytes(config);
@@ -47,7 +38,8 @@ SceneHost::SceneHost(const SceneCatalog& catalog, DevicePool& devices, SceneLigh
       devices_(devices),
       lights_(lights),
       metrics_(metrics),
-      requests_(kLoaders, SceneAsker{}) {
+      requests_(kLoaders, SceneAsker{}),
+      in_hand_(kLoaders) {
   alive_->host = this;
   account_.set_limits(std::move(memory.limits));
   for (uint32_t i = 0; i < kLoaders; ++i) loaders_.emplace_back([this] { serve_requests(); });
@@ -96,15 +88,18 @@ void SceneHost::Place::give_back() {
 
 // Reads the scene, or waits with the request for whoever reads it already.
 void SceneHost::serve(const Request& request, const PlacePtr& place) {
+  std::unique_lock lock(mutex_);
+  if (in_hand_.put_down(request.id)) {
+    lock.unlock();
+    return request.refuse(kNobodyWaits);
+  }
   Reading own{{request}, {}, 0};
   const std::stop_token stop = own.stop.get_token();
-  {
-    std::lock_guard lock(mutex_);
-    const auto [reading, first] = reading_.try_emplace(request.name, std::move(own));
-    if (!first) return reading->second.waiting.push_back(request);
-  }
+  if (const auto [other, first] = reading_.try_emplace(request.name, std::move(own)); !first)
+    return other->second.waiting.push_back(request);
+  lock.unlock();
   const auto loaded = within_memory([&] { return read(request, stop); });
-  std::unique_lock lock(mutex_);
+  lock.lock();
   const auto reading = reading_.extract(request.name);
   // What is on its way already takes no further place.
   const PlacePtr kept = on_the_way_.contains(request.name) ? nullptr : place;
@@ -114,14 +109,15 @@ void SceneHost::serve(const Request& request, const PlacePtr& place) {
     for (const Request& waiting : reading.mapped().waiting)
       until_memory_suffices([&] { on_the_way_.insert(waiting.name); });
   }
+  if (again) {  // at once, so that who gives up meanwhile is found
+    for (const Request& waiting : reading.mapped().waiting)
+      until_memory_suffices([&] { requests_.push(waiting.asker, waiting); });
+    return lock.unlock();
+  }
   lock.unlock();
   for (const Request& waiting : reading.mapped().waiting) {
-    const bool served = done_or_dropped("an answer about a scene", [&] {
-      if (!again) return bring(waiting, loaded, kept);
-      std::lock_guard queue(mutex_);
-      requests_.push(waiting.asker, waiting);
-    });
-    if (!served) waiting.refuse(kNoMemory);
+    if (!done_or_dropped("an answer about a scene", [&] { bring(waiting, loaded, kept); }))
+      waiting.refuse(kNoMemory);
   }
 }
 
@@ -135,7 +131,9 @@ std::optional<SceneHost::Request> SceneHost::next_request() {
   std::unique_lock lock(mutex_);
   std::optional<Request> next;
   changed_.wait(lock, [&] { return ending_ || (next = requests_.start()); });
-  return ending_ ? std::nullopt : next;
+  if (ending_) return std::nullopt;
+  in_hand_.take(next->id);
+  return next;
 }
 
 Result<scenes::LoadedScene> SceneHost::read(const Request& request, const std::stop_token& stop) {
@@ -206,6 +204,7 @@ void SceneHost::give_up(FetchId fetch) {
       const bool found = std::erase_if(reading.waiting, take) > 0;
       if (found && reading.waiting.empty()) reading.stop.request_stop();
     }
+    in_hand_.give_up(fetch);
   }
   if (ready) ready(kNobodyWaits);
 }

@@ -21,9 +21,11 @@
 #include "daemon/metrics/metrics.h"
 #include "daemon/render/device_pool.h"
 #include "daemon/render/scene_motion.h"
+#include "daemon/scenes/requests_in_hand.h"
 #include "daemon/scenes/scene_account.h"
 #include "daemon/scenes/scene_catalog.h"
 #include "daemon/scenes/scene_lights.h"
+#include "daemon/scenes/scene_under_way.h"
 
 namespace gnomon::daemon {
 
@@ -51,21 +53,6 @@ struct SceneMemory {
   SceneMemoryLimits limits = {};
   uint64_t light_buffer_bytes = 0;  // predicted for a scene; 0: by its number of lights and the devices' room
 };
-
-// A scene that was asked for and is not resident yet.
-struct SceneUnderWay {
-  enum class Stage { queued, reading, preparing };  // waits for a reader; is read; is brought to the devices
-
-  std::string name;
-  Stage stage = Stage::queued;
-  TimePoint since{};  // when it was first asked for
-  std::optional<double> share =
-      std::nullopt;  // of its reading, 0 to 1 and never less than before; in that stage alone
-};
-const char* to_string(SceneUnderWay::Stage stage);
-
-// A request of SceneHost::fetch().
-using FetchId = StrongId<struct FetchTag, uint64_t>;
 
 class SceneHost {
  public:
@@ -185,6 +172,7 @@ class SceneHost {
   std::condition_variable changed_;                   // notified when requests_ or ending_ has changed
   SceneAccount account_;                              // guarded by mutex_
   FairQueue<SceneAsker, Request> requests_;           // guarded by mutex_
+  RequestsInHand in_hand_;                            // guarded by mutex_
   std::map<std::string, Reading> reading_;            // guarded by mutex_
   struct UnderWay {
     uint32_t requests = 0;

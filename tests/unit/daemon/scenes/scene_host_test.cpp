@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <deque>
 #include <semaphore>
 
 #include "daemon/scenes/scene_fetches.h"
@@ -98,6 +99,17 @@ TEST(SceneHost, AReaderIsStoppedWhenTheLastOneGivesUp) {
   Answer third;  // its reader can only begin when a loader is free of the stopped one, or beside it
   to.host->fetch("a", third.ready(), kTenant);
   to.slow.wait_for(2);
+}
+
+TEST(SceneHost, WhoGivesUpWhileALoaderTakesTheRequestIsFound) {
+  Host to;
+  std::deque<Answer> answers(400);
+  for (size_t i = 0; i < answers.size(); ++i) {
+    const FetchId fetch = to.host->fetch("a", answers[i].ready(), kTenant);
+    for (size_t spin = 0; spin < (i * 37) % 2000; ++spin) std::atomic_signal_fence(std::memory_order_seq_cst);
+    to.host->give_up(fetch);
+  }
+  for (Answer& answer : answers) ASSERT_EQ(answer.wait(), "nobody waits for it any more");
 }
 
 TEST(SceneHost, SaysHowFarAReadingIsAndNeverLess) {
