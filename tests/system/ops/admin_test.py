@@ -6,10 +6,13 @@ with none, and without an address.
 """
 import json
 import os
+import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
 
 from node import Node, eventually
@@ -168,6 +171,28 @@ class AuditOnAFullDisk(unittest.TestCase):
         self.assertEqual(node.ctl("reload")[0], 0)
         self.assertEqual(node.status()["audit"], {"unwritten": 1, "why": ""})
         self.assertIn(f"audit log: {told}\n", node.ctl("status")[1])
+
+
+class LightsThatAreNotKept(unittest.TestCase):
+    def test_who_changes_one_is_told(self):
+        kept = pathlib.Path(tempfile.mkdtemp(prefix="gnomon-lights-"))
+        self.addCleanup(shutil.rmtree, kept, ignore_errors=True)
+        node = Node(BUILD, render={"tracer": "bvh"})
+        self.addCleanup(node.__exit__)
+        node.config["scenes"]["lights_file"] = str(kept / "lights.json")
+        node.start()
+        self.assertEqual(node.ctl("scene", "light", "living_room", "0", "--off"), (0, "accepted\n"))
+        self.assertIn("living_room", (kept / "lights.json").read_text())
+        shutil.rmtree(kept)
+        status, said = node.ctl("scene", "light", "living_room", "1", "--off")
+        self.assertEqual(status, 0, said)
+        self.assertIn("accepted; not kept for the next start", said)
+        self.assertIn("No such file or directory", said)
+        checked = subprocess.run([node.bin / "gnomond", "--config", node.folder / "gnomond.json", "--check-config"], text=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        said = checked.stdout
+        self.assertEqual(checked.returncode, 1, said)
+        self.assertIn(f"scenes.lights_file: {kept}: No such file or directory", said)
 
 
 class Reload(unittest.TestCase):

@@ -57,6 +57,12 @@ BROKEN = {
     "nearly an effect": (GOOD.replace("tracer: bvh", "tracer: bvh, passes: [soft_shadow]"),
                          r":3:\d+: render\.passes: 'soft_shadow'; did you mean soft_shadows\?"),
     # Keys that do not go together.
+    "the door's port twice": (GOOD.replace("control_port: 0", "control_port: 7731") +
+                              "fleet: {door_listen: 127.0.0.1, door_port: 7731}\n",
+                              r":5:\d+: fleet\.door_port: 7731 is server\.control_port too"),
+    "a socket's path": (GOOD.replace("socket: ''", "socket: /tmp/" + 103 * "a"), r"admin\.socket: the path has 108 bytes; allowed: 107"),
+    "no folder for lights": (GOOD.replace("scenes: {", "scenes: {lights_file: none/lights.json, "),
+                             r"scenes\.lights_file: .*none: No such file or directory"),
     "one port twice": (GOOD.replace("control_port: 0", "control_port: 7731").replace("port: 0, socket", "port: 7731, socket"),
                        r":2:\d+: admin\.port: 7731 is server\.control_port too"),
     "ports run out": (GOOD.replace("data_port: 0", "data_port: 65535, net_threads: 2"), r":1:\d+: server\.data_port"),
@@ -225,16 +231,22 @@ log: {level: loud}
         self.assertEqual(code, 1)
         self.assertIn("server.tls.certificate: none is set, and without one", output)
 
+    def certificate(self, name, days_from):
+        """Files of a certificate that is valid for a day, from so many days after now: NAME.pem and NAME-key.pem. Returns
+        when it begins."""
+        key, begins = ec.generate_private_key(ec.SECP256R1()), datetime.datetime.utcnow() + datetime.timedelta(days_from)
+        edge = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "edge")])
+        made = x509.CertificateBuilder(edge, edge, key.public_key(), x509.random_serial_number(), begins,
+                                       begins + datetime.timedelta(days=1)).sign(key, hashes.SHA256())
+        (self.folder / f"{name}.pem").write_bytes(made.public_bytes(serialization.Encoding.PEM))
+        (self.folder / f"{name}-key.pem").touch(0o600)
+        (self.folder / f"{name}-key.pem").write_bytes(key.private_bytes(
+            serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()))
+        return begins
+
     def test_a_certificate_that_is_not_valid_yet(self):
         """An error of the check. The start says it and serves: the clock of a machine that was just turned on may be wrong."""
-        key, tomorrow = ec.generate_private_key(ec.SECP256R1()), datetime.datetime.utcnow() + datetime.timedelta(days=1)
-        name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "edge")])
-        made = x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number(), tomorrow,
-                                       tomorrow + datetime.timedelta(days=1)).sign(key, hashes.SHA256())
-        (self.folder / "early.pem").write_bytes(made.public_bytes(serialization.Encoding.PEM))
-        (self.folder / "early-key.pem").touch(0o600)
-        (self.folder / "early-key.pem").write_bytes(key.private_bytes(
-            serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()))
+        tomorrow = self.certificate("early", 1)
         why = (rf"server\.tls\.certificate: {self.folder}/early\.pem is not valid before {tomorrow:%Y-%m-%dT%H:%M:%S}Z: "
                "clients refuse it until then")
         code, said = self.check(PRODUCTION % ("early.pem", "early-key.pem"))
@@ -246,6 +258,16 @@ log: {level: loud}
         serves, log = self.starts(self.folder / "gnomond.yaml")
         self.assertTrue(serves, log)
         self.assertRegex(log, f'error no client will connect why="{why}"')
+
+    def test_a_certificate_that_has_expired(self):
+        """Likewise: the daemon may be started to be mended by a reload."""
+        self.certificate("late", -2)
+        why = r"server\.tls\.certificate: a certificate has expired: it is of no use to clients"
+        code, said = self.check(PRODUCTION % ("late.pem", "late-key.pem"))
+        self.assertEqual(code, 1, said)
+        self.assertRegex(said, rf"gnomond: {self.folder}/gnomond\.yaml:1:\d+: {why}\n")
+        serves, log = self.starts(self.folder / "gnomond.yaml")
+        self.assertTrue(serves, log)
 
     def test_passes_by_the_names_of_before_are_deprecated(self):
         code, said = self.check(GOOD.replace("tracer: bvh", "passes: [gbuffer, trace, pack, readback]"))
