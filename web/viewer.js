@@ -1,6 +1,7 @@
 // The viewer: a pose in, a picture out. Holds the renderer and one eye; knows no button and no text of the page.
 //
-// Events: {is: ...} of link/client.js, and `progress`, `interrupted` (the scene is asked for again), `scene`, `picture`, `failed`.
+// Events: {is: ...} of link/client.js, and `progress`, `interrupted` (the scene is asked for again), `scene`, `picture`,
+// `failed`.
 import { Eye } from './eye.js';
 import { again } from './link/again.js';
 import { headersOf } from './link/headers.js';

@@ -2,7 +2,7 @@
 // whatever is under way.
 import { Backoff } from './backoff.js';
 
-/** Whether no answer came, or not the whole of it: fetch() throws no other error then, and this one for nothing else. */
+/** Whether no answer came, or not the whole of it: fetch() throws this error then, beside those for wrong arguments. */
 const isOfNetwork = (/** @type {unknown} */ error) => error instanceof TypeError;
 
 /**

@@ -114,7 +114,8 @@ function text(buffer, offset, bytes) {
 }
 
 /**
- * Downloads a pack: its bytes, for ScenePack. `bytes`, if it is known, is the pack's unpacked length: a compressed answer does not say it.
+ * Downloads a pack: its bytes, for ScenePack. `bytes`, if it is known, is the pack's unpacked length: a compressed answer
+ * does not say it.
  * @param {string} url
  * @param {{headers?: HeadersInit, bytes?: number, signal?: AbortSignal,
  *   onProgress?: (done: number, total: number) => void}} options `total` is 0 where it is unknown
